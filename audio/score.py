@@ -1,0 +1,70 @@
+"""Score: all that the sound writers are given.
+
+Events are already placed as the listener hears them; a score knows frames,
+seconds and materials, and nothing of terrain, figures or cameras.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from audio.words import Sound
+
+
+@dataclass(frozen=True, slots=True)
+class ScoreEvent:
+    """One sound: an onset with its cause, place and strength.
+
+    Attributes:
+        frame: 1-based frame that first shows the event; its note stands at (frame - 1) / fps.
+        time: exact time of the cause [s], at most one frame before its frame's time.
+        cause: "footfall", "collision", ...
+        who: performer that sounds, such as "bug".
+        part: the part of it, such as "foot_l1"; empty for the whole.
+        other: what it met, such as "terrain"; empty where there is nothing.
+        material: of the part that sounds, such as "chitin".
+        surface: material of what it met, such as "dry soil"; may be empty.
+        strength: approach speed [m/s]; for motions their speed.
+        energy: of the impact [J].
+        size: characteristic length of what sounds [m].
+        distance: from the listener [m].
+        azimuth: direction as heard [rad]; 0 straight ahead, positive to the right.
+        duration: of a sound that lasts [s]; 0 for an impact.
+    """
+
+    frame: int
+    time: Fraction
+    cause: str
+    who: str
+    part: str = ""
+    other: str = ""
+    material: str = ""
+    surface: str = ""
+    strength: float = 1.0
+    energy: float = 0.0
+    size: float = 0.1
+    distance: float = 1.0
+    azimuth: float = 0.0
+    duration: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Events with the frame grid that they stand on.
+
+    Attributes:
+        rate: frames a second.
+        frames: number of frames; the score lasts exactly frames / rate seconds.
+        events: in the order of (frame, time, who, part).
+        sound: the author's words on voices.
+        seed: of what varies in the synthesis.
+        title: of the scene; may hold any character.
+    """
+
+    rate: Fraction
+    frames: int
+    events: tuple[ScoreEvent, ...]
+    sound: Sound
+    seed: int = 0
+    title: str = ""

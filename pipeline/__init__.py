@@ -1,0 +1,3 @@
+"""pronk: one scene in, a film and its score out."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,101 @@
+"""What can go wrong, as one tree, with the exit code each branch ends in.
+
+    PronkError
+    ├── UsageError          2    the command was called in a way that cannot work
+    ├── SceneError          3    the scene is wrong; holds every problem found
+    ├── ProductionError     4    simulating, rendering or writing failed
+    │   ├── SimulationError      diverged or impossible; says step, time and part
+    │   ├── FilmingError         Mitsuba, the denoiser or the encoder failed
+    │   └── StoreError           an output could not be written or read
+    ├── GoldenMissing       5    there is nothing to compare with
+    └── CannotJudge         6    this machine cannot decide the comparison
+
+`render` and `audio` import nothing of the project and raise their own
+`RenderError` and `AudioError`; production turns these into the tree above.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+
+class PronkError(Exception):
+    """Root of all errors that pronk reports as one clear message."""
+
+    exit_code: ClassVar[int] = 1
+
+
+class UsageError(PronkError):
+    """The command cannot work as it was called."""
+
+    exit_code = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong in a scene file.
+
+    Attributes:
+        path: where in the scene, such as `cast[0].walk.strde`; empty for the whole file.
+        message: what is wrong and what would be right.
+        file: name of the file as the author gave it.
+        line: 1-based line, 0 where there is none (a value given on the command line).
+        column: 1-based column, 0 likewise.
+        source: the text of that line, shown under the message.
+    """
+
+    path: str
+    message: str
+    file: str = ""
+    line: int = 0
+    column: int = 0
+    source: str = ""
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        head = ": ".join(piece for piece in (place, self.path, self.message) if piece)
+        if not self.source.strip():
+            return head
+        return f"{head}\n    {self.source.rstrip()}\n    {' ' * (self.column - 1)}^"
+
+
+class SceneError(PronkError):
+    """The scene is wrong; holds every problem found in it, in the order of the file."""
+
+    exit_code = 3
+
+    def __init__(self, problems: Sequence[Problem]) -> None:
+        self.problems = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+class ProductionError(PronkError):
+    """Simulating, rendering or writing failed."""
+
+    exit_code = 4
+
+
+class SimulationError(ProductionError):
+    """The simulation diverged or met something impossible."""
+
+
+class FilmingError(ProductionError):
+    """Mitsuba, the denoiser or the encoder failed."""
+
+
+class StoreError(ProductionError):
+    """An output could not be written, or an earlier one not read."""
+
+
+class GoldenMissing(PronkError):
+    """There is no golden to compare with."""
+
+    exit_code = 5
+
+
+class CannotJudge(PronkError):
+    """This machine cannot decide the comparison."""
+
+    exit_code = 6

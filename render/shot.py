@@ -1,0 +1,119 @@
+"""Shot: all that the renderer is given for one frame.
+
+A shot is a value. Two shots with equal digests show the same picture on the
+same backend, so the digest (with the backend and the denoiser) is the key under
+which a finished frame is kept.
+
+Meshes are in world coordinates: metres, Y up, right handed. From one frame to
+the next only vertices and camera change as a rule; a mesh that stands still
+should be the same object in every shot, so that neither its digest nor its copy
+in Mitsuba is made again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.words import Film, Light, Material
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A surface of triangles with one material, where it stands in this frame.
+
+    Attributes:
+        name: unique within the shot.
+        vertices: (V, 3) float32, world positions [m].
+        faces: (F, 3) uint32, counter-clockwise seen from outside. Constant over a film:
+            what is hidden has its triangles collapsed, never removed.
+        material: a key of `Shot.materials`.
+        uv: (V, 2) float32 or None, texture coordinates [m] along the surface.
+        smooth: shade with interpolated vertex normals.
+    """
+
+    name: str
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    material: str
+    uv: NDArray[np.float32] | None = None
+    smooth: bool = True
+
+    @cached_property
+    def topology(self) -> bytes:
+        """Digest of all that must not change between the frames of one build."""
+        head = f"{self.name}|{self.material}|{self.smooth}|{len(self.vertices)}"
+        uv = b"" if self.uv is None else self.uv.tobytes()
+        return hashlib.blake2b(head.encode() + self.faces.tobytes() + uv, digest_size=16).digest()
+
+    @cached_property
+    def digest(self) -> bytes:
+        """Digest of the whole mesh."""
+        return hashlib.blake2b(self.topology + self.vertices.tobytes(), digest_size=16).digest()
+
+
+@dataclass(frozen=True)
+class CameraPose:
+    """Where the camera stands in one frame and how it sees.
+
+    Attributes:
+        p_WC: position of the camera in the world [m].
+        p_WT: the point it looks at [m].
+        up: the direction that is up in the picture.
+        fov_deg: vertical field of view [degrees].
+    """
+
+    p_WC: tuple[float, float, float]
+    p_WT: tuple[float, float, float]
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    fov_deg: float = 35.0
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """One frame as the renderer sees it.
+
+    Attributes:
+        meshes: surfaces in world coordinates.
+        materials: name -> material, written out in full.
+        light: the lights, written out in full.
+        camera: pose of this frame.
+        film: size, samples, depth, denoiser and tone, written out in full.
+        seed: of the sampler; constant over a film flickers less than one a frame.
+    """
+
+    meshes: tuple[Mesh, ...]
+    materials: Mapping[str, Material]
+    light: Light
+    camera: CameraPose
+    film: Film
+    seed: int = 0
+
+    @cached_property
+    def build(self) -> str:
+        """Digest of what a Mitsuba scene is built for: shots that share it share the scene."""
+        words = (
+            *(f"{name}={m.model_dump_json()}" for name, m in sorted(self.materials.items())),
+            self.light.model_dump_json(),
+            self.film.model_dump_json(),
+        )
+        return _digest((*(mesh.topology for mesh in self.meshes), *(w.encode() for w in words)))
+
+    @cached_property
+    def digest(self) -> str:
+        """Digest of everything that the picture depends on, as hexadecimal digits."""
+        camera = repr((self.camera, self.seed)).encode()
+        return _digest((self.build.encode(), camera, *(mesh.digest for mesh in self.meshes)))
+
+
+def _digest(pieces: Iterable[bytes]) -> str:
+    state = hashlib.blake2b(digest_size=20)
+    for piece in pieces:
+        state.update(len(piece).to_bytes(8, "little"))
+        state.update(piece)
+    return state.hexdigest()

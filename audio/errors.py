@@ -1,0 +1,25 @@
+"""Errors of the sound writers.
+
+AudioError
+├── GridError        no exact grid of notes for a frame rate
+├── ScoreError       an event or a length that a score cannot hold
+└── SoundFileError   a file could not be written; the earlier one stands untouched
+"""
+
+from __future__ import annotations
+
+
+class AudioError(Exception):
+    """Root of all that `audio` raises on purpose."""
+
+
+class GridError(AudioError):
+    """A frame rate has no grid on which every frame is a whole tick."""
+
+
+class ScoreError(AudioError):
+    """A score holds something that cannot be written, such as an event after its end."""
+
+
+class SoundFileError(AudioError):
+    """A file could not be written."""

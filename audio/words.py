@@ -1,0 +1,96 @@
+"""The author's words for sound: voices, scale, volume."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt
+
+from audio.instruments import program_of
+from audio.names import folded
+from audio.scales import parse_note, parse_scale
+
+PITCH_RULES = ("by size", "by foot", "by part")
+
+
+def _known_instrument(name: str) -> str:
+    program_of(name)
+    return name
+
+
+def _known_scale(text: str) -> str:
+    parse_scale(text)
+    return text
+
+
+def _known_pitch(pitch: int | str) -> int | str:
+    if isinstance(pitch, int):
+        return pitch
+    if folded(pitch) in PITCH_RULES:
+        return folded(pitch)
+    try:
+        return parse_note(pitch)
+    except ValueError as error:
+        raise ValueError(
+            f"{error}; or a MIDI number 0 to 127, or one of: {', '.join(PITCH_RULES)}"
+        ) from error
+
+
+MidiNumber = Annotated[StrictInt, Field(ge=0, le=127)]
+Instrument = Annotated[str, AfterValidator(_known_instrument)]
+ScaleName = Annotated[str, AfterValidator(_known_scale)]
+Pitch = Annotated[MidiNumber | str, AfterValidator(_known_pitch)]
+Pattern = Annotated[str, Field(min_length=1)]
+
+
+class Words(BaseModel):
+    """What the author's models of sound have in common."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class When(Words):
+    """Which events a voice is for; all that is given must fit, `*` stands for any letters."""
+
+    cause: Pattern | None = Field(None, description="What happened, such as footfall or collision.")
+    who: Pattern | None = Field(None, description="Name of the performer that sounds.")
+    part: Pattern | None = Field(None, description="Its part, such as foot_l1 or foot_*.")
+    material: Pattern | None = Field(None, description="Material of the part that sounds.")
+    surface: Pattern | None = Field(None, description="Material of what it met.")
+
+
+class Voice(Words):
+    """How some events sound; what is not said is chosen by cause, material and size."""
+
+    when: When = Field(When(), description="The events that this voice is for; all if empty.")
+    instrument: Instrument | None = Field(
+        None, description="Name of a General MIDI instrument that plays the notes of the score."
+    )
+    pitch: Pitch | None = Field(
+        None,
+        description="MIDI number, note name (C4 is 60), 'by size' (small is high), or 'by foot' or "
+        "'by part' (a step of the scale for each part); tunes the note and the sound.",
+    )
+    length: float | None = Field(
+        None, gt=0, le=60, description="How long the note lasts and the sound dies away [s]."
+    )
+    gain_db: float = Field(0.0, ge=-60, le=24, description="Louder or softer [dB].")
+    mute: bool = Field(False, description="True to silence these events in score and sound.")
+
+
+class Sound(Words):
+    """The sound of a scene: the scale of its notes, its voices, its loudness."""
+
+    scale: ScaleName = Field(
+        "C minor pentatonic",
+        description="Scale of the pitches that follow size or part: a root and a kind, such as "
+        "'A dorian', or 'chromatic'. A pitch given as a note stays as it is.",
+    )
+    voices: tuple[Voice, ...] = Field((), description="Voices; the first that fits an event wins.")
+    volume_db: float = Field(
+        0.0, ge=-60, le=24, description="Loudness of the whole, score and sound [dB]."
+    )
+    listener: Literal["camera"] | tuple[float, float, float] = Field(
+        "camera",
+        description="Where one listens: at the camera, or at a place [x, y, z] facing as it does.",
+    )

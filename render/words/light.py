@@ -1,0 +1,125 @@
+"""Light: a sun with its sky, or a studio."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self
+
+from pydantic import Field, model_validator
+
+from render.words.base import Color, PresetWords, Unit, Words, known_name
+
+LOWEST_SUN_DEG = 1.0
+"""The model of the sky holds for a sun above the horizon."""
+
+
+class Sun(Words):
+    """Where the sun stands, by hour, day and latitude, and the air that it shines through."""
+
+    hour: float = Field(16.5, ge=0, le=24, description="Solar time; 12 is noon.")
+    day: int = Field(172, ge=1, le=366, description="Day of the year; 172 is midsummer.")
+    latitude_deg: float = Field(48.0, ge=-90, le=90, description="North is positive.")
+    north_deg: float = Field(
+        160.0, ge=-360, le=360, description="Heading of north: 0 is +X, 90 is -Z."
+    )
+    turbidity: float = Field(3.0, ge=1, le=10, description="Haze: 2 is alpine, 6 is dusty.")
+    softness_deg: float = Field(
+        1.0, ge=0.5, le=20, description="Width of the sun's disc; the real one has 0.53."
+    )
+    clouds: Unit = Field(0.0, description="0 is a clear sky, 1 an overcast one without sun.")
+
+    @model_validator(mode="after")
+    def _is_up(self) -> Self:
+        if self.elevation_deg < LOWEST_SUN_DEG:
+            raise ValueError(
+                f"the sun is {self.elevation_deg:.1f} degrees above the horizon at hour "
+                f"{self.hour:g} of day {self.day} at latitude {self.latitude_deg:g}; "
+                f"choose an hour at which it stands higher than {LOWEST_SUN_DEG:g}"
+            )
+        return self
+
+    @property
+    def direction(self) -> tuple[float, float, float]:
+        """Unit vector to the sun in the world (Y up), from declination and hour angle.
+
+        Source: J. Meeus, Astronomical Algorithms, 1998, eq. 13.5 and 13.6; the
+        declination is Cooper's fit, good to half a degree.
+        """
+        declination = math.radians(23.45) * math.sin(2 * math.pi * (284 + self.day) / 365)
+        turn = math.radians(15 * (self.hour - 12))
+        latitude = math.radians(self.latitude_deg)
+        up = math.sin(latitude) * math.sin(declination)
+        up += math.cos(latitude) * math.cos(declination) * math.cos(turn)
+        north = math.cos(latitude) * math.sin(declination)
+        north -= math.sin(latitude) * math.cos(declination) * math.cos(turn)
+        east = -math.cos(declination) * math.sin(turn)
+        # A heading h looks along (cos h, 0, -sin h); east lies a quarter turn to the right.
+        heading = math.radians(self.north_deg)
+        x = north * math.cos(heading) + east * math.sin(heading)
+        z = -north * math.sin(heading) + east * math.cos(heading)
+        return x, up, z
+
+    @property
+    def elevation_deg(self) -> float:
+        """Height of the sun above the horizon [degrees]."""
+        return math.degrees(math.asin(max(-1.0, min(1.0, self.direction[1]))))
+
+
+class Studio(Words):
+    """A key light, a fill light and a rim light, large and soft, before a backdrop."""
+
+    heading_deg: float = Field(
+        -50.0, ge=-360, le=360, description="Heading towards the key light; 0 is +X."
+    )
+    elevation_deg: float = Field(42.0, ge=0, le=90, description="Height of the key light.")
+    softness_deg: float = Field(26.0, ge=4, le=120, description="Width of the key light.")
+    fill: Unit = Field(0.3, description="Light from the side opposite the key light.")
+    rim: Unit = Field(0.5, description="Light from behind, which draws the edges.")
+    backdrop: Color = Field((0.58, 0.6, 0.63), description="Colour of the backdrop.")
+
+
+_PRESETS: dict[str, dict[str, Any]] = {
+    "day": {"sun": {"hour": 16.5, "turbidity": 3.0}},
+    "noon": {"sun": {"hour": 12.5, "turbidity": 2.5}},
+    "golden hour": {"sun": {"hour": 18.6, "turbidity": 3.5, "softness_deg": 1.4}},
+    "overcast": {"sun": {"hour": 13.0, "clouds": 1.0}},
+    "studio": {"studio": {}},
+}
+
+
+class Light(PresetWords):
+    """What lights the scene: the name of a preset, an adjusted preset, a sun or a studio."""
+
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = _PRESETS
+
+    sun: Sun | None = Field(None, description="The sun and its sky.")
+    studio: Studio | None = Field(None, description="A photographer's studio.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _default(cls, value: object) -> object:
+        if isinstance(value, Mapping) and not any(value.values()):
+            return {**value, "preset": "day"} if not value.keys() & {"sun", "studio"} else value
+        return value
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.sun is None) == (self.studio is None):
+            raise ValueError("give one of sun and studio")
+        return self
+
+
+LIGHTS: dict[str, Light] = {name: Light.model_validate(name) for name in _PRESETS}
+
+
+def light(word: str | Mapping[str, Any] | Light) -> Light:
+    """Return the light that a word in a scene stands for, written out in full.
+
+    Raises:
+        ValueError: no preset has this name (the message holds the nearest one), or a
+            value is out of range.
+    """
+    if isinstance(word, str):
+        return LIGHTS[known_name(word, LIGHTS, "light")]
+    return Light.model_validate(word)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, StrictInt
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator
 
 from audio.instruments import program_of
 from audio.names import folded
@@ -23,23 +23,27 @@ def _known_scale(text: str) -> str:
     return text
 
 
-def _known_pitch(pitch: int | str) -> int | str:
-    if isinstance(pitch, int):
+def _known_pitch(pitch: object) -> int | str:
+    allowed = f"a MIDI number 0 to 127, a note such as C4, or one of: {', '.join(PITCH_RULES)}"
+    if isinstance(pitch, int) and not isinstance(pitch, bool) and 0 <= pitch <= 127:
         return pitch
+    if not isinstance(pitch, str):
+        raise ValueError(f"a pitch is {allowed}; got {pitch!r}")
     if folded(pitch) in PITCH_RULES:
         return folded(pitch)
     try:
         return parse_note(pitch)
     except ValueError as error:
-        raise ValueError(
-            f"{error}; or a MIDI number 0 to 127, or one of: {', '.join(PITCH_RULES)}"
-        ) from error
+        raise ValueError(f"{error} (a pitch is {allowed})") from error
 
 
-MidiNumber = Annotated[StrictInt, Field(ge=0, le=127)]
 Instrument = Annotated[str, AfterValidator(_known_instrument)]
 ScaleName = Annotated[str, AfterValidator(_known_scale)]
-Pitch = Annotated[MidiNumber | str, AfterValidator(_known_pitch)]
+# One validator instead of a union, so that a slip is reported once and in our words.
+Pitch = Annotated[
+    int | str,
+    PlainValidator(_known_pitch, json_schema_input_type=Annotated[int, Field(ge=0, le=127)] | str),
+]
 Pattern = Annotated[str, Field(min_length=1)]
 
 

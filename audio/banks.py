@@ -1,0 +1,114 @@
+"""Banks of damped sinusoids: what a body sings when it is struck.
+
+Each mode is a e^{-d t} cos(2π f t + φ), with d = π f tan φ_m + c for the internal friction tan φ_m
+of a material and a damping c of air and grip.
+Source: van den Doel and Pai 1998.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from audio.grid import SAMPLE_RATE
+
+Signal = NDArray[np.float64]
+
+# Above this, modes alias or only bats hear them [Hz].
+_HIGHEST = 18_000.0
+# Samples that one complex power steps over: long steps and short ones then cost the same.
+_BLOCK = 256
+# -60 dB, as an exponent.
+_SILENT = float(np.log(1000.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Bank:
+    """Modes of one body.
+
+    Attributes:
+        frequency: (M,) [Hz].
+        decay: (M,) [1/s].
+        amplitude: (M,).
+    """
+
+    frequency: Signal
+    decay: Signal
+    amplitude: Signal
+
+    @property
+    def seconds(self) -> float:
+        """Time in which the last mode falls by 60 dB."""
+        return float(np.max(_SILENT / self.decay, initial=0.0))
+
+
+def struck(
+    ratios: tuple[float, ...],
+    pitch: float,
+    friction: float,
+    damping: float,
+    tilt: float,
+    rng: np.random.Generator,
+) -> Bank:
+    """Return the modes that a blow on one spot of a body excites.
+
+    Args:
+        ratios: of the modes to the lowest.
+        pitch: of the lowest mode [Hz].
+        friction: tan φ of the material.
+        damping: of all modes [1/s].
+        tilt: exponent by which higher modes are weaker.
+        rng: varies the spot, hence each mode's share, and by a trifle its frequency.
+    """
+    ratio = np.asarray(ratios)
+    # No body is the ideal one of its formula; the lowest mode stays in tune.
+    detuned = pitch * ratio * (1 + 0.012 * rng.uniform(-1, 1, ratio.size) * (ratio > ratio[0]))
+    share = 10 ** (rng.uniform(-4, 4, ratio.size) / 20)
+    heard = (detuned < _HIGHEST) & (detuned > 20)
+    amplitude = share * (ratio / ratio[0]) ** -tilt
+    decay = np.pi * detuned * friction + damping
+    return Bank(detuned[heard], decay[heard], amplitude[heard])
+
+
+def lasting(bank: Bank, seconds: float) -> Bank:
+    """Return the bank with all decays scaled so that it is silent (-60 dB) after a time [s]."""
+    if bank.decay.size == 0:
+        return bank
+    return Bank(bank.frequency, bank.decay * (bank.seconds / seconds), bank.amplitude)
+
+
+def ring(bank: Bank, samples: int) -> Signal:
+    """Return the sum of a bank's modes from the blow on: (samples,).
+
+    The phase is the one for which the sum of all samples of a mode is zero: no mode leaves a
+    constant pressure behind. With z = e^{(-d + 2πi f) / r} that sum is Re(e^{iφ} / (1 - z)), so φ
+    is 90° from the angle of 1 - z; of the two the one that starts upward is taken.
+    """
+    if bank.frequency.size == 0 or samples == 0:
+        return np.zeros(samples)
+    exponent = (-bank.decay + 2j * np.pi * bank.frequency) / SAMPLE_RATE
+    rotor = 1j * np.exp(1j * np.angle(1 - np.exp(exponent)))
+    rotor = np.where(rotor.real < 0, -rotor, rotor)
+    blocks = -(-samples // _BLOCK)
+    # e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.
+    coarse = np.exp(np.outer(np.arange(blocks) * _BLOCK, exponent)) * (bank.amplitude * rotor)
+    fine = np.exp(np.outer(exponent, np.arange(_BLOCK)))
+    left = np.concatenate((coarse.real, -coarse.imag), axis=1)
+    right = np.concatenate((fine.real, fine.imag), axis=0)
+    whole: Signal = (left @ right).reshape(-1)[:samples]
+    return whole
+
+
+def hit(sound: Signal, taps: int) -> Signal:
+    """Return a ring as excited by a contact of some length instead of an instant: same shape.
+
+    The force rises and falls as half a sine, over at most a millisecond; a longer contact is duller.
+
+    Args:
+        sound: (N,) response to an instant.
+        taps: samples that the contact lasts, at least one.
+    """
+    force = np.sin(np.pi * (np.arange(taps) + 1) / (taps + 1))
+    return np.convolve(sound, force / force.sum())[: sound.size]

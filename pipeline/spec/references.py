@@ -1,0 +1,111 @@
+"""Names in a scene that must name something else in it.
+
+The scene is read here as it stands, typed or still raw and perhaps wrong elsewhere, so that
+a wrong name is found beside the other mistakes of the file and not after them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+from pipeline.spec.cast import names_of
+from pipeline.spec.faults import Fault, Step
+from pipeline.spec.nearest import hint
+from render.words import MATERIALS
+
+Place = tuple[Step, ...]
+
+
+def faults_of_references(scene: object) -> list[Fault]:
+    """Find figures, materials and followed performers that do not exist, and names used twice.
+
+    Args:
+        scene: a scene, or the mapping that is to become one.
+    """
+    return [
+        *_figures(scene),
+        *_repeated_names(scene),
+        *_materials(scene),
+        *_followed(scene),
+    ]
+
+
+def _figures(scene: object) -> Iterator[Fault]:
+    known = _keys(_get(scene, "figures"))
+    for i, member in _items(_get(scene, "cast")):
+        figure = _get(member, "figure")
+        if isinstance(figure, str) and figure not in known:
+            message = f"no figure is called '{figure}', {hint(figure, known)}"
+            yield Fault(("cast", i, "figure"), message)
+
+
+def _repeated_names(scene: object) -> Iterator[Fault]:
+    first: dict[str, int] = {}
+    for i, member in _items(_get(scene, "cast")):
+        name = _get(member, "name")
+        if not isinstance(name, str) or not name:
+            continue
+        if name in first:
+            message = f"the name '{name}' is taken by cast[{first[name]}]"
+            yield Fault(("cast", i, "name"), message)
+        first.setdefault(name, i)
+
+
+def _materials(scene: object) -> Iterator[Fault]:
+    known = _keys(_get(scene, "materials")) | MATERIALS.keys()
+    for place, name in _named_materials(scene):
+        if isinstance(name, str) and name not in known:
+            message = f"no material is called '{name}', {hint(name, known)}"
+            yield Fault((*place, "material"), message)
+
+
+def _named_materials(scene: object) -> Iterator[tuple[Place, Any]]:
+    yield ("terrain",), _get(_get(scene, "terrain"), "material")
+    for key in _keys(_get(scene, "figures")):
+        figure = _get(_get(scene, "figures"), key)
+        yield ("figures", key), _get(figure, "material")
+        nodes = _get(figure, "nodes")
+        for node in _keys(nodes):
+            yield ("figures", key, "nodes", node), _get(_get(nodes, node), "material")
+    for i, member in _items(_get(scene, "cast")):
+        yield ("cast", i), _get(member, "material")
+
+
+def _followed(scene: object) -> Iterator[Fault]:
+    cast = [member for _, member in _items(_get(scene, "cast"))]
+    known = set(names_of([(_text(member, "name"), _text(member, "figure")) for member in cast]))
+    for place, cut in _listed_or_alone(_get(scene, "camera")):
+        for below, follow in _listed_or_alone(_get(cut, "follow")):
+            if isinstance(follow, str) and follow not in known:
+                message = f"nobody in the cast is called '{follow}', {hint(follow, known)}"
+                yield Fault(("camera", *place, "follow", *below), message)
+
+
+def _listed_or_alone(thing: object) -> list[tuple[Place, Any]]:
+    if isinstance(thing, list | tuple):
+        return [((i,), item) for i, item in enumerate(thing)]
+    return [((), thing)]
+
+
+def _get(thing: object, key: str) -> Any:
+    if isinstance(thing, Mapping):
+        return thing.get(key)
+    if isinstance(thing, BaseModel):
+        return getattr(thing, key, None)
+    return None
+
+
+def _text(thing: object, key: str) -> str:
+    value = _get(thing, key)
+    return value if isinstance(value, str) else ""
+
+
+def _keys(thing: object) -> set[str]:
+    return {key for key in thing if isinstance(key, str)} if isinstance(thing, Mapping) else set()
+
+
+def _items(thing: object) -> Iterator[tuple[int, Any]]:
+    return iter(enumerate(thing if isinstance(thing, list | tuple) else ()))

@@ -1,0 +1,98 @@
+"""Scene: all that an author asks for, typed and validated. No arrays, no files."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, field_validator, model_validator
+
+from audio.words import Sound
+from pipeline.spec.cast import Member, names_of
+from pipeline.spec.faults import fault, refuse
+from pipeline.spec.figure import Figure
+from pipeline.spec.rate import Rate, rate_of
+from pipeline.spec.references import faults_of_references
+from pipeline.spec.terrain import FlatTerrain, Terrain
+from pipeline.spec.timing import (
+    DEFAULT_SAMPLES,
+    DEFAULT_STEPS,
+    MOST_FRAMES,
+    faults_of_timing,
+    frames_of,
+)
+from pipeline.spec.values import Name, Number, Whole, Words
+from render.words import Camera, Cuts, Film, Light, Material
+
+VERSION = 1
+"""The version of the language that this pronk reads."""
+
+
+def _named(cast: tuple[Member, ...]) -> tuple[Member, ...]:
+    names = names_of([(member.name, member.figure) for member in cast])
+    pairs = zip(cast, names, strict=True)
+    return tuple(member.model_copy(update={"name": name}) for member, name in pairs)
+
+
+class Scene(Words):
+    """A scene: what is in it, how long it lasts, how it is filmed and heard."""
+
+    pronk: Literal[1] = Field(description="Version of the scene language.")
+    title: str = Field("", max_length=200, description="Title of the film.")
+    fps: Rate = Field(24, description="Frames a second: 24, 25, 60 or '30000/1001'.")
+    duration: Annotated[Number, Field(gt=0, le=MOST_FRAMES)] | None = Field(
+        None, description="How long the film lasts [s]; give this or frames."
+    )
+    frames: Annotated[Whole, Field(gt=0, le=MOST_FRAMES)] | None = Field(
+        None, description="How many frames the film has; give this or duration."
+    )
+    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = Field(
+        1, description="Where all random numbers of the scene come from."
+    )
+    samples: Annotated[Whole, Field(ge=1, le=64)] = Field(
+        DEFAULT_SAMPLES, description="Samples of the motion that are kept a frame."
+    )
+    steps: Annotated[Whole, Field(ge=1, le=1024)] = Field(
+        DEFAULT_STEPS, description="Steps of the world a frame; a multiple of samples."
+    )
+    terrain: Terrain = Field(FlatTerrain(), description="The ground.")
+    figures: dict[Name, Figure] = Field({}, description="Drawings of figures, by name.")
+    cast: Annotated[tuple[Member, ...], Field(min_length=1), AfterValidator(_named)] = Field(
+        description="Who is in the scene."
+    )
+    materials: dict[Name, Material] = Field(
+        {}, description="The author's own materials, usable wherever a material is named."
+    )
+    camera: Cuts = Field((Camera(),), description="One camera, or a list of cuts.")
+    light: Light = Field(Light(), description="What lights the scene.")
+    film: Film = Field(Film(), description="Size and quality of the frames.")
+    sound: Sound = Field(Sound(), description="What the scene sounds like.")
+
+    @field_validator("pronk", mode="before")
+    @classmethod
+    def _version(cls, version: Any) -> Any:
+        if isinstance(version, bool) or not isinstance(version, int):
+            raise fault(f"should be the number of the version, {VERSION}")
+        if version != VERSION:
+            refuse(
+                [Fault((), f"this pronk reads version {VERSION} of the language, not {version}")]
+            )
+        return version
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        refuse([*faults_of_timing(dict(self)), *faults_of_references(self)])
+        return self
+
+    @property
+    def rate(self) -> Fraction:
+        """Frames a second."""
+        return rate_of(self.fps)
+
+    @property
+    def n_frames(self) -> int:
+        """Number of frames: the least that last as long as the duration."""
+        if self.frames is not None:
+            return self.frames
+        assert self.duration is not None
+        return frames_of(self.duration, self.rate)

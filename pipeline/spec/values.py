@@ -1,0 +1,31 @@
+"""The values that scene words are made of: numbers that are numbers, names, lengths."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field, Strict
+
+
+class Words(BaseModel):
+    """What the author's models have in common: no unknown keys, no change, no NaN."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True
+    )
+
+
+NAME_PATTERN = r"^\w([\w\- ]*\w)?$"
+"""Letters, digits, `_`; inside also `-` and blanks. Dots and brackets are left to paths."""
+
+# Beyond 10 km a float32 vertex is no longer exact to a millimetre.
+FAR = 10_000.0
+
+Number = Annotated[float, Strict()]
+Whole = Annotated[int, Strict()]
+Name = Annotated[str, Strict(), Field(pattern=NAME_PATTERN, max_length=64)]
+Coordinate = Annotated[Number, Field(ge=-FAR, le=FAR)]
+Length = Annotated[Number, Field(gt=0, le=FAR)]
+LengthOrZero = Annotated[Number, Field(ge=0, le=FAR)]
+Phase = Annotated[Number, Field(ge=0, le=1)]
+Point = tuple[Coordinate, Coordinate]

@@ -1,0 +1,89 @@
+"""Walk: how a figure walks (Sims, chapters 9 and 10)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from pipeline.spec.faults import Fault, fault, refuse
+from pipeline.spec.values import Length, LengthOrZero, Name, Number, Phase, Words
+
+CONTRADICTION = 1e-6
+"""Relative difference between stride and speed * cycle that is still rounding."""
+
+
+class GaitWords(Words):
+    """A gait written out: when each foot goes up and comes down within the cycle."""
+
+    up: dict[Name, Phase] = Field(
+        min_length=1, description="Foot-up phase by leg, 0 to 1 of the cycle."
+    )
+    down: dict[Name, Phase] = Field(
+        min_length=1, description="Foot-down phase by leg, 0 to 1 of the cycle."
+    )
+
+    @model_validator(mode="after")
+    def _same_legs(self) -> Self:
+        lacking = [
+            Fault((side,), f"says nothing of leg '{leg}', which {other} names", at_key=True)
+            for side, other in (("up", "down"), ("down", "up"))
+            for leg in getattr(self, other)
+            if leg not in getattr(self, side)
+        ]
+        idle = [
+            Fault(("down", leg), "the foot must come down at another phase than it goes up")
+            for leg, phase in self.down.items()
+            if self.up.get(leg) == phase
+        ]
+        refuse(lacking + idle)
+        return self
+
+
+GaitName = Literal["trot", "wave", "tripod"]
+
+
+def _form_of_gait(words: Any) -> str:
+    return "a gait by name" if isinstance(words, str) else "a gait written out"
+
+
+Gait = Annotated[
+    Annotated[GaitName, Tag("a gait by name")] | Annotated[GaitWords, Tag("a gait written out")],
+    Discriminator(_form_of_gait),
+]
+
+
+class Walk(Words):
+    """How a figure walks; what is left out is chosen to suit its legs."""
+
+    gait: Gait = Field("trot", description="A gait by name, or foot-up and foot-down phases.")
+    cycle: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+        None, description="Duration of one gait cycle [s]."
+    )
+    speed: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+        None, description="Speed of the body over the ground [m/s]."
+    )
+    stride: Length | None = Field(
+        None, description="Length of one gait cycle over the ground, speed * cycle [m]."
+    )
+    bounciness: LengthOrZero | None = Field(
+        None, description="Amplitude of the bounce of the body within a cycle [m]."
+    )
+    body_height: Length | None = Field(None, description="Height of the body above the ground [m].")
+    step_height: LengthOrZero | None = Field(
+        None, description="How high a foot clears the ground between two footholds [m]."
+    )
+
+    @model_validator(mode="after")
+    def _stride_agrees(self) -> Self:
+        if self.cycle is None or self.speed is None or self.stride is None:
+            return self
+        product = self.speed * self.cycle
+        if abs(self.stride - product) > CONTRADICTION * max(self.stride, product):
+            message = (
+                f"stride = speed * cycle, but {self.speed:g} * {self.cycle:g} = {product:.9g}, "
+                f"not {self.stride:g}; leave one of the three out, or take stride: {product:.9g}, "
+                f"speed: {self.stride / self.cycle:.9g} or cycle: {self.stride / self.speed:.9g}"
+            )
+            raise fault(message, "stride")
+        return self

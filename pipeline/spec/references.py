@@ -34,7 +34,10 @@ def faults_of_references(scene: object) -> list[Fault]:
 
 
 def _figures(scene: object) -> Iterator[Fault]:
-    known = _keys(_get(scene, "figures"))
+    figures = _get(scene, "figures")
+    if figures is not None and not isinstance(figures, Mapping):
+        return
+    known = _keys(figures)
     for i, member in _items(_get(scene, "cast")):
         figure = _get(member, "figure")
         if isinstance(figure, str) and figure not in known:

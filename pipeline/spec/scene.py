@@ -74,9 +74,7 @@ class Scene(Words):
         if isinstance(version, bool) or not isinstance(version, int):
             raise fault(f"should be the number of the version, {VERSION}")
         if version != VERSION:
-            refuse(
-                [Fault((), f"this pronk reads version {VERSION} of the language, not {version}")]
-            )
+            raise fault(f"this pronk reads version {VERSION} of the language, not {version}")
         return version
 
     @model_validator(mode="after")

@@ -104,7 +104,7 @@ def ring(bank: Bank, samples: int) -> Signal:
 def hit(sound: Signal, taps: int) -> Signal:
     """Return a ring as excited by a contact of some length instead of an instant: same shape.
 
-    The force rises and falls as half a sine, over at most a millisecond; a longer contact is duller.
+    The force rises and falls as half a sine; the longer the contact, the duller the sound.
 
     Args:
         sound: (N,) response to an instant.

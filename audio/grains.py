@@ -1,6 +1,7 @@
 """Noise of loose and soft ground: grains that shift under a blow and settle.
 
-Source: Cook 1997 (PhISM): many small collisions at random times, fewer and softer as energy is spent.
+Many small collisions at random times, fewer and softer as energy is spent.
+Source: Cook 1997 (PhISM).
 """
 
 from __future__ import annotations

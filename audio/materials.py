@@ -69,7 +69,7 @@ FAMILIES: dict[str, Family] = {
         MEMBRANE, 210, 0.40, 45, 1.2, 0.85, -9, "muted guitar", 130, -4, (300, 4e3), 0.06
     ),
     "soil": Family(
-        *(MEMBRANE, 210, 0.16, 40, 1.0, 0.45, -3, "melodic tom", 105),
+        *(MEMBRANE, 210, 0.16, 24, 1.0, 0.45, -3, "melodic tom", 105),
         *(-5, (350, 4200), 0.11, 420),
     ),
     "gravel": Family(

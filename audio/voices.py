@@ -11,6 +11,7 @@ from audio.errors import ScoreError
 from audio.heard import loudness_db
 from audio.instruments import program_of
 from audio.materials import family_of
+from audio.motions import motion_of
 from audio.names import folded
 from audio.scales import Scale, parse_scale
 from audio.score import Score, ScoreEvent
@@ -21,16 +22,6 @@ from audio.words import Sound, Voice, When
 _SIZE_PITCH = 67.0
 _SEMITONES_PER_HALVING = 8.0
 _LOWEST, _HIGHEST = 36, 96
-
-# Motions have instruments of their own; blows are played by their material.
-_MOTION_INSTRUMENTS = {
-    "swoosh": "breath noise",
-    "whistle": "whistle",
-    "squeak": "guitar fret noise",
-    "squawk": "muted trumpet",
-    "boing": "slap bass 1",
-    "push off": "slap bass 1",
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +55,8 @@ def notes_of(score: Score) -> tuple[Note, ...]:
     """
     if score.frames < 1:
         raise ScoreError(f"a score has at least one frame; got {score.frames}")
+    if score.rate <= 0:
+        raise ScoreError(f"a frame rate is positive; got {score.rate}")
     for event in score.events:
         _check(event, score.frames)
     ranks = _part_ranks(score.events)
@@ -156,8 +149,8 @@ def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: f
 
 
 def _instrument(event: ScoreEvent) -> str:
-    motion = _MOTION_INSTRUMENTS.get(folded(event.cause))
-    return motion or family_of(event.material, "wood").instrument
+    motion = motion_of(event.cause)
+    return motion.instrument if motion else family_of(event.material, "wood").instrument
 
 
 def _natural_length(event: ScoreEvent) -> float:

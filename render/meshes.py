@@ -1,0 +1,186 @@
+"""Meshes in Mitsuba: the one module that knows the names of its mesh parameters.
+
+Small meshes of one material are merged, because one mesh that is updated in place
+is several times faster than hundreds. What is merged follows from the topology
+alone, so that every frame of a build, rendered in any order, has the same scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from render.errors import ShotError
+from render.materials import STEEP, bsdf, shows_rock
+from render.shot import Mesh
+from render.words import Material
+
+ALONE = 20_000
+"""A mesh of this many vertices is not merged: it is likely to stand still (terrain)."""
+
+_SOFT_DEG = 9.0
+"""The border of the bare rock is spread over this much slope to either side."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Meshes that make up one mesh of Mitsuba.
+
+    Attributes:
+        members: their places in `Shot.meshes`.
+        material: name of their material.
+        textured: whether they have texture coordinates.
+        smooth: whether they have vertex normals.
+        faces: (F, 3) indices into the vertices of all members.
+        steep_deg: slope about which rock shows, or None.
+    """
+
+    members: tuple[int, ...]
+    material: str
+    textured: bool
+    smooth: bool
+    faces: NDArray[np.uint32]
+    steep_deg: float | None
+
+
+def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[Group, ...]:
+    """Return the groups into which the meshes of a shot are merged.
+
+    Raises:
+        ShotError: a mesh names a material that the shot has not, or its arrays do not fit.
+    """
+    members: dict[tuple[str, bool, bool, str], list[int]] = {}
+    for i, mesh in enumerate(meshes):
+        _check(mesh, materials)
+        name = mesh.name if len(mesh.vertices) >= ALONE else ""
+        members.setdefault((mesh.material, mesh.uv is not None, mesh.smooth, name), []).append(i)
+    return tuple(
+        _group(tuple(places), meshes, materials[material], material, textured, smooth)
+        for (material, textured, smooth, _), places in members.items()
+    )
+
+
+def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
+    if mesh.material not in materials:
+        raise ShotError(
+            f"mesh {mesh.name!r} asks for material {mesh.material!r}, which the shot has not; "
+            f"it has {', '.join(sorted(materials))}"
+        )
+    n = len(mesh.vertices)
+    if mesh.faces.size and int(mesh.faces.max()) >= n:
+        raise ShotError(f"mesh {mesh.name!r} has a face with a vertex beyond its {n}")
+    if mesh.uv is not None and mesh.uv.shape != (n, 2):
+        raise ShotError(f"mesh {mesh.name!r} has uv of shape {mesh.uv.shape}, not ({n}, 2)")
+
+
+def _group(
+    members: tuple[int, ...],
+    meshes: Sequence[Mesh],
+    words: Material,
+    material: str,
+    textured: bool,
+    smooth: bool,
+) -> Group:
+    starts = np.cumsum([0, *(len(meshes[i].vertices) for i in members)])
+    faces = [
+        meshes[i].faces.astype(np.uint32) + np.uint32(s)
+        for i, s in zip(members, starts, strict=False)
+    ]
+    steep = words.steep_deg if textured and shows_rock(words) else None
+    return Group(members, material, textured, smooth, np.concatenate(faces), steep)
+
+
+def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
+    """Return a group as a new mesh of Mitsuba."""
+    props = mi.Properties()
+    props["mesh_bsdf"] = mi.load_dict(bsdf(words, group.textured))
+    count = sum(len(meshes[i].vertices) for i in group.members)
+    mesh = mi.Mesh(
+        group.material,
+        count,
+        len(group.faces),
+        props=props,
+        has_vertex_normals=group.smooth,
+        has_vertex_texcoords=group.textured,
+    )
+    if group.steep_deg is not None:
+        mesh.add_attribute(STEEP, 1, [0.0] * count)
+    values = mi.traverse(mesh)
+    _write(values, "faces", group.faces)
+    if group.textured:
+        uv = np.concatenate([np.asarray(meshes[i].uv, np.float32) for i in group.members])
+        _write(values, "vertex_texcoords", uv)
+    update(values, "", group, meshes)
+    values.update()
+    return mesh
+
+
+def update(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> None:
+    """Write where a group stands in this frame into Mitsuba's parameters.
+
+    Raises:
+        ShotError: a vertex is not finite.
+    """
+    vertices = np.concatenate([meshes[i].vertices for i in group.members])
+    vertices = np.ascontiguousarray(vertices, np.float32)
+    if not np.isfinite(vertices).all():
+        raise ShotError(f"a vertex of material {group.material!r} is not finite")
+    _write(values, prefix + "vertex_positions", vertices)
+    if group.smooth:
+        normals = vertex_normals(vertices, group.faces)
+        _write(values, prefix + "vertex_normals", normals)
+        if group.steep_deg is not None:
+            _write(values, prefix + STEEP, _bare(normals, vertices, group.steep_deg))
+
+
+def _write(values: Any, name: str, array: NDArray[Any]) -> None:
+    # The type of a buffer differs between the variants of Mitsuba.
+    values[name] = type(values[name])(np.ascontiguousarray(array.ravel()))
+
+
+def moved(group: Group, before: Sequence[Mesh], now: Sequence[Mesh]) -> bool:
+    """Whether any mesh of a group stands elsewhere than before."""
+    return any(
+        before[i] is not now[i]
+        and before[i].vertices is not now[i].vertices
+        and not np.array_equal(before[i].vertices, now[i].vertices)
+        for i in group.members
+    )
+
+
+def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> NDArray[np.float32]:
+    """Return the unit normals of the vertices, weighted by the area of the faces.
+
+    Computed here and not by Mitsuba, which adds them up in parallel in any order.
+
+    Args:
+        vertices: (V, 3) [m].
+        faces: (F, 3).
+    """
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    n = np.cross(b - a, c - a)
+    corners = faces.T.ravel()
+    sums = [np.bincount(corners, np.tile(n[:, i], 3), len(vertices)) for i in range(3)]
+    total = np.stack(sums, axis=1)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    # A vertex of collapsed triangles only is never seen; any direction will do.
+    up = np.array([0.0, 1.0, 0.0])
+    return np.where(length > 1e-20, total / np.maximum(length, 1e-20), up).astype(np.float32)
+
+
+def _bare(
+    normals: NDArray[np.float32], vertices: NDArray[np.float32], steep_deg: float
+) -> NDArray[np.float32]:
+    """Return the share of bare rock at each vertex, by slope, with a ragged border."""
+    slope = np.degrees(np.arccos(np.clip(np.abs(normals[:, 1]), 0, 1)))
+    x, y, z = vertices.T
+    # Waves whose lengths have no common measure: never seen to repeat, and equal anywhere.
+    ragged = np.sin(5.1 * x + 1.7 * z + 2.3 * y) + np.sin(3.3 * z - 4.4 * x + 1.1)
+    ragged += np.sin(9.7 * x + 8.3 * z) * np.sin(7.9 * z - 6.1 * y)
+    t = ((slope + 2.5 * ragged - steep_deg + _SOFT_DEG) / (2 * _SOFT_DEG)).clip(0, 1)
+    return np.asarray(t * t * (3 - 2 * t), np.float32)

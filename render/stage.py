@@ -1,0 +1,117 @@
+"""A shot in Mitsuba: built once, then moved in place from frame to frame.
+
+Building anew for each frame would leak (mitsuba3, issue 1890) and cost far more
+than the frame.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from render.color import linear
+from render.errors import ShotError
+from render.lights import emitter
+from render.meshes import Group, built, groups, moved, update
+from render.shot import CameraPose, Mesh, Shot
+from render.words import FullFilm, Material
+
+_NEUTRAL_GROUND = (0.30, 0.26, 0.21)
+
+
+class Stage:
+    """The Mitsuba scene of all shots that share a `Shot.build`.
+
+    Attributes:
+        build: the digest of what it was built for.
+    """
+
+    def __init__(self, shot: Shot) -> None:
+        self.build = shot.build
+        self._film = shot.film.resolved()
+        self._groups: tuple[Group, ...] = groups(shot.meshes, shot.materials)
+        parts: dict[str, Any] = {
+            f"mesh{i}": built(group, shot.meshes, shot.materials[group.material])
+            for i, group in enumerate(self._groups)
+        }
+        self._scene = mi.load_dict(
+            {
+                "type": "scene",
+                **parts,
+                "light": emitter(shot.light, _ground(shot)),
+                "camera": _camera(self._film),
+            }
+        )
+        self._sensor = self._scene.sensors()[0]
+        self._integrator = mi.load_dict(
+            {"type": "path", "max_depth": self._film.depth, "rr_depth": self._film.depth + 1}
+        )
+        self._values = mi.traverse(self._scene)
+        self._shown: tuple[Mesh, ...] = shot.meshes
+        self.move(shot)
+
+    def move(self, shot: Shot) -> None:
+        """Move meshes and camera to where they stand in a shot of the same build."""
+        for i, group in enumerate(self._groups):
+            if moved(group, self._shown, shot.meshes):
+                update(self._values, f"mesh{i}.", group, shot.meshes)
+        self._shown = shot.meshes
+        _aim(self._values, shot.camera, self._film)
+        self._values.update()
+
+    def trace(self, seed: int) -> NDArray[np.float32]:
+        """Return the light that the camera sees, (H, W, 3), linear sRGB."""
+        image = self._integrator.render(
+            self._scene, self._sensor, seed=seed & 0xFFFFFFFF, spp=self._film.samples
+        )
+        return np.array(image, np.float32)
+
+
+def _camera(film: FullFilm) -> dict[str, Any]:
+    width, height = film.size
+    return {
+        "type": "perspective",
+        "fov": 35.0,
+        "fov_axis": "x",
+        "near_clip": 0.01,
+        "far_clip": 1e4,
+        "film": {
+            "type": "hdrfilm",
+            "width": width,
+            "height": height,
+            "pixel_format": "rgb",
+            "component_format": "float32",
+            # Of the filters only the box adds up in one order, whatever the threads do.
+            "rfilter": {"type": "box"},
+        },
+        "sampler": {"type": "multijitter", "sample_count": film.samples},
+    }
+
+
+def _aim(values: Any, pose: CameraPose, film: FullFilm) -> None:
+    sight = np.subtract(pose.p_WT, pose.p_WC)
+    if not np.isfinite([*sight, *pose.up]).all() or np.linalg.norm(sight) == 0:
+        raise ShotError(f"the camera at {pose.p_WC} cannot look at {pose.p_WT}")
+    up = np.asarray(pose.up, float)
+    if np.linalg.norm(np.cross(sight, up)) < 1e-6 * np.linalg.norm(sight):
+        # Looking straight up or down: let the top of the picture be -Z, as on a map.
+        up = np.array([0.0, 0.0, -1.0])
+    T = mi.ScalarTransform4f().look_at(list(pose.p_WC), list(pose.p_WT), up.tolist())
+    width, height = film.size
+    half = math.tan(math.radians(pose.fov_deg) / 2) * width / height
+    values["camera.to_world"] = type(values["camera.to_world"])(T)
+    values["camera.x_fov"] = type(values["camera.x_fov"])(math.degrees(2 * math.atan(half)))
+
+
+def _ground(shot: Shot) -> tuple[float, float, float]:
+    """Return the linear colour of the ground: that of the first material laid as ground."""
+    for mesh in shot.meshes:
+        words: Material = shot.materials[mesh.material]
+        if mesh.uv is not None and words.texture != "none" and words.color2 is not None:
+            r, g, b = (linear(words.color) + linear(words.color2)) / 2
+            return float(r), float(g), float(b)
+    return _NEUTRAL_GROUND

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 
 from pydantic_core import PydanticCustomError
 
@@ -12,6 +13,9 @@ Step = str | int
 
 FAULTS = "faults"
 """Type of the pydantic error that carries faults."""
+
+MOST_FAULTS = 100
+"""Nobody reads more at once, and looking for near names takes its time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +39,7 @@ def refuse(faults: Iterable[Fault]) -> None:
     Raises:
         PydanticCustomError: there is at least one fault.
     """
-    found = tuple(faults)
+    found = tuple(islice(faults, MOST_FAULTS))
     if found:
         text = "; ".join(fault.message for fault in found)
         raise PydanticCustomError(FAULTS, "{text}", {"text": text, "faults": found})

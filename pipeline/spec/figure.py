@@ -5,7 +5,7 @@ x points right and y towards the tail, so that the head has negative y [m].
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -13,7 +13,7 @@ from pydantic.annotated_handlers import GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
-from pipeline.spec.faults import Fault, Step, refuse
+from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.mirror import Mirror, faults_of_mirror, mirrored
 from pipeline.spec.nearest import hint
 from pipeline.spec.values import Length, Name, Point, Words
@@ -53,7 +53,9 @@ class Figure(Words):
         "insect", description="Default joint axes; insect: perpendicular to the links."
     )
     nodes: dict[Name, Node] = Field(
-        min_length=1, description="Nodes by name; [x, y] is short for {at: [x, y]}."
+        min_length=1,
+        max_length=1000,
+        description="Nodes by name; [x, y] is short for {at: [x, y]}.",
     )
     chains: tuple[tuple[Name, ...], ...] = Field(
         (), description="Lists of nodes; each node is connected to the next in its list."
@@ -69,34 +71,33 @@ class Figure(Words):
 
     @model_validator(mode="after")
     def _names_fit(self) -> Self:
-        positions = {name: node.at for name, node in self.nodes.items()}
-        faults = _faults_of_chains(self.chains, positions)
-        for i, operation in enumerate(self.then):
-            place: tuple[Step, ...] = ("then", i)
-            wrong = faults_of_mirror(operation, positions)
-            faults += [Fault(place + fault.path, fault.message) for fault in wrong]
-            positions = mirrored(operation, positions)
-        faults += [
-            Fault(("parts", tip), f"no node is called '{tip}', {hint(tip, positions)}", at_key=True)
-            for tip in self.parts
-            if tip not in positions
-        ]
-        refuse(faults)
+        refuse(_faults_of_figure(self))
         return self
+
+
+def _faults_of_figure(figure: Figure) -> Iterator[Fault]:
+    positions: dict[str, Point] = {name: node.at for name, node in figure.nodes.items()}
+    yield from _faults_of_chains(figure.chains, positions)
+    for i, operation in enumerate(figure.then):
+        for fault in faults_of_mirror(operation, positions):
+            yield Fault(("then", i, *fault.path), fault.message)
+        positions = mirrored(operation, positions)
+    for tip in figure.parts:
+        if tip not in positions:
+            message = f"no node is called '{tip}', {hint(tip, positions)}"
+            yield Fault(("parts", tip), message, at_key=True)
 
 
 def _faults_of_chains(
     chains: tuple[tuple[str, ...], ...], positions: Mapping[str, Point]
-) -> list[Fault]:
-    faults = []
+) -> Iterator[Fault]:
     for i, chain in enumerate(chains):
         if len(chain) < 2:
-            faults.append(Fault(("chains", i), "a chain connects at least 2 nodes"))
+            yield Fault(("chains", i), "a chain connects at least 2 nodes")
         for k, name in enumerate(chain):
             message = _fault_of_link(name, chain[k - 1] if k else None, positions)
             if message:
-                faults.append(Fault(("chains", i, k), message))
-    return faults
+                yield Fault(("chains", i, k), message)
 
 
 def _fault_of_link(name: str, before: str | None, positions: Mapping[str, Point]) -> str:

@@ -6,7 +6,7 @@ well, and to the other node itself where it is not.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Literal
 
 from pydantic import Field, Strict
@@ -74,9 +74,8 @@ def mirrored(operation: Mirror, positions: Mapping[str, At]) -> dict[str, At]:
     }
 
 
-def faults_of_mirror(operation: Mirror, positions: Mapping[str, At]) -> list[Fault]:
+def faults_of_mirror(operation: Mirror, positions: Mapping[str, At]) -> Iterator[Fault]:
     """Find names that do not fit the nodes that there are before the operation."""
-    faults = []
     made: set[str] = set()
     for i, (name, copy) in enumerate(copied_names(operation, positions).items()):
         place = () if operation.nodes is None else ("nodes", i)
@@ -90,8 +89,7 @@ def faults_of_mirror(operation: Mirror, positions: Mapping[str, At]) -> list[Fau
         else:
             made.add(copy)
             continue
-        faults.append(Fault(place, message))
-    return faults
+        yield Fault(place, message)
 
 
 def _on_axis(at: At, axis: Axis) -> bool:

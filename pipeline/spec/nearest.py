@@ -6,12 +6,15 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 MOST_LISTED = 12
+MOST_COMPARED = 500
+LONGEST = 64
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name closest to `name`, or None where none is close."""
-    by_fold = {other.casefold(): other for other in sorted(known, reverse=True)}
-    close = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.6)
+    names = sorted(known, reverse=True)[:MOST_COMPARED]
+    by_fold = {other.casefold()[:LONGEST]: other for other in names}
+    close = get_close_matches(name.casefold()[:LONGEST], by_fold, n=1, cutoff=0.6)
     return by_fold[close[0]] if close else None
 
 

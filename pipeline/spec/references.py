@@ -7,12 +7,13 @@ a wrong name is found beside the other mistakes of the file and not after them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from typing import Any
 
 from pydantic import BaseModel
 
 from pipeline.spec.cast import names_of
-from pipeline.spec.faults import Fault, Step
+from pipeline.spec.faults import MOST_FAULTS, Fault, Step
 from pipeline.spec.nearest import hint
 from render.words import MATERIALS
 
@@ -25,12 +26,8 @@ def faults_of_references(scene: object) -> list[Fault]:
     Args:
         scene: a scene, or the mapping that is to become one.
     """
-    return [
-        *_figures(scene),
-        *_repeated_names(scene),
-        *_materials(scene),
-        *_followed(scene),
-    ]
+    finders = (_figures, _repeated_names, _materials, _followed)
+    return list(islice((fault for find in finders for fault in find(scene)), MOST_FAULTS))
 
 
 def _figures(scene: object) -> Iterator[Fault]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -43,8 +44,10 @@ class GaitWords(Words):
 GaitName = Literal["trot", "wave", "tripod"]
 
 
-def _form_of_gait(words: Any) -> str:
-    return "a gait by name" if isinstance(words, str) else "a gait written out"
+def _form_of_gait(words: Any) -> str | None:
+    if isinstance(words, str):
+        return "a gait by name"
+    return "a gait written out" if isinstance(words, Mapping | GaitWords) else None
 
 
 Gait = Annotated[

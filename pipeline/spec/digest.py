@@ -1,0 +1,52 @@
+"""What a simulation depends on, as a key under which its take may be kept."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Collection
+from typing import Any
+
+from pipeline.spec.scene import Scene
+
+SIMULATED = ("pronk", "rate", "frames", "seed", "samples", "steps", "terrain", "figures", "cast")
+"""The parts of a scene that the simulation reads: not its looks, its camera or its sound."""
+
+
+def simulation_key(scene: Scene) -> str:
+    """Return a digest of all that the simulation reads: equal keys have equal takes.
+
+    Names of materials are in it, for parts carry them; how the materials look is not.
+    """
+    return scene_digest(scene, SIMULATED)
+
+
+def scene_digest(scene: Scene, parts: Collection[str]) -> str:
+    """Return a digest of parts of a scene, as hexadecimal digits.
+
+    Args:
+        scene: any scene.
+        parts: names of its fields. `frames` stands for the number of frames however it was
+            given, `rate` for frames a second; of `figures` only those of the cast count.
+
+    Raises:
+        KeyError: a part is no field of a scene.
+    """
+    words = {part: _part(scene, part) for part in sorted(set(parts))}
+    text = json.dumps(words, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return hashlib.blake2b(text.encode("ascii"), digest_size=20).hexdigest()
+
+
+def _part(scene: Scene, part: str) -> Any:
+    if part == "rate":
+        return str(scene.rate)
+    if part == "frames":
+        return scene.n_frames
+    if part not in Scene.model_fields:
+        raise KeyError(part)
+    words = scene.model_dump(mode="json", include={part})[part]
+    if part != "figures":
+        return words
+    used = sorted({member.figure for member in scene.cast})
+    # The order of nodes stays: it is the order in which the analysis meets them.
+    return [[name, list(words[name]["nodes"]), words[name]] for name in used]

@@ -1,0 +1,67 @@
+"""The keys that a place in a scene may have, read from the models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+
+from pipeline.spec.faults import Step
+
+
+def known_keys(model: type[BaseModel], path: Iterable[Step]) -> list[str]:
+    """Return the keys that the models know at a path of pydantic's.
+
+    Args:
+        model: the model at the root.
+        path: keys, indices and tags of unions, as pydantic gives them.
+    """
+    here: list[Any] = [model]
+    for step in path:
+        # What leads nowhere is the tag of a union.
+        here = [below for kind in here for below in _below(kind, step)] or _tagged(here, step)
+    return sorted({name for kind in here if _is_model(kind) for name in kind.model_fields})
+
+
+def _below(kind: Any, step: Step) -> Iterator[Any]:
+    if _is_model(kind):
+        if isinstance(step, str) and step in kind.model_fields:
+            yield from _alternatives(kind.model_fields[step].annotation)
+        return
+    arguments = get_args(kind)
+    if get_origin(kind) is dict and isinstance(step, str):
+        yield from _alternatives(arguments[1])
+    elif get_origin(kind) in (tuple, list) and isinstance(step, int):
+        for argument in arguments:
+            if argument is not Ellipsis:
+                yield from _alternatives(argument)
+
+
+def _alternatives(annotation: Any) -> Iterator[Any]:
+    if get_origin(annotation) is Annotated:
+        yield from _alternatives(get_args(annotation)[0])
+    elif get_origin(annotation) in (Union, UnionType):
+        for argument in get_args(annotation):
+            yield from _alternatives(argument)
+    elif annotation is not NoneType:
+        yield annotation
+
+
+def _tagged(kinds: list[Any], tag: Step) -> list[Any]:
+    fitting = [kind for kind in kinds if _is_model(kind) and tag in _literals(kind)]
+    return fitting or kinds
+
+
+def _literals(kind: type[BaseModel]) -> set[Any]:
+    return {
+        value
+        for field in kind.model_fields.values()
+        if get_origin(field.annotation) is Literal
+        for value in get_args(field.annotation)
+    }
+
+
+def _is_model(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, BaseModel)

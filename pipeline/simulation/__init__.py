@@ -1,0 +1,1 @@
+"""Scene -> Take: everything that moves, and nothing of how it is filmed."""

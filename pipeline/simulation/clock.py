@@ -1,0 +1,69 @@
+"""Clock: where step, row and frame meet.
+
+The truth is an integer step. A frame is `steps` steps, a row of the take is
+`steps / samples` of them. Row 0 is frame 1, and S rows follow the last frame's,
+so that a shutter which opens in the last frame has something to see.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """The grid of one simulation.
+
+    Attributes:
+        rate: frames a second.
+        frames: frames of the film.
+        steps: world steps a frame.
+        samples: rows of the take a frame; divides `steps`.
+    """
+
+    rate: Fraction
+    frames: int
+    steps: int = 4
+    samples: int = 4
+
+    @property
+    def dt(self) -> float:
+        """Duration of a step [s]."""
+        return float(1 / (self.rate * self.steps))
+
+    @property
+    def last_step(self) -> int:
+        """The step at which the last row stands."""
+        return self.frames * self.steps
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of the take."""
+        return self.frames * self.samples + 1
+
+    def row_of_step(self, step: int) -> int | None:
+        """Return the row that stands at `step`, None between rows."""
+        row, rest = divmod(step * self.samples, self.steps)
+        return row if rest == 0 else None
+
+    def row_of_frame(self, frame: int) -> int:
+        """Return the row that the 1-based `frame` shows."""
+        return (frame - 1) * self.samples
+
+    def frame_of(self, step: int, fraction: float) -> int:
+        """Return the first frame that shows what happened `fraction` of a step after `step`.
+
+        May be one more than `frames`: what happens after the last frame is not shown.
+        """
+        whole, rest = divmod(step, self.steps)
+        return 1 + whole + (1 if rest > 0 or fraction > 0.0 else 0)
+
+    def time_of(self, step: int, fraction: float = 0.0) -> Fraction:
+        """Return the exact time [s] of a moment; `fraction` is taken as it is stored."""
+        return (step + Fraction(fraction)) / (self.rate * self.steps)
+
+    def step_at(self, time: float) -> int:
+        """Return the last step that is not after `time` [s]."""
+        return math.floor(time * float(self.rate * self.steps) + 1e-9)

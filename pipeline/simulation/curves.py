@@ -1,0 +1,61 @@
+"""Curves: the splines that bodies, feet and cameras move along."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.spatial import Array
+
+
+def ease(s: Array) -> Array:
+    """Map 0..1 to 0..1 with zero speed and acceleration at both ends.
+
+    The path of least jerk between two points at rest.
+
+    Source: Flash and Hogan 1985.
+    """
+    result: Array = s * s * s * (10.0 + s * (6.0 * s - 15.0))
+    return result
+
+
+def bump(s: Array) -> Array:
+    """Map 0..1 to a smooth arch that rises from 0 to 1 at the middle and falls to 0.
+
+    Rises with the square of `s` where `ease` rises with its cube, so a foot that
+    follows both leaves the ground upward before it moves forward.
+    """
+    result: Array = 16.0 * s * s * (1.0 - s) * (1.0 - s)
+    return result
+
+
+def hinge(x: Array, width: Array | float) -> Array:
+    """Return max(x, 0) with its corner rounded over ±`width`; never less than max(x, 0).
+
+    Speed stays continuous where a bound begins to act.
+    """
+    rounded = (x + width) ** 2 / (4.0 * width)
+    result: Array = np.where(x <= -width, 0.0, np.where(x >= width, x, rounded))
+    return result
+
+
+def cyclic(values: Array, phase: Array | float) -> Array:
+    """Evaluate a closed cubic spline through equally spaced `values` at `phase`.
+
+    Args:
+        values: (n,) values at phases 0, 1/n, 2/n, ...
+        phase: any shape; wraps with period 1.
+
+    Returns:
+        The shape of `phase`; passes through `values` with continuous speed.
+
+    Source: Catmull and Rom 1974; the cyclic spline of Sims 1987, 10.1.
+    """
+    n = len(values)
+    position = np.mod(phase, 1.0) * n
+    i = np.floor(position).astype(int) % n
+    t = position - np.floor(position)
+    a, b, c, d = (values[(i + k) % n] for k in (-1, 0, 1, 2))
+    result: Array = b + 0.5 * t * (
+        (c - a) + t * ((2 * a - 5 * b + 4 * c - d) + t * (3 * (b - c) + d - a))
+    )
+    return result

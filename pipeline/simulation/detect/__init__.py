@@ -1,0 +1,9 @@
+"""Contacts and motions -> sound events, one file each (Sims 1987, ch. 13).
+
+A new cause is a file here and a line in `DETECTORS`.
+"""
+
+from pipeline.simulation.detect.footfalls import footfalls
+
+DETECTORS = (footfalls,)
+"""Functions (contacts of one step, clock) -> sound events."""

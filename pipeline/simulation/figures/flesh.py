@@ -1,0 +1,78 @@
+"""Flesh: the visible solids of a figure, link by link."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.network import FEELER, HEAD, LEG
+from pipeline.simulation.figures.skeleton import Link
+from pipeline.simulation.figures.solids import Solid, ball, body_solid, link_solid
+from pipeline.simulation.spatial import Array
+
+EYE_MATERIAL = "eye"
+
+SWELLING = {LEG: 0.22, FEELER: 0.0}
+"""How much thicker than a cone a link is; what is not named swells a little."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One visible solid.
+
+    Attributes:
+        name: such as "l1.2" or "head.eye_l".
+        link: number of the link that it follows.
+        solid: in the creation frame.
+        material: name, empty for the performer's own.
+        size: characteristic length [m].
+    """
+
+    name: str
+    link: int
+    solid: Solid
+    material: str
+    size: float
+
+
+def flesh(figure: Figure) -> list[Piece]:
+    """Return the visible solids of `figure`, the body first."""
+    links = figure.skeleton.links
+    pieces = [_body(figure)]
+    for number, link in enumerate(links[1:], start=1):
+        swelling = SWELLING.get(link.kind, 0.08)
+        length = float(np.linalg.norm(link.ends[1] - link.ends[0]))
+        solid = link_solid(link, swelling)
+        pieces.append(Piece(link.name, number, solid, link.material, length))
+        if link.kind == HEAD and link.is_tip:
+            pieces.extend(_eyes(number, link))
+    return pieces
+
+
+def _body(figure: Figure) -> Piece:
+    nodes = list(figure.anatomy.body)
+    points = figure.drawing.creation()[nodes] * figure.scale
+    # The skeleton stands the body's frame in the middle of its bases.
+    points = points + figure.skeleton.links[0].ends[0] - points.mean(axis=0)
+    radii = figure.drawing.radii[nodes] * figure.scale
+    number = {node: i for i, node in enumerate(nodes)}
+    bones = [(number[a], number[b]) for a, b in figure.anatomy.bones]
+    counts = [figure.drawing.materials[n] for n in nodes if figure.drawing.materials[n]]
+    material = max(set(counts), key=counts.count) if len(counts) > len(nodes) / 2 else ""
+    size = float(np.ptp(points, axis=0).max() + 2 * radii.max())
+    return Piece("body", 0, body_solid(points, radii, bones), material, size)
+
+
+def _eyes(number: int, link: Link) -> list[Piece]:
+    """Return two eyes at the tip of the head, looking forward and to the sides."""
+    radius = link.radii[1]
+    pieces = []
+    for side, sign in (("l", -1.0), ("r", 1.0)):
+        direction: Array = np.array([0.50, 0.42, sign * 0.74])
+        centre = link.ends[1] + direction * radius
+        pieces.append(
+            Piece(f"head.eye_{side}", number, ball(centre, 0.36 * radius), EYE_MATERIAL, radius)
+        )
+    return pieces

@@ -1,0 +1,125 @@
+"""Inverse kinematics: where a tip shall be -> joint values, for many limbs at once.
+
+Pseudo-inverse iterations along a path that is cut into segments no longer than the
+linearisation bears; what redundancy is left pulls towards the preferred values.
+
+Notation of the thesis: x tip position, θ joint values (here q), J Jacobian.
+
+Source: Sims 1987, 6.1, 6.2 and appendix B.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.figures.kinematics import ONE, LimbBatch, LimbPose
+from pipeline.simulation.spatial import Array
+
+SEGMENT = 0.15
+"""Longest step of a tip in one iteration, as a part of the limb's length."""
+
+DAMPING = 1e-4
+"""λ as a part of the limb's length: bounds joint speeds near singularities and, the
+tip being corrected again in the next iteration, leaves no error behind."""
+
+ALPHA = 0.25
+"""Gain of the secondary goal (α in eq. B.7): the part of the way to the preferred
+values that one iteration may go."""
+
+NEAR = 1e-2
+"""Once a tip is this near its goal, as a part of the limb's length, the redundancy is
+left alone after the first iteration: what it stirs up would have to be settled again."""
+
+TOLERANCE = 1e-7
+"""Accepted distance of tip from goal, as a part of the limb's length."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What the iterations came to.
+
+    Attributes:
+        pose: the limbs, joint values within their limits.
+        residual: (L,) distance of tip from goal [m].
+        iterations: how many there were.
+    """
+
+    pose: LimbPose
+    residual: Array
+    iterations: int
+
+
+def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> Solution:
+    """Bring the tips to `goals`, starting from the pose `start`.
+
+    Args:
+        batch: the limbs.
+        start: where to start from, within the limits; along a motion the pose of the
+            step before, so that a limb keeps its branch and its knee never flips.
+        goals: (L, 3) relative to the body [m]. An unreachable goal gives the closest
+            pose that the iterations find, with its residual.
+        most: bound on the iterations.
+    """
+    pose = start
+    error = goals - pose.tips
+    distance = _norm(error)
+    enough = TOLERANCE * batch.lengths
+    longest = batch.lengths * SEGMENT
+    iteration = 0
+    while iteration < most and (distance > enough).any():
+        iteration += 1
+        part = np.minimum(1.0, longest / np.maximum(distance, 1e-300))
+        gain = np.where((iteration == 1) | (distance > NEAR * batch.lengths), ALPHA, 0.0)
+        candidate = batch.pose(_iterate(batch, pose, error * part[:, None], gain))
+        distance_then = _norm(goals - candidate.tips)
+        # A segment after which the tip is further away was too long: take it back and
+        # shorten it. One that went well may be longer next time (Sims 1987, figure 6.3).
+        good = distance_then < distance + enough
+        longest = np.where(good, np.minimum(longest * 2.0, batch.lengths), longest * 0.25)
+        pose = candidate.where(good, pose)
+        error = goals - pose.tips
+        distance = np.where(good, distance_then, distance)
+    return Solution(pose, distance, iteration)
+
+
+def _iterate(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array) -> Array:
+    """Return the joint values after one step of the tips by `dx`, within the limits.
+
+    Joints that the step would push through a limit are held there and the others
+    carry the motion, by a second pass with their columns taken out.
+    """
+    q, jacobian = pose.q, pose.jacobian
+    z = gain[:, None] * (batch.preferred - q)
+    wanted = q + _pseudo_inverse_step(batch, jacobian, dx, z)
+    bounded = np.minimum(np.maximum(wanted, batch.lower), batch.upper)
+    held = bounded != wanted
+    if not held.any():
+        return wanted
+    free = ~held
+    moved = np.where(held, bounded - q, 0.0)
+    rest = dx - (jacobian @ moved[..., None])[..., 0]
+    again = _pseudo_inverse_step(batch, jacobian * free[:, None], rest, z * free)
+    return np.clip(q + np.where(held, moved, again), batch.lower, batch.upper)
+
+
+def _pseudo_inverse_step(batch: LimbBatch, jacobian: Array, dx: Array, z: Array) -> Array:
+    """Return J⁺ dx + (I - J⁺ J) z with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹.
+
+    Written as z + J⁺ (dx - J z), which needs no projector.
+
+    Source: Sims 1987, eq. B.4 and B.7, with z = preferred - q (B.2 has the sign the
+    other way round); damping after Wampler 1986.
+    """
+    transposed = jacobian.transpose(0, 2, 1)
+    damping = (DAMPING * batch.lengths[:, None, None]) ** 2 * ONE
+    rest = dx[..., None] - jacobian @ z[..., None]
+    y = np.linalg.solve(jacobian @ transposed + damping, rest)
+    result: Array = z + (transposed @ y)[..., 0]
+    return result
+
+
+def _norm(v: Array) -> Array:
+    result: Array = np.sqrt(np.einsum("li,li->l", v, v))
+    return result

@@ -1,0 +1,248 @@
+"""Skeleton: joints and links in three dimensions, by axis and position.
+
+A joint is a place and an axis in the creation frame, in which the figure lies as
+it was drawn, all joint values being zero. A ball joint is three joints at one
+place. Link 0 is the body; every other link hangs on one joint.
+
+Source: Sims 1987, 4.2 (axes by style), 5.1 and 5.2 (axis and position).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.drawing import Drawing
+from pipeline.simulation.figures.network import FEELER, LEG, Anatomy, Appendage
+from pipeline.simulation.figures.stance import Stance, stance_of
+from pipeline.simulation.spatial import UP, Array, normalized
+
+BODY = -1
+"""In place of a joint: the body, which no joint moves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A solid between two nodes.
+
+    Attributes:
+        name: such as "l1.2", the second link of the first left leg.
+        kind: body, leg, head, tail or feeler.
+        joint: the joint that moves it; `BODY` for the body.
+        ends: (2, 3) its nodes in the creation frame [m].
+        radii: of the solid at both ends [m].
+        material: name, empty for the performer's own.
+        is_tip: whether its second end is the tip of an appendage.
+    """
+
+    name: str
+    kind: str
+    joint: int
+    ends: Array
+    radii: tuple[float, float]
+    material: str
+    is_tip: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Limb:
+    """A chain of joints from a base to a tip, between which inverse kinematics works.
+
+    Attributes:
+        name: "l1", "r2", "head", ...
+        kind: leg, head, tail or feeler.
+        side: "l", "r" or "m".
+        joints: joint numbers from base to tip.
+        links: link numbers from base to tip.
+        tip: (3,) in the creation frame [m].
+        tip_radius: of the solid around the tip [m].
+        length: from base to tip, stretched out [m].
+    """
+
+    name: str
+    kind: str
+    side: str
+    joints: tuple[int, ...]
+    links: tuple[int, ...]
+    tip: Array
+    tip_radius: float
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Joints, links and limbs of one figure; constant while it moves.
+
+    Attributes:
+        joint_names: such as "l1.hip_yaw".
+        parents: (J,) joint before each, `BODY` for joints on the body.
+        axes: (J, 3) unit axes in the creation frame.
+        places: (J, 3) positions in the creation frame [m].
+        lower, upper: (J,) limits [rad].
+        preferred: (J,) values at rest [rad].
+        links: the body first.
+        limbs: legs first, left before right, front to back.
+    """
+
+    joint_names: tuple[str, ...]
+    parents: NDArray[np.int64]
+    axes: Array
+    places: Array
+    lower: Array
+    upper: Array
+    preferred: Array
+    links: tuple[Link, ...]
+    limbs: tuple[Limb, ...]
+
+    @property
+    def legs(self) -> tuple[Limb, ...]:
+        """Limbs that can be walked on."""
+        return tuple(limb for limb in self.limbs if limb.kind == LEG)
+
+
+@dataclass(slots=True)
+class _Builder:
+    """Collects joints and links while the appendages are gone through."""
+
+    names: list[str]
+    parents: list[int]
+    axes: list[Array]
+    places: list[Array]
+    ranges: list[Stance]
+    links: list[Link]
+    limbs: list[Limb]
+    carrier: dict[int, int]  # node -> joint that moves the link it belongs to
+
+    def joint(self, name: str, parent: int, axis: Array, place: Array, stance: Stance) -> int:
+        self.names.append(name)
+        self.parents.append(parent)
+        self.axes.append(axis)
+        self.places.append(place)
+        self.ranges.append(stance)
+        return len(self.names) - 1
+
+
+def build_skeleton(drawing: Drawing, anatomy: Anatomy, scale: float) -> Skeleton:
+    """Build the joints and links of an "insect".
+
+    Legs lie in the drawing's plane. The axes of their inner joints lie in that plane
+    too, across the limb, so that they bend up and down; hips, necks and roots are ball
+    joints. (The thesis puts axes "perpendicular to the two links", which is undefined
+    for straight legs and vertical for bent ones.)
+
+    Args:
+        drawing: the flat network.
+        anatomy: its parts.
+        scale: factor from the drawing to the world.
+    """
+    points = drawing.creation() * scale
+    # The body's frame stands at the middle of what carries it, or of itself.
+    carried = [a.nodes[0] for a in anatomy.of_kind(LEG)] or list(anatomy.body)
+    points = points - points[sorted(set(carried))].mean(axis=0)
+    radii = drawing.radii * scale
+    builder = _Builder([], [], [], [], [], [], [], dict.fromkeys(anatomy.body, BODY))
+    middle = points[list(anatomy.body)].mean(axis=0)
+    girth = max((float(radii[n]) for n in anatomy.body), default=0.0)
+    builder.links.append(
+        Link("body", "body", BODY, np.stack([middle, middle]), (girth, girth), "", False)
+    )
+    for name, side, appendage in _named(anatomy, points):
+        _add_limb(builder, name, side, appendage, points, radii, drawing.materials)
+    return Skeleton(
+        joint_names=tuple(builder.names),
+        parents=np.array(builder.parents, dtype=np.int64),
+        axes=np.array(builder.axes).reshape(-1, 3),
+        places=np.array(builder.places).reshape(-1, 3),
+        lower=np.array([r.lower for r in builder.ranges]),
+        upper=np.array([r.upper for r in builder.ranges]),
+        preferred=np.array([r.preferred for r in builder.ranges]),
+        links=tuple(builder.links),
+        limbs=tuple(builder.limbs),
+    )
+
+
+def _named(anatomy: Anatomy, points: Array) -> list[tuple[str, str, Appendage]]:
+    """Give each appendage its name and side: l1, l2, ..., r1, ..., head, tail, feeler_l1."""
+    counts: dict[tuple[str, str], int] = {}
+    named = []
+    for appendage in anatomy.appendages:
+        lateral = float(points[list(appendage.nodes)].mean(axis=0)[2])
+        side = "m" if abs(lateral) < 1e-9 else ("l" if lateral < 0 else "r")
+        key = (appendage.kind, side)
+        counts[key] = counts.get(key, 0) + 1
+        if appendage.kind == LEG:
+            name = f"{side}{counts[key]}"
+        elif appendage.kind == FEELER:
+            name = f"feeler_{side}{counts[key]}"
+        else:
+            name = appendage.kind if counts[key] == 1 else f"{appendage.kind}{counts[key]}"
+        named.append((name, side, appendage))
+    return named
+
+
+def _add_limb(
+    builder: _Builder,
+    name: str,
+    side: str,
+    appendage: Appendage,
+    points: Array,
+    radii: Array,
+    materials: tuple[str, ...],
+) -> None:
+    """Add the joints and links of one appendage, from its base outward."""
+    nodes = appendage.nodes
+    steps = np.diff(points[list(nodes)], axis=0)
+    directions = normalized(steps)
+    parent = builder.carrier[nodes[0]]
+    joints, links = list[int](), list[int]()
+    stances = stance_of(appendage.kind, len(steps))
+    for i, (node, after) in enumerate(itertools.pairwise(nodes)):
+        # An inner joint's axis stands across the mean of the two links it joins.
+        along = directions[i] if i == 0 else normalized(directions[i - 1] + directions[i])
+        across = normalized(np.cross(along, UP))
+        axes = {"yaw": UP, "pitch": across, "roll": along, "bend": across}
+        for turn, stance in stances[i].items():
+            joint_name = f"{name}.{'base' if i == 0 else f'joint{i}'}_{turn}"
+            parent = builder.joint(joint_name, parent, axes[turn], points[node], stance)
+            joints.append(parent)
+        # At its root an appendage is no thicker than where it goes on.
+        root = min(float(radii[node]), float(radii[after]) * 1.35) if i == 0 else radii[node]
+        builder.links.append(
+            Link(
+                f"{name}.{i + 1}",
+                appendage.kind,
+                parent,
+                np.stack([points[node], points[after]]),
+                (float(root), float(radii[after])),
+                materials[after],
+                after == nodes[-1],
+            )
+        )
+        links.append(len(builder.links) - 1)
+        builder.carrier[after] = parent
+    length = float(np.linalg.norm(steps, axis=-1).sum())
+    tip = nodes[-1]
+    builder.limbs.append(
+        Limb(
+            name,
+            appendage.kind,
+            side,
+            tuple(joints),
+            tuple(links),
+            points[tip],
+            float(radii[tip]),
+            length,
+        )
+    )
+
+
+def volume(link: Link) -> float:
+    """Return the volume of a link's solid, a cone frustum with round ends [m³]."""
+    a, b = link.radii
+    length = float(np.linalg.norm(link.ends[1] - link.ends[0]))
+    frustum = math.pi * length * (a * a + a * b + b * b) / 3.0
+    return frustum + 2.0 / 3.0 * math.pi * (a**3 + b**3)

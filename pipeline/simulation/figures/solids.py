@@ -1,0 +1,135 @@
+"""Solids: triangles for links and bodies, in the creation frame.
+
+A link is a round cone with a swelling, closed by round ends that meet the next
+link's in the joint, so that no gap opens when it bends. A body is the smooth union
+of round cones along all its connections, polygonised once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.skeleton import Link
+from pipeline.simulation.figures.surfacenets import surface_nets
+from pipeline.simulation.spatial import UP, Array, from_directions, normalized
+
+AROUND = 16
+"""Vertices around a link: with smooth normals more are not seen."""
+
+BODY_CELLS = 64
+"""Cells along the longest side of the grid that a body is polygonised on."""
+
+BODY_FLATNESS = 0.78
+"""Height of an insect's body as a part of its width."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A closed surface.
+
+    Attributes:
+        vertices: (V, 3) in the creation frame [m].
+        faces: (F, 3), counter-clockwise from outside.
+    """
+
+    vertices: Array
+    faces: NDArray[np.uint32]
+
+
+def revolve(axis_places: Array, radii: Array) -> Solid:
+    """Return the surface of revolution about X with rings at `axis_places` of `radii`.
+
+    Args:
+        axis_places: (n,) ascending along X [m]; the first and last ring are closed to a point.
+        radii: (n,) [m].
+    """
+    n = len(radii)
+    angle = np.arange(AROUND) * (2 * np.pi / AROUND)
+    ring = np.stack([np.zeros(AROUND), np.cos(angle), np.sin(angle)], axis=-1)
+    rings = ring * radii[:, None, None]
+    rings[..., 0] = axis_places[:, None]
+    # The poles carry on the profile's curve to the axis.
+    ends = [[axis_places[0] - radii[0] * 0.12, 0, 0], [axis_places[-1] + radii[-1] * 0.12, 0, 0]]
+    vertices = np.concatenate([rings.reshape(-1, 3), np.array(ends)])
+    i = np.arange(n - 1)[:, None] * AROUND
+    k = np.arange(AROUND)
+    a, b = i + k, i + (k + 1) % AROUND
+    sides = np.stack([a, b, a + AROUND, b, b + AROUND, a + AROUND], axis=-1).reshape(-1, 3)
+    first, last = n * AROUND, n * AROUND + 1
+    k_next = (k + 1) % AROUND
+    start = np.stack([np.full(AROUND, first), k_next, k], axis=-1)
+    end = np.stack([np.full(AROUND, last), k, k_next], axis=-1)
+    end[:, 1:] += (n - 1) * AROUND
+    return Solid(vertices, np.concatenate([sides, start, end]).astype(np.uint32))
+
+
+def link_solid(link: Link, swelling: float) -> Solid:
+    """Return the solid of a link.
+
+    Args:
+        link: with its ends and radii.
+        swelling: how much thicker than a cone it is in its thickest place, as a part.
+    """
+    a, b = link.radii
+    span = link.ends[1] - link.ends[0]
+    length = float(np.linalg.norm(span))
+    cap = np.linspace(-np.pi / 2, 0, 6)[1:]
+    s = np.linspace(0.0, 1.0, 12)[1:-1]
+    # Thickest at a third of the way, as a thigh is.
+    belly = np.sin(np.pi * s ** (np.log(0.5) / np.log(0.36)))
+    places = np.concatenate(
+        [a * np.sin(cap), length * s, length + b * np.sin(-cap[::-1])],
+    )
+    radii = np.concatenate(
+        [a * np.cos(cap), (a + (b - a) * s) * (1.0 + swelling * belly), b * np.cos(cap[::-1])]
+    )
+    solid = revolve(places, radii)
+    across = UP if abs(normalized(span)[1]) < 0.99 else np.array([1.0, 0.0, 0.0])
+    R = from_directions(span, across)
+    return Solid(solid.vertices @ R.T + link.ends[0], solid.faces)
+
+
+def ball(centre: Array, radius: float) -> Solid:
+    """Return a sphere."""
+    angle = np.linspace(-np.pi / 2, np.pi / 2, 14)[1:-1]
+    solid = revolve(radius * np.sin(angle), radius * np.cos(angle))
+    return Solid(solid.vertices + centre, solid.faces)
+
+
+def body_solid(points: Array, radii: Array, bones: list[tuple[int, int]]) -> Solid:
+    """Return the smooth union of round cones along `bones`.
+
+    Args:
+        points: (n, 3) nodes in the creation frame [m].
+        radii: (n,) of the solid at the nodes [m].
+        bones: pairs of nodes; a body of a single node is a ball.
+    """
+    bones = bones or [(0, 0)]
+    margin = float(radii.max()) * 1.3
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    cell = float((high - low).max()) / BODY_CELLS
+    counts = np.ceil((high - low) / cell).astype(int) + 1
+    axes = [low[k] + cell * np.arange(counts[k]) for k in range(3)]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    grid[..., 1] /= BODY_FLATNESS
+    blend = float(np.median(radii)) * 0.35
+    # Smooth minimum by log-sum-exp: the order of the bones does not matter.
+    total = np.zeros(grid.shape[:3])
+    for a, b in bones:
+        total += np.exp(-_round_cone(grid, points[a], points[b], radii[a], radii[b]) / blend)
+    distance = -blend * np.log(np.maximum(total, 1e-300))
+    vertices, faces = surface_nets(distance, low, cell)
+    return Solid(vertices, faces)
+
+
+def _round_cone(p: Array, a: Array, b: Array, r_a: float, r_b: float) -> Array:
+    """Return about the distance of `p` (..., 3) from the round cone between two balls [m]."""
+    ab = b - a
+    square = float(ab @ ab)
+    along = np.zeros(p.shape[:-1]) if square == 0 else np.clip((p - a) @ ab / square, 0.0, 1.0)
+    nearest = a + along[..., None] * ab
+    result: Array = np.linalg.norm(p - nearest, axis=-1) - (r_a + (r_b - r_a) * along)
+    return result

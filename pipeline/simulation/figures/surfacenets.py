@@ -1,0 +1,65 @@
+"""Surface nets: the zero surface of a sampled function, as triangles.
+
+One vertex a cell that the surface crosses, at the mean of its crossings with the
+cell's edges; one quadrilateral for each crossed edge of the grid. Smoother and with
+better triangles than marching cubes, and short enough to be read.
+
+Source: Gibson 1998 (naive variant: no relaxation).
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array
+
+
+def surface_nets(values: Array, low: Array, cell: float) -> tuple[Array, NDArray[np.uint32]]:
+    """Return vertices (V, 3) and faces (F, 3) of the surface where `values` are zero.
+
+    Args:
+        values: (n_x, n_y, n_z) samples, negative inside; positive on the whole border.
+        low: (3,) place of the first sample.
+        cell: distance between samples.
+    """
+    inside = values < 0.0
+    corners = [np.array(c) for c in itertools.product((0, 1), repeat=3)]
+    edges = [(a, b) for a, b in itertools.combinations(corners, 2) if np.abs(a - b).sum() == 1]
+    shape = tuple(n - 1 for n in values.shape)
+
+    def at(field: NDArray[Any], corner: Array) -> NDArray[Any]:
+        i, j, k = corner
+        return field[i : i + shape[0], j : j + shape[1], k : k + shape[2]]
+
+    total = np.zeros((*shape, 3))
+    count = np.zeros(shape)
+    for a, b in edges:
+        crossed = at(inside, a) != at(inside, b)
+        v_a, v_b = at(values, a)[crossed], at(values, b)[crossed]
+        t = v_a / (v_a - v_b)
+        total[crossed] += a + t[:, None] * (b - a)
+        count += crossed
+    active = count > 0
+    number = np.full(shape, -1, dtype=np.int64)
+    number[active] = np.arange(int(active.sum()))
+    place = np.argwhere(active) + total[active] / count[active][:, None]
+    faces = [_quads(inside, number, axis) for axis in range(3)]
+    return low + place * cell, np.concatenate(faces).astype(np.uint32)
+
+
+def _quads(inside: NDArray[np.bool_], number: NDArray[np.int64], axis: int) -> NDArray[np.int64]:
+    """Return two triangles for each crossed edge of the grid along `axis`."""
+    inside, number = np.moveaxis(inside, axis, 0), np.moveaxis(number, axis, 0)
+    # The four cells around an edge exist where the edge is not on the border.
+    near = inside[:-1, 1:-1, 1:-1]
+    far = inside[1:, 1:-1, 1:-1]
+    i, j, k = np.nonzero(near != far)
+    a, b = number[i, j, k], number[i, j + 1, k]
+    c, d = number[i, j + 1, k + 1], number[i, j, k + 1]
+    outward = near[i, j, k]
+    quads = np.where(outward[:, None], np.stack([a, b, c, d], -1), np.stack([a, d, c, b], -1))
+    return quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)

@@ -1,0 +1,116 @@
+"""Body path: how the body follows the ground and bounces with the gait.
+
+The body's pose is a function of the way it has gone and of the phase of its gait, so
+a step can be planned for where the body will be.
+
+Source: Sims 1987, 10.1.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.curves import cyclic, hinge
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.spatial import Array, heading
+from pipeline.simulation.terrain import Ground
+
+PITCH_FOLLOWS = 0.85
+"""How much of the ground's slope along the way the body takes on."""
+
+ROLL_FOLLOWS = 0.6
+"""How much of the slope across it takes on."""
+
+BELLY = 0.55
+"""The body keeps this part of its height above the highest ground under it."""
+
+BOUNCE = np.array([-1.0, -0.1, 1.0, 0.1])
+"""One bounce, from one coming down of feet to the next: they give, then push."""
+
+
+class BodyPath:
+    """Poses of the bodies of a herd on a ground."""
+
+    def __init__(self, herd: Herd, ground: Ground) -> None:
+        self.herd = herd
+        self.ground = ground
+        self.directions = np.stack([np.cos(herd.headings), -np.sin(herd.headings)], axis=-1)
+        self.R_heading = heading(herd.headings)
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Places under a body (C, 63, 2) relative to it, weights (63,), middle (63,)."""
+        u, v = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 7))
+        unit = np.stack([u.ravel(), v.ravel()], axis=-1)
+        weights = np.exp(-1.2 * (unit**2).sum(axis=-1))
+        offsets = unit * self.herd.footprint[:, None]
+        middle = np.abs(unit[:, 1]) < 0.4
+        return offsets, weights / weights.sum(), middle
+
+    def pose(
+        self, creature: NDArray[np.int64], travelled: Array, phase: Array
+    ) -> tuple[Array, Array]:
+        """Return the poses that bodies are to have.
+
+        Args:
+            creature: (N,) which creatures; one may occur more than once.
+            travelled: (N,) way gone since the start [m].
+            phase: (N,) phase of the gait, whole cycles counted.
+
+        Returns:
+            R_WB (N, 3, 3) and p_WB (N, 3) [m].
+        """
+        herd = self.herd
+        xz = herd.starts[creature] + travelled[:, None] * self.directions[creature]
+        height, slope, crest = self._under(creature, xz)
+        beat = cyclic(BOUNCE, herd.beats[creature] * (phase - self._first_down[creature]))
+        # The lowest the body may be so that its belly clears the ground under it.
+        tall = herd.body_height[creature]
+        lift = hinge(crest - (1.0 - BELLY) * tall, 0.2 * tall)
+        p = np.stack(
+            [xz[:, 0], height + tall + lift + herd.bounciness[creature] * beat, xz[:, 1]], axis=-1
+        )
+        pitch = PITCH_FOLLOWS * np.arctan(slope[:, 0])
+        roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1])
+        return self.R_heading[creature] @ pitched_and_rolled(pitch, roll), p
+
+    @cached_property
+    def _first_down(self) -> Array:
+        herd = self.herd
+        return np.array(
+            [herd.down[herd.owner == c].min(initial=1.0) for c in range(len(herd.names))]
+        )
+
+    def _under(self, creature: NDArray[np.int64], xz: Array) -> tuple[Array, Array, Array]:
+        """Fit a plane to the ground under bodies.
+
+        Returns:
+            Its height (N,) [m], its slopes along and across (N, 2), and how far the ground
+            under the middle of the body rises above it (N,) [m].
+        """
+        offsets, weights, middle = self._samples
+        own = offsets[creature]
+        c, s = (f[:, None] for f in self.directions[creature].T)
+        # Along the heading and across it, to the right: (c, s) turned by a quarter.
+        x = xz[:, 0, None] + own[..., 0] * c - own[..., 1] * s
+        z = xz[:, 1, None] + own[..., 0] * s + own[..., 1] * c
+        h = self.ground.height(x, z)
+        height = h @ weights
+        slope = ((h * weights)[:, None] @ own)[:, 0] / (weights @ own**2)
+        plane = height[:, None] + (own @ slope[..., None])[..., 0]
+        crest = (h - plane)[:, middle].max(axis=-1)
+        return height, slope, crest
+
+
+def pitched_and_rolled(pitch: Array, roll: Array) -> Array:
+    """Return the rotations (N, 3, 3) that turn by `pitch` about Z after `roll` about X."""
+    a, b = np.cos(pitch), np.sin(pitch)
+    c, d = np.cos(roll), np.sin(roll)
+    R = np.zeros((len(pitch), 3, 3))
+    R[:, 0, 0], R[:, 0, 1], R[:, 0, 2] = a, -b * c, b * d
+    R[:, 1, 0], R[:, 1, 1], R[:, 1, 2] = b, a * c, -a * d
+    R[:, 2, 1], R[:, 2, 2] = d, c
+    return R

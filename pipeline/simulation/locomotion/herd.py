@@ -1,0 +1,223 @@
+"""Herd: all walking creatures as arrays, creature by creature and leg by leg.
+
+These are the constants of walking: what a creature is and how it was asked to walk.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.locomotion.gaits import GAITS, Gait, written
+from pipeline.simulation.spatial import Array
+from pipeline.spec.cast import Member
+from pipeline.spec.walk import GaitWords, Walk
+
+REACH = 0.97
+"""How far a leg may stretch, as a part of its length: beyond lies the singularity of
+full extension (Sims 1987, 6.3)."""
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True, slots=True)
+class Pace:
+    """How one creature walks, every parameter known.
+
+    Attributes:
+        gait: phases of its legs.
+        cycle: duration of a cycle [s].
+        stride: length of a cycle over the ground [m]; 0 for one that stands.
+        body_height: of the hips over the ground [m].
+        bounciness: amplitude of the bounce [m].
+        step_height: how high feet are lifted [m].
+    """
+
+    gait: Gait
+    cycle: float
+    stride: float
+    body_height: float
+    bounciness: float
+    step_height: float
+
+
+@dataclass(frozen=True, eq=False)
+class Herd:
+    """C creatures with L legs in all.
+
+    Attributes:
+        names: of the creatures.
+        figures: of the creatures.
+        starts: (C, 2) x and z at the start [m].
+        headings: (C,) [rad].
+        cycle, stride, body_height, bounciness: (C,), see `Pace`.
+        beats: (C,) times a cycle that feet come down.
+        walks: (C,) whether it goes anywhere.
+        footprint: (C, 2) half extent of the feet at rest along x and z [m].
+        owner: (L,) creature of each leg.
+        leg_names: of the legs.
+        legs: joints of the legs.
+        rest: (L, 2) x and z of the feet at rest, relative to the body [m].
+        up, down: (L,) phases.
+        step_height, sole: (L,) lift of the foot, and radius of its tip [m].
+    """
+
+    names: tuple[str, ...]
+    figures: tuple[Figure, ...]
+    starts: Array
+    headings: Array
+    cycle: Array
+    stride: Array
+    body_height: Array
+    bounciness: Array
+    beats: Array
+    walks: NDArray[np.bool_]
+    footprint: Array
+    owner: NDArray[np.int64]
+    leg_names: tuple[str, ...]
+    legs: LimbBatch
+    rest: Array
+    up: Array
+    down: Array
+    step_height: Array
+    sole: Array
+
+    @property
+    def hips(self) -> Array:
+        """(L, 3) bases of the legs, relative to the body [m]."""
+        return self.legs.places[:, 0]
+
+
+def gather(cast: Sequence[tuple[int, Member, Figure]]) -> Herd:
+    """Collect creatures into one herd.
+
+    Args:
+        cast: place in the scene's cast, words and figure of each.
+
+    Raises:
+        SceneError: if a creature cannot walk as it is asked to.
+    """
+    owner, limbs = list[int](), []
+    for c, (_, _, figure) in enumerate(cast):
+        for limb in figure.skeleton.legs:
+            owner.append(c)
+            limbs.append((figure.skeleton, limb))
+    legs = LimbBatch.of(limbs)
+    tips = legs.pose(legs.preferred).tips if limbs else np.zeros((0, 3))
+    owners = np.array(owner, dtype=np.int64)
+    paces = []
+    for c, (number, member, figure) in enumerate(cast):
+        own = owners == c
+        paces.append(_pace(number, member, figure, legs.lengths[own], tips[own]))
+        _check_reach(number, member, paces[-1], legs.places[own, 0], tips[own], legs.lengths[own])
+    spans = [
+        np.abs(tips[owners == c][:, [0, 2]]).max(axis=0, initial=0.05) for c in range(len(cast))
+    ]
+    return Herd(
+        names=tuple(member.name for _, member, _ in cast),
+        figures=tuple(figure for _, _, figure in cast),
+        starts=np.array([member.at for _, member, _ in cast], dtype=float),
+        headings=np.radians([member.heading_deg for _, member, _ in cast]),
+        cycle=np.array([p.cycle for p in paces]),
+        stride=np.array([p.stride for p in paces]),
+        body_height=np.array([p.body_height for p in paces]),
+        bounciness=np.array([p.bounciness for p in paces]),
+        beats=np.array([p.gait.beats for p in paces], dtype=float),
+        walks=np.array([member.walk is not None for _, member, _ in cast]),
+        footprint=np.array(spans),
+        owner=owners,
+        leg_names=tuple(limb.name for _, limb in limbs),
+        legs=legs,
+        rest=tips[:, [0, 2]],
+        up=np.concatenate([p.gait.up for p in paces]),
+        down=np.concatenate([p.gait.down for p in paces]),
+        step_height=np.array([paces[c].step_height for c in owner]),
+        sole=np.array([limb.tip_radius for _, limb in limbs]),
+    )
+
+
+def _pace(number: int, member: Member, figure: Figure, lengths: Array, tips: Array) -> Pace:
+    """Choose what the author left open so that it suits the legs."""
+    words = member.walk or Walk()
+    if not len(lengths):
+        return _legless(number, member, figure)
+    leg = float(lengths.mean())
+    # A leg swings like a pendulum; this many of its free periods look natural.
+    cycle, stride = 2.6 * math.sqrt(leg / GRAVITY), 0.55 * leg
+    if words.stride is not None:
+        stride = words.stride
+    elif words.speed is not None and words.cycle is not None:
+        stride = words.speed * words.cycle
+    if words.cycle is not None:
+        cycle = words.cycle
+    elif words.speed is not None:
+        cycle = stride / words.speed
+    height = words.body_height
+    return Pace(
+        _gait(number, member, words, figure),
+        cycle,
+        stride if member.walk else 0.0,
+        float(-tips[:, 1].mean()) if height is None else height,
+        0.018 * leg if words.bounciness is None else words.bounciness,
+        0.13 * leg if words.step_height is None else words.step_height,
+    )
+
+
+def _legless(number: int, member: Member, figure: Figure) -> Pace:
+    if member.walk is not None:
+        message = f"figure '{member.figure}' has no legs to walk on; take `walk` away"
+        raise SceneError([Problem(f"cast[{number}].walk", message)])
+    lying = figure.skeleton.links[0].radii[0]
+    return Pace(Gait(np.zeros(0), np.zeros(0)), 1.0, 0.0, lying, 0.0, 0.0)
+
+
+def _gait(number: int, member: Member, words: Walk, figure: Figure) -> Gait:
+    legs = figure.skeleton.legs
+    names = [leg.name for leg in legs]
+    if isinstance(words.gait, GaitWords):
+        wrong = sorted(set(words.gait.up) ^ set(names))
+        if wrong:
+            message = (
+                f"has to name every leg of '{member.figure}' and no other: "
+                f"its legs are {', '.join(names)}; at fault: {', '.join(wrong)}"
+            )
+            raise SceneError([Problem(f"cast[{number}].walk.gait.up", message)])
+        return written(words.gait, names)
+    if words.gait == "tripod" and len(names) != 6:
+        message = f"a tripod gait needs 6 legs, '{member.figure}' has {len(names)}; take trot"
+        raise SceneError([Problem(f"cast[{number}].walk.gait", message)])
+    sides = [leg.side for leg in legs]
+    ranks = [sides[:i].count(side) for i, side in enumerate(sides)]
+    return GAITS[words.gait](sides, ranks)
+
+
+def _check_reach(
+    number: int, member: Member, pace: Pace, hips: Array, feet: Array, lengths: Array
+) -> None:
+    """Refuse a stride or a body height that the legs cannot follow on level ground."""
+    if not len(lengths):
+        return
+    drop = pace.body_height + hips[:, 1]
+    across = np.abs(feet[:, 2] - hips[:, 2])
+    room = (REACH * lengths) ** 2 - drop**2 - across**2
+    if np.any(room <= 0.0):
+        highest = math.sqrt(float(((REACH * lengths) ** 2 - across**2).min().clip(0.0)))
+        message = f"the legs do not reach the ground from {pace.body_height:g}; "
+        message += f"at this scale at most {highest:.3g} works"
+        raise SceneError([Problem(f"cast[{number}].walk.body_height", message)])
+    # Half of the ground covered in stance lies before the foot at rest, half behind it.
+    forward = np.sqrt(room) - np.abs(feet[:, 0] - hips[:, 0])
+    most = float((2.0 * forward / (1.0 - pace.gait.swing)).min())
+    if pace.stride > most:
+        message = (
+            f"a stride (speed × cycle) of {pace.stride:.3g} is more than the legs can do; at this "
+            f"body height at most {max(most, 0.0):.3g} works: lower the speed or shorten the cycle"
+        )
+        raise SceneError([Problem(f"cast[{number}].walk", message)])

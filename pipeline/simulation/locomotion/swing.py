@@ -1,0 +1,69 @@
+"""Swing: the way of a foot from one foothold to the next.
+
+    3. Find how far the ground rises above the straight way between them.
+    4. Follow a spline that clears it, along its whole length.
+
+Source: Sims 1987, 10.2, steps 3 and 4, and figure 10.1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.curves import bump, ease
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground
+
+SAMPLES = np.linspace(0.0, 1.0, 50)[1:-1]
+"""Places along the way at which the ground is looked at."""
+
+
+def lift_to_clear(ground: Ground, start: Array, end: Array, sole: float, least: float) -> float:
+    """Return how high a swing must arch to clear the ground [m].
+
+    Args:
+        ground: what is to be cleared.
+        start: (3,) tip at lifting [m].
+        end: (3,) tip at coming down [m].
+        sole: radius of the tip [m].
+        least: height of the arch on level ground [m].
+    """
+    way = start + ease(SAMPLES)[:, None] * (end - start)
+    rise = ground.height(way[:, 0], way[:, 2]) + sole - way[:, 1]
+    # Beside the footholds the arch grows with the square of the time and the ground can
+    # rise with its cube only, so the quotient stays bounded.
+    arch = bump(SAMPLES)
+    return float(np.maximum(rise / arch + 0.4 * least, least).max())
+
+
+def swing(start: Array, end: Array, height: Array, s: Array) -> Array:
+    """Return the tips (L, 3) of feet at parts `s` (L,) of their swings [m].
+
+    Horizontal way and height both begin and end at rest; see `bump`.
+    """
+    along = ease(s)[:, None]
+    p = start + along * (end - start)
+    p[:, 1] += height * bump(s)
+    return p
+
+
+LAST = np.linspace(0.9, 1.0, 9)
+
+
+def approach_speed(start: Array, end: Array, height: float, normal: Array, time: float) -> float:
+    """Return the speed at which a foot comes down [m/s].
+
+    A planned foot comes to rest as it touches, as an animal's does; what is heard is
+    the speed that it loses within the last tenth of its swing.
+
+    Args:
+        start: (3,) tip at lifting [m].
+        end: (3,) tip at coming down [m].
+        height: of the arch [m].
+        normal: (3,) of the ground.
+        time: of the whole swing [s].
+    """
+    n = len(LAST)
+    way = swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.full(n, height), LAST)
+    speeds = -np.diff(way @ normal) / np.diff(LAST) / time
+    return float(max(speeds.max(), 0.0))

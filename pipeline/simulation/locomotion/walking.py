@@ -1,0 +1,255 @@
+"""Walking: the troupe of creatures on legs.
+
+The gait's phase runs on; feet that reach their foot-up phase plan a step, feet that
+reach their foot-down phase touch the ground. The body goes its way, and inverse
+kinematics joins the two.
+
+Source: Sims 1987, ch. 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import SimulationError
+from pipeline.simulation.curves import hinge
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.inverse import solve
+from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.footholds import Footholds
+from pipeline.simulation.locomotion.herd import REACH, gather
+from pipeline.simulation.locomotion.idle import gather_idlers
+from pipeline.simulation.locomotion.inventory import NodeTable, describe, leg_mass
+from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear, swing
+from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.take import Contact, Note
+from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.spec.cast import Member
+
+SLIP = 1e-4
+"""Distance between foot and foothold that is worth a note [m]."""
+
+BRAKING = 0.3
+"""Time in which a creature that finds no foothold comes to rest [s]."""
+
+
+class Walkers:
+    """All creatures on legs: their state, and how it advances.
+
+    Attributes of the state:
+        phase: (C,) of the gait, whole cycles counted.
+        travelled: (C,) way gone [m].
+        drive: (C,) part of the asked speed at which it goes; 0 once halted.
+        halted: (C,) whether it found no foothold.
+        start, end, height: of each leg's swing, (L, 3), (L, 3), (L,) [m]; a leg that
+            stands does so at `end`.
+        lifted: (L,) phase at which its swing began.
+        swinging: (L,).
+    """
+
+    def __init__(
+        self, cast: Sequence[tuple[int, Member, Figure]], world: World, materials: Sequence[str]
+    ) -> None:
+        self.world = world
+        self.herd = herd = gather(cast)
+        self.path = BodyPath(herd, world.ground)
+        self.footholds = Footholds(herd, world.ground, self.path)
+        self.idlers = gather_idlers(herd.names, herd.figures, world.seed)
+        self.materials = tuple(materials)
+        self.table = NodeTable.of(herd, self.idlers)
+        self.inventory = describe(herd, self.idlers, self.table, self.materials, world.clock.rows)
+        self._mass = leg_mass(herd)
+        creatures, legs = len(herd.names), len(herd.owner)
+        self.phase = np.zeros(creatures)
+        self.travelled = np.zeros(creatures)
+        self.drive = np.where(herd.walks, 1.0, 0.0)
+        self.halted = np.zeros(creatures, dtype=bool)
+        self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
+        self.height, self.lifted = np.zeros(legs), np.zeros(legs)
+        self.swinging = np.zeros(legs, dtype=bool)
+        self._contacts: list[Contact] = []
+        self._notes: list[Note] = []
+        self._set_down()
+        self.limbs = herd.legs.pose(herd.legs.preferred)
+        self._place_bodies()
+        self._place_legs(0, most=200)
+
+    # --- the passes of the step -------------------------------------------------
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to the next."""
+        self._contacts.clear()
+        self._notes.clear()
+        before = self.phase.copy()
+        self._go_on(step)
+        self._take_steps(step, before)
+        self._place_bodies()
+        self._place_legs(step + 1)
+
+    def write(self, rows: Rows) -> None:
+        """Write nodes and channels."""
+        time = self.travel_time
+        pitch = np.arcsin(np.clip(self.R_WB[:, 1, 0], -1.0, 1.0))
+        q_idle = self.idlers.values(self.phase, pitch, time)
+        R_BN, p_BN = self.table.poses(self.limbs, *self.idlers.tree.joint_poses(q_idle))
+        owner = self.table.owner
+        rows.positions[:] = self.p_WB[owner] + turn(self.R_WB[owner], p_BN)
+        rows.rotations[:] = self.R_WB[owner] @ R_BN
+        rows.alive[:] = True
+        speed = self.herd.stride / self.herd.cycle * self.drive
+        legs = self.limbs.q[self.table.leg_channels]
+        rows.values[:] = np.concatenate([np.mod(self.phase, 1.0), speed, legs, q_idle])
+
+    def facts(self) -> Facts:
+        """Return the footfalls and notes of the last step."""
+        return Facts(tuple(self._contacts), tuple(self._notes))
+
+    # --- the start --------------------------------------------------------------
+
+    def _set_down(self) -> None:
+        """Put every foot where it would be if the creature had come walking."""
+        self.travel_time = 0.0
+        herd = self.herd
+        swings = np.mod(herd.down - herd.up, 1.0)
+        into = np.mod(-herd.up, 1.0)  # how far the cycle has gone since its last foot-up
+        for leg in range(len(herd.owner)):
+            walks = herd.walks[herd.owner[leg]]
+            in_air = walks and into[leg] < swings[leg]
+            # Where it stands now, or stood before the swing that it is in.
+            down = -into[leg] + swings[leg] - (1.0 if in_air else 0.0)
+            place = self.footholds.first(leg, down if walks else -0.5 * (1.0 - swings[leg]))
+            if place is None:
+                raise SimulationError(self._no_ground(leg))
+            self.start[leg] = self.end[leg] = place
+            if in_air:
+                self._lift(0, leg, -float(into[leg]))
+
+    def _no_ground(self, leg: int) -> str:
+        owner = int(self.herd.owner[leg])
+        x, z = self.herd.starts[owner]
+        return (
+            f"{self.herd.names[owner]}: leg {self.herd.leg_names[leg]} finds no foothold around "
+            f"its start at [{x:g}, {z:g}]: all is forbidden or out of reach; "
+            "place it elsewhere with `at`, or raise `unsteppable_slope_deg`"
+        )
+
+    # --- one step ---------------------------------------------------------------
+
+    def _go_on(self, step: int) -> None:
+        """Advance phases and ways; a halted creature comes to rest on its feet."""
+        dt = self.world.clock.dt
+        self.travel_time = (step + 1) * dt
+        herd = self.herd
+        if self.halted.any():
+            self.drive = np.where(
+                self.halted, np.maximum(self.drive - dt / BRAKING, 0.0), self.drive
+            )
+        # The phase of a halted creature goes on until its last foot is down.
+        airborne = np.bincount(herd.owner[self.swinging], minlength=len(herd.names)) > 0
+        stepping = herd.walks & (~self.halted | airborne)
+        advance = np.where(stepping, dt / herd.cycle, 0.0)
+        self.phase = self.phase + advance
+        self.travelled = self.travelled + dt / herd.cycle * herd.stride * self.drive
+
+    def _take_steps(self, step: int, before: Array) -> None:
+        """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""
+        herd = self.herd
+        phase, base = self.phase[herd.owner], before[herd.owner]
+        down_at = self.lifted + np.mod(herd.down - herd.up, 1.0)
+        for leg in np.flatnonzero(self.swinging & (down_at <= phase)):
+            span = phase[leg] - base[leg]
+            self._touch(step, int(leg), float((down_at[leg] - base[leg]) / span))
+        # The first foot-up after the step began; an end of a step belongs to the next one.
+        up_at = base + np.mod(herd.up - base, 1.0)
+        moving = ~self.swinging & (up_at < phase) & ~self.halted[herd.owner]
+        for leg in np.flatnonzero(moving & herd.walks[herd.owner]):
+            self._lift(step, int(leg), float(up_at[leg]))
+
+    def _lift(self, step: int, leg: int, phase: float) -> None:
+        """Plan the swing of a foot that lifts at `phase`; halt if it has nowhere to go."""
+        herd, owner = self.herd, int(self.herd.owner[leg])
+        way = self.travelled[owner] - (self.phase[owner] - phase) * herd.stride[owner]
+        place = self.footholds.next(leg, self.end[leg], float(way), phase)
+        if place is None:
+            self.halted[owner] = True
+            name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
+            self._notes.append(Note("stopped", step, name, "no foothold within reach"))
+            return
+        self.start[leg] = self.end[leg]
+        self.end[leg] = place
+        self.height[leg] = lift_to_clear(
+            self.world.ground, self.start[leg], place, herd.sole[leg], herd.step_height[leg]
+        )
+        self.lifted[leg], self.swinging[leg] = phase, True
+
+    def _touch(self, step: int, leg: int, fraction: float) -> None:
+        """Put a foot down, `fraction` of a step after `step`."""
+        herd, owner = self.herd, int(self.herd.owner[leg])
+        self.swinging[leg] = False
+        tip = self.end[leg]
+        normal = self.world.ground.normal(tip[0], tip[2])
+        place = tip - herd.sole[leg] * normal
+        time = herd.cycle[owner] * float(np.mod(herd.down[leg] - herd.up[leg], 1.0))
+        speed = approach_speed(self.start[leg], tip, self.height[leg], normal, time)
+        self._contacts.append(
+            Contact(
+                step=step,
+                fraction=min(max(fraction, 0.0), np.nextafter(1.0, 0.0)),
+                performer=herd.names[owner],
+                part=f"{herd.names[owner]}.{herd.leg_names[leg]}",
+                other="terrain",
+                place=_plain(place),
+                normal=_plain(normal),
+                speed=speed,
+                energy=0.5 * float(self._mass[leg]) * speed * speed,
+                material=self.table.foot_materials[leg],
+                surface=self.world.ground.material,
+                size=float(herd.legs.lengths[leg]),
+            )
+        )
+
+    def _place_bodies(self) -> None:
+        """Bring the bodies to their poses, lowered rather than a leg overstretched."""
+        herd = self.herd
+        everyone = np.arange(len(herd.names))
+        self.R_WB, self.p_WB = self.path.pose(everyone, self.travelled, self.phase)
+        self.tips = self._tips()
+        hips = self.p_WB[herd.owner] + turn(self.R_WB[herd.owner], herd.hips)
+        reach = REACH * herd.legs.lengths
+        across = ((self.tips - hips)[:, [0, 2]] ** 2).sum(axis=-1)
+        highest = self.tips[:, 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
+        excess = hinge(hips[:, 1] - highest, 0.02 * herd.legs.lengths)
+        lower = np.zeros(len(herd.names))
+        np.maximum.at(lower, herd.owner, excess)
+        self.p_WB[:, 1] -= lower
+
+    def _tips(self) -> Array:
+        """Return where the feet are to be (L, 3) [m]."""
+        herd = self.herd
+        if not self.swinging.any():
+            return self.end.copy()
+        part = np.mod(herd.down - herd.up, 1.0)
+        s = np.clip((self.phase[herd.owner] - self.lifted) / part, 0.0, 1.0)
+        s = np.where(self.swinging, s, 1.0)
+        return swing(self.start, self.end, self.height, s)
+
+    def _place_legs(self, step: int, most: int = 40) -> None:
+        """Bring the feet to their places by inverse kinematics from the pose before."""
+        herd = self.herd
+        R, p = self.R_WB[herd.owner], self.p_WB[herd.owner]
+        goals = unturn(R, self.tips - p)
+        solution = solve(herd.legs, self.limbs, goals, most)
+        self.limbs = solution.pose
+        slipped: NDArray[np.intp] = np.flatnonzero(solution.residual > SLIP)
+        for leg in slipped:
+            name = f"{herd.names[herd.owner[leg]]}.{herd.leg_names[leg]}"
+            gap = float(solution.residual[leg]) * 1000.0
+            self._notes.append(Note("clamped", step, name, f"{gap:.2g} mm from its foothold"))
+
+
+def _plain(v: Array) -> tuple[float, float, float]:
+    x, y, z = (float(c) for c in v)
+    return x, y, z

@@ -1,0 +1,132 @@
+"""Recorder: collects rows and facts until they are a take."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.spatial import continuous, quaternion
+from pipeline.simulation.take import (
+    Contact,
+    Header,
+    Mesh,
+    Node,
+    Note,
+    Part,
+    SoundEvent,
+    Take,
+    TerrainRecord,
+)
+from pipeline.simulation.terrain import Ground
+from pipeline.simulation.troupe import Inventory, Rows
+
+
+class Recorder:
+    """The take while it grows."""
+
+    def __init__(
+        self, header: Header, clock: Clock, ground: Ground, inventories: Sequence[Inventory]
+    ) -> None:
+        self.header = header
+        self.clock = clock
+        self.ground = ground
+        self.nodes, self.meshes, self.parts = _joined(inventories)
+        self.channels = tuple(c for inventory in inventories for c in inventory.channels)
+        self._slices = _slices(inventories)
+        rows, nodes = clock.rows, len(self.nodes)
+        self.positions = np.zeros((rows, nodes, 3))
+        self.rotations = np.zeros((rows, nodes, 3, 3))
+        self.alive = np.zeros((rows, nodes), dtype=bool)
+        self.values = np.zeros((rows, len(self.channels)))
+        self.contacts: list[Contact] = []
+        self.events: list[SoundEvent] = []
+        self.notes: list[Note] = []
+
+    def rows(self, row: int) -> list[Rows]:
+        """Return each troupe's slice of `row`, to be written into."""
+        return [
+            Rows(
+                self.positions[row, nodes],
+                self.rotations[row, nodes],
+                self.alive[row, nodes],
+                self.values[row, channels],
+            )
+            for nodes, channels in self._slices
+        ]
+
+    def not_finite(self, row: int) -> str | None:
+        """Return the name of the first node whose pose is not finite, None if all are."""
+        poses = self.positions[row].sum(axis=-1) + self.rotations[row].sum(axis=(-1, -2))
+        if np.isfinite(poses).all():
+            return None
+        return self.nodes[int(np.argmax(~np.isfinite(poses)))].name
+
+    def happened(
+        self,
+        contacts: Iterable[Contact],
+        events: Iterable[SoundEvent],
+        notes: Iterable[Note],
+    ) -> None:
+        """Keep what happened in one step; a note is kept once for each part and kind."""
+        self.contacts.extend(contacts)
+        self.events.extend(events)
+        known = {(note.kind, note.part) for note in self.notes}
+        self.notes.extend(note for note in notes if (note.kind, note.part) not in known)
+
+    def take(self) -> Take:
+        """Return the finished take."""
+        rotations = continuous(quaternion(self.rotations))
+        field = self.ground.field
+        return Take(
+            header=self.header,
+            nodes=self.nodes,
+            positions=self.positions,
+            rotations=rotations,
+            alive=self.alive,
+            scales=np.zeros((len(rotations), 0, 3)),
+            scaled=(),
+            channels=self.channels,
+            values=self.values,
+            meshes=self.meshes,
+            parts=self.parts,
+            terrain=TerrainRecord(
+                field.vertices,
+                field.faces,
+                field.cells,
+                self.ground.forbidden,
+                self.ground.material,
+            ),
+            contacts=tuple(self.contacts),
+            events=tuple(self.events),
+            notes=tuple(self.notes),
+        )
+
+
+def _joined(
+    inventories: Sequence[Inventory],
+) -> tuple[tuple[Node, ...], tuple[Mesh, ...], tuple[Part, ...]]:
+    """Put inventories one after the other, their numbers counted on."""
+    nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
+    for inventory in inventories:
+        first_node, first_mesh = len(nodes), len(meshes)
+        for node in inventory.nodes:
+            parent = node.parent + first_node if node.parent >= 0 else -1
+            nodes.append(replace(node, parent=parent))
+        meshes.extend(
+            replace(mesh, nodes=(mesh.nodes + first_node).astype(np.int32))
+            for mesh in inventory.meshes
+        )
+        parts.extend(replace(part, mesh=part.mesh + first_mesh) for part in inventory.parts)
+    return tuple(nodes), tuple(meshes), tuple(parts)
+
+
+def _slices(inventories: Sequence[Inventory]) -> list[tuple[slice, slice]]:
+    slices, node, channel = [], 0, 0
+    for inventory in inventories:
+        after = node + len(inventory.nodes), channel + len(inventory.channels)
+        slices.append((slice(node, after[0]), slice(channel, after[1])))
+        node, channel = after
+    return slices

@@ -1,0 +1,154 @@
+"""Simulate: Scene -> Take, step by step."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable
+from importlib.metadata import version
+
+import numpy as np
+
+import pipeline
+from pipeline.errors import SimulationError
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.detect import DETECTORS
+from pipeline.simulation.figures.figure import build_figure
+from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
+from pipeline.simulation.terrain import build_ground
+from pipeline.simulation.troupe import Troupe, World
+from pipeline.spec.scene import VERSION, Scene
+
+DEFAULT_MATERIAL = "brown chitin"
+"""Of performers that name none, neither themselves nor in their figures."""
+
+
+class Simulation:
+    """The world of one scene, one step at a time.
+
+    Raises:
+        SceneError: if a figure is none, or cannot do what it is asked to.
+        SimulationError: if the scene cannot begin, or diverges.
+    """
+
+    def __init__(self, scene: Scene, key: str = "") -> None:
+        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
+        self.world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
+        self.troupes: list[Troupe] = _troupes(scene, self.world)
+        self.recorder = Recorder(
+            _header(scene, key), clock, self.world.ground, [t.inventory for t in self.troupes]
+        )
+        self.step_number = 0
+        self._write()
+
+    @property
+    def finished(self) -> bool:
+        """Whether the last row is written."""
+        return self.step_number >= self.world.clock.last_step
+
+    def step(self) -> None:
+        """Advance the world by one step."""
+        self._advance()
+        self.step_number += 1
+        self._write()
+        contacts, notes = self._facts()
+        events = self._detect(contacts)
+        self.recorder.happened(contacts, events, notes)
+
+    def take(self) -> Take:
+        """Return what has happened, once finished."""
+        return self.recorder.take()
+
+    def _advance(self) -> None:
+        for troupe in self.troupes:
+            troupe.advance(self.step_number)
+
+    def _write(self) -> None:
+        row = self.world.clock.row_of_step(self.step_number)
+        if row is None:
+            return
+        for troupe, rows in zip(self.troupes, self.recorder.rows(row), strict=True):
+            troupe.write(rows)
+        self._stop_if_diverged(row)
+
+    def _stop_if_diverged(self, row: int) -> None:
+        wrong = self.recorder.not_finite(row)
+        if wrong is not None:
+            time = float(self.world.clock.time_of(self.step_number))
+            raise SimulationError(
+                f"the simulation diverged at step {self.step_number} ({time:.3f} s): "
+                f"the pose of {wrong} is no longer finite"
+            )
+
+    def _facts(self) -> tuple[list[Contact], list[Note]]:
+        facts = [troupe.facts() for troupe in self.troupes]
+        contacts = [contact for fact in facts for contact in fact.contacts]
+        notes = [note for fact in facts for note in fact.notes]
+        return sorted(contacts, key=lambda c: (c.fraction, c.part)), notes
+
+    def _detect(self, contacts: list[Contact]) -> list[SoundEvent]:
+        clock = self.world.clock
+        return [event for detector in DETECTORS for event in detector(contacts, clock)]
+
+
+def simulate(
+    scene: Scene, key: str = "", progress: Callable[[int, int], None] | None = None
+) -> Take:
+    """Simulate the whole of `scene`.
+
+    Args:
+        scene: what the author asked for.
+        key: digest of what the simulation reads, kept in the take.
+        progress: called now and then with (frames done, frames in all).
+    """
+    simulation = Simulation(scene, key)
+    clock = simulation.world.clock
+    while not simulation.finished:
+        simulation.step()
+        if progress and simulation.step_number % (8 * clock.steps) == 0:
+            progress(simulation.step_number // clock.steps, clock.frames)
+    return simulation.take()
+
+
+def _troupes(scene: Scene, world: World) -> list[Troupe]:
+    """Sort the cast into troupes, one a room."""
+    walkers = []
+    for number, member in enumerate(scene.cast):
+        figure = build_figure(member.figure, scene.figures[member.figure], member.scale)
+        walkers.append((number, member, figure))
+    materials = [m.material or figure.material or DEFAULT_MATERIAL for _, m, figure in walkers]
+    return [Walkers(walkers, world, materials)]
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of all that decides a take's last bit."""
+    return {
+        "pronk": pipeline.__version__,
+        "language": str(VERSION),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "machine": processor_class(),
+    }
+
+
+def processor_class() -> str:
+    """Return the class of processor: within it, equal scenes give equal bytes.
+
+    Numpy's exp, BLAS and decompositions choose their code by the vector units found.
+    """
+    simd = np.show_config(mode="dicts")["SIMD Extensions"]
+    return "-".join([platform.machine(), *simd.get("found", [])])
+
+
+def _header(scene: Scene, key: str) -> Header:
+    return Header(
+        key=key,
+        title=scene.title,
+        rate=scene.rate,
+        frames=scene.n_frames,
+        samples=scene.samples,
+        steps=scene.steps,
+        seed=scene.seed,
+        versions=versions(),
+    )

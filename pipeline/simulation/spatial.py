@@ -1,0 +1,143 @@
+"""Rotations and poses, as arrays; the table of letters.
+
+    W world      B body or link      J joint      F foot      C camera
+
+`p_WB` is the position of B in W, `R_WB` its rotation matrix, `q_WB` the same as a
+quaternion `wxyz`, `v_WB` its velocity. Neighbouring letters cancel:
+`p_WF = p_WB + R_WB @ p_BF`. All functions work on the last axis (or the last two,
+for matrices) and broadcast over the others.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+UP: Array = np.array([0.0, 1.0, 0.0])
+
+
+def normalized(v: Array) -> Array:
+    """Return `v` (..., 3) scaled to length one; a zero vector stays zero."""
+    length = np.linalg.norm(v, axis=-1, keepdims=True)
+    result: Array = v / np.where(length > 0.0, length, 1.0)
+    return result
+
+
+def rotation(axis: Array, angle: Array | float) -> Array:
+    """Return the matrices (..., 3, 3) that turn by `angle` [rad] about unit `axis` (..., 3).
+
+    Source: Rodrigues' formula; it replaces Sims 1987, A.2 and A.3, whose product
+    Qᵀ Z(θ) Q it equals.
+    """
+    axis = np.asarray(axis, dtype=float)
+    K = cross_matrix(axis)
+    s, c = np.sin(angle)[..., None, None], np.cos(angle)[..., None, None]
+    result: Array = np.eye(3) + s * K + (1.0 - c) * (K @ K)
+    return result
+
+
+def cross_matrix(v: Array) -> Array:
+    """Return the matrices (..., 3, 3) whose product with w is v × w, for `v` (..., 3)."""
+    K = np.zeros((*v.shape[:-1], 3, 3))
+    K[..., 0, 1], K[..., 0, 2], K[..., 1, 2] = -v[..., 2], v[..., 1], -v[..., 0]
+    K[..., 1, 0], K[..., 2, 0], K[..., 2, 1] = v[..., 2], -v[..., 1], v[..., 0]
+    return K
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Return a × b (..., 3); a tenth of the time of numpy's for a few vectors."""
+    result = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    result[..., 0] = a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1]
+    result[..., 1] = a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2]
+    result[..., 2] = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return result
+
+
+def heading(angle: Array | float) -> Array:
+    """Return the rotations (..., 3, 3) by `angle` [rad] about +Y; 0 looks along +X."""
+    return rotation(UP, angle)
+
+
+def quaternion(R: Array) -> Array:
+    """Return the unit quaternions (..., 4) `wxyz` of rotation matrices (..., 3, 3).
+
+    Of the four equivalent formulas each matrix uses the one with the largest
+    component, which keeps full precision near half turns.
+
+    Source: Shepperd 1978.
+    """
+    m00, m11, m22 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    candidates = np.stack(
+        [1 + m00 + m11 + m22, 1 + m00 - m11 - m22, 1 - m00 + m11 - m22, 1 - m00 - m11 + m22],
+        axis=-1,
+    )
+    a = R[..., 2, 1] - R[..., 1, 2]
+    b = R[..., 0, 2] - R[..., 2, 0]
+    c = R[..., 1, 0] - R[..., 0, 1]
+    d = R[..., 1, 0] + R[..., 0, 1]
+    e = R[..., 0, 2] + R[..., 2, 0]
+    f = R[..., 2, 1] + R[..., 1, 2]
+    columns = np.stack(
+        [
+            np.stack([candidates[..., 0], a, b, c], axis=-1),
+            np.stack([a, candidates[..., 1], d, e], axis=-1),
+            np.stack([b, d, candidates[..., 2], f], axis=-1),
+            np.stack([c, e, f, candidates[..., 3]], axis=-1),
+        ],
+        axis=-2,
+    )
+    best = np.argmax(candidates, axis=-1)
+    chosen = np.take_along_axis(columns, best[..., None, None], axis=-2)[..., 0, :]
+    result: Array = chosen / np.linalg.norm(chosen, axis=-1, keepdims=True)
+    return result
+
+
+def matrix(q: Array) -> Array:
+    """Return the rotation matrices (..., 3, 3) of unit quaternions (..., 4) `wxyz`."""
+    w, x, y, z = np.moveaxis(np.asarray(q, dtype=float), -1, 0)
+    rows = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def continuous(q: Array) -> Array:
+    """Return quaternions (K, ..., 4) with the signs that keep each row near the one before.
+
+    Both signs stand for one rotation; a continuous one lets rows be interpolated.
+    """
+    flips = np.sum(q[1:] * q[:-1], axis=-1, keepdims=True) < 0.0
+    # Each flip turns all rows after it, so a row's sign is the parity of the flips so far.
+    odd = np.cumsum(flips, axis=0) % 2 == 1
+    result = q.copy()
+    result[1:] = np.where(odd, -q[1:], q[1:])
+    return result
+
+
+def turn(R: Array, v: Array) -> Array:
+    """Return the vectors `v` (..., 3) turned by the matrices `R` (..., 3, 3)."""
+    result: Array = (R @ v[..., None])[..., 0]
+    return result
+
+
+def unturn(R: Array, v: Array) -> Array:
+    """Return the vectors `v` (..., 3) turned by the inverses of `R` (..., 3, 3)."""
+    result: Array = (v[..., None, :] @ R)[..., 0, :]
+    return result
+
+
+def from_directions(forward: Array, up: Array) -> Array:
+    """Return rotations (..., 3, 3) whose X is `forward` and whose Y is as near `up` as can be.
+
+    Args:
+        forward: (..., 3), not parallel to `up`; need not have length one.
+        up: (..., 3).
+    """
+    x = normalized(forward)
+    z = normalized(np.cross(x, np.broadcast_to(up, x.shape)))
+    y = np.cross(z, x)
+    return np.stack([x, y, z], axis=-1)

@@ -1,0 +1,300 @@
+"""Take: what happened, and the only thing that leaves the simulation.
+
+Rows are samples, S a frame; row 0 is frame 1, and S rows follow the last frame's.
+The camera is not in it: a take can be filmed again with another look.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array
+
+FORMAT = 1
+"""Version of the take's layout."""
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """What a take is, and by what it was made.
+
+    Attributes:
+        key: digest of all that the simulation read; equal keys mean equal takes on one
+            class of processor with one set of versions.
+        title: of the scene.
+        rate: frames a second.
+        frames: number of frames.
+        samples: rows a frame (S).
+        steps: world steps a frame.
+        seed: of the scene.
+        versions: name -> version of what computed it, the language and the class of
+            processor among them.
+        format: of the take.
+    """
+
+    key: str
+    title: str
+    rate: Fraction
+    frames: int
+    samples: int
+    steps: int
+    seed: int
+    versions: dict[str, str]
+    format: int = FORMAT
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the header as plain values."""
+        plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "rate"}
+        return {**plain, "rate": [self.rate.numerator, self.rate.denominator]}
+
+    @staticmethod
+    def from_dict(plain: dict[str, Any]) -> Header:
+        """Return the header that `as_dict` wrote."""
+        words = {name: value for name, value in plain.items() if name != "rate"}
+        return Header(rate=Fraction(*plain["rate"]), **words)
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """A frame that moves.
+
+    Attributes:
+        name: unique, such as "bug.l1.2".
+        performer: whose it is.
+        parent: number of the node it hangs on, -1 for none.
+        rest: its place in the frame that its meshes' vertices are given in [m].
+    """
+
+    name: str
+    performer: str
+    parent: int
+    rest: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """A number that changes over the rows, such as a joint value or a gait phase."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles that follow at most two nodes a vertex; topology is constant.
+
+    Attributes:
+        vertices: (V, 3) float32 in the rest frame [m].
+        faces: (F, 3) uint32, counter-clockwise from outside.
+        nodes: (V, 2) int32 node numbers.
+        weights: (V, 2) float32, summing to one.
+        uv: (V, 2) float32, (0, 2) for none [m].
+    """
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+    nodes: NDArray[np.int32]
+    weights: NDArray[np.float32]
+    uv: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 2), np.float32))
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One visible solid.
+
+    Attributes:
+        name: unique, such as "bug.l1.2".
+        performer: whose it is.
+        mesh: number of its mesh.
+        material: by name.
+        size: characteristic length [m].
+        life: first row in which it is seen, and the first in which it no longer is.
+    """
+
+    name: str
+    performer: str
+    mesh: int
+    material: str
+    size: float
+    life: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """The begin of a contact.
+
+    Attributes:
+        step: the last step before it.
+        fraction: of a step after that, in [0, 1).
+        performer: who touched.
+        part: with what, such as "l1".
+        other: what was touched, such as "terrain".
+        place: where [m].
+        normal: of the surface touched.
+        speed: of approach along the normal [m/s].
+        energy: of the approach [J].
+        material: of the part.
+        surface: material of the other.
+        size: characteristic length of the part [m].
+    """
+
+    step: int
+    fraction: float
+    performer: str
+    part: str
+    other: str
+    place: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    speed: float
+    energy: float
+    material: str
+    surface: str
+    size: float
+
+
+@dataclass(frozen=True, slots=True)
+class SoundEvent:
+    """Something heard.
+
+    Attributes:
+        step: the last step before it.
+        fraction: of a step after that, in [0, 1).
+        frame: the first that shows it; may lie after the last.
+        cause: "footfall", ...
+        who: performer that sounds.
+        part: the part of it that sounds.
+        other: with whom or what.
+        place: where [m].
+        strength: speed of approach or of the motion [m/s].
+        energy: of the impact [J].
+        size: characteristic length of what sounds [m].
+        material: of what sounds.
+        surface: material of the other.
+        track: rows over which it lasts, (first, last), equal for an onset.
+    """
+
+    step: int
+    fraction: float
+    frame: int
+    cause: str
+    who: str
+    part: str
+    other: str
+    place: tuple[float, float, float]
+    strength: float
+    energy: float
+    size: float
+    material: str
+    surface: str
+    track: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Something the author should know: stopped, toppled, dropped, clamped."""
+
+    kind: str
+    step: int
+    part: str
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class TerrainRecord:
+    """The ground as it was stood on.
+
+    Attributes:
+        vertices: (V, 3) [m].
+        faces: (F, 3) uint32.
+        cells: cells along x and z.
+        forbidden: (n_z, n_x) cells that no foot may be put on.
+        material: by name.
+    """
+
+    vertices: Array
+    faces: NDArray[np.uint32]
+    cells: tuple[int, int]
+    forbidden: NDArray[np.bool_]
+    material: str
+
+
+@dataclass(frozen=True, eq=False)
+class Take:
+    """A finished simulation.
+
+    Attributes:
+        header: what it is.
+        nodes: J frames that move.
+        positions: (K, J, 3) of the nodes [m].
+        rotations: (K, J, 4) quaternions wxyz with continuous sign.
+        alive: (K, J).
+        scales: (K, n, 3) of the few nodes that have one, `scaled` saying which.
+        scaled: numbers of those nodes.
+        channels: C numbers that change.
+        values: (K, C) of the channels.
+        meshes: surfaces that follow nodes.
+        parts: visible solids.
+        terrain: the ground.
+        contacts: in the order of time.
+        events: sound events in the order of time.
+        notes: what the author should know.
+    """
+
+    header: Header
+    nodes: tuple[Node, ...]
+    positions: Array
+    rotations: Array
+    alive: NDArray[np.bool_]
+    scales: Array
+    scaled: tuple[int, ...]
+    channels: tuple[Channel, ...]
+    values: Array
+    meshes: tuple[Mesh, ...]
+    parts: tuple[Part, ...]
+    terrain: TerrainRecord
+    contacts: tuple[Contact, ...]
+    events: tuple[SoundEvent, ...]
+    notes: tuple[Note, ...]
+
+    def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
+        """Yield the name and the values of every array, in a fixed order."""
+        for name in ("positions", "rotations", "alive", "scales", "values"):
+            yield name, getattr(self, name)
+        for name in ("vertices", "faces", "forbidden"):
+            yield f"terrain/{name}", getattr(self.terrain, name)
+        for i, mesh in enumerate(self.meshes):
+            for f in fields(mesh):
+                yield f"meshes/{i}/{f.name}", getattr(mesh, f.name)
+
+    def tables(self) -> dict[str, list[list[Any]]]:
+        """Return everything that is no array as rows of plain values."""
+        names = ("nodes", "channels", "parts", "contacts", "events", "notes")
+        return {
+            name: [[getattr(row, f.name) for f in fields(row)] for row in getattr(self, name)]
+            for name in names
+        }
+
+    @cached_property
+    def digest(self) -> str:
+        """Digest of it all, as hexadecimal digits."""
+        state = hashlib.blake2b(digest_size=20)
+        words = {
+            "header": self.header.as_dict(),
+            "tables": self.tables(),
+            "scaled": self.scaled,
+            "terrain": [self.terrain.cells, self.terrain.material],
+        }
+        state.update(json.dumps(words, sort_keys=True).encode())
+        for name, values in self.arrays():
+            state.update(f"{name}{values.dtype.str}{values.shape}".encode())
+            state.update(np.ascontiguousarray(values).tobytes())
+        return state.hexdigest()

@@ -1,0 +1,140 @@
+"""Take store: a take as a zarr group, in chunks of 32 frames.
+
+Zarr stays readable up to its last whole chunk when its writer is killed, and other
+programs read it. Everything that is no array stands in the group's attributes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+
+from pipeline.errors import StoreError
+from pipeline.simulation.take import (
+    FORMAT,
+    Channel,
+    Contact,
+    Header,
+    Mesh,
+    Node,
+    Note,
+    Part,
+    SoundEvent,
+    Take,
+    TerrainRecord,
+)
+
+FRAMES_A_CHUNK = 32
+
+ROWS: dict[str, Any] = {
+    "nodes": Node,
+    "channels": Channel,
+    "parts": Part,
+    "contacts": Contact,
+    "events": SoundEvent,
+    "notes": Note,
+}
+
+BY_ROW = ("positions", "rotations", "alive", "scales", "values")
+
+
+def write_take(take: Take, path: Path) -> None:
+    """Write `take` into the new folder `path`.
+
+    Raises:
+        StoreError: if it cannot be written.
+    """
+    try:
+        group = zarr.open_group(path, mode="w", zarr_format=3)
+        for name, values in take.arrays():
+            _write_array(group, name, values, take.header.samples)
+        words: dict[str, Any] = {
+            "header": take.header.as_dict(),
+            "tables": take.tables(),
+            "columns": {name: list(row.__dataclass_fields__) for name, row in ROWS.items()},
+            "scaled": list(take.scaled),
+            "terrain": {"cells": list(take.terrain.cells), "material": take.terrain.material},
+            "meshes": len(take.meshes),
+            "digest": take.digest,
+        }
+        group.attrs.update(words)
+    except OSError as error:
+        raise StoreError(f"{path}: the take could not be written: {error.strerror}") from error
+
+
+def _write_array(group: zarr.Group, name: str, values: NDArray[Any], samples: int) -> None:
+    rows = FRAMES_A_CHUNK * samples if name in BY_ROW else max(len(values), 1)
+    shape = tuple(max(n, 1) for n in values.shape)
+    array = group.create_array(
+        name, shape=values.shape, dtype=values.dtype, chunks=(min(rows, shape[0]), *shape[1:])
+    )
+    if values.size:
+        array[...] = values
+
+
+def read_key(path: Path) -> str | None:
+    """Return the key of the take in `path`, None if there is no whole take."""
+    try:
+        attributes: dict[str, Any] = zarr.open_group(path, mode="r").attrs.asdict()
+        header = Header.from_dict(attributes["header"])
+        # The digest is written last of all.
+        return header.key if header.format == FORMAT and "digest" in attributes else None
+    except (OSError, KeyError, TypeError, ValueError):
+        return None
+
+
+def read_take(path: Path) -> Take:
+    """Read the take in `path`.
+
+    Raises:
+        StoreError: if there is none, or it is not whole.
+    """
+    try:
+        group = zarr.open_group(path, mode="r")
+        plain: dict[str, Any] = group.attrs.asdict()
+        take = _assemble(group, plain)
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise StoreError(f"{path}: is no take that can be read ({error})") from error
+    if take.digest != plain["digest"]:
+        raise StoreError(f"{path}: the take is damaged: its digest does not fit")
+    return take
+
+
+def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
+    def array(name: str) -> NDArray[Any]:
+        found = group[name]
+        assert isinstance(found, zarr.Array)
+        return np.asarray(found[...])
+
+    tables: dict[str, Any] = {
+        name: tuple(_rows(row, plain["tables"][name])) for name, row in ROWS.items()
+    }
+    rows: dict[str, Any] = {name: array(name) for name in BY_ROW}
+    terrain = plain["terrain"]
+    return Take(
+        header=Header.from_dict(plain["header"]),
+        scaled=tuple(plain["scaled"]),
+        meshes=tuple(
+            Mesh(**{name: array(f"meshes/{i}/{name}") for name in Mesh.__dataclass_fields__})
+            for i in range(plain["meshes"])
+        ),
+        terrain=TerrainRecord(
+            array("terrain/vertices"),
+            array("terrain/faces"),
+            tuple(terrain["cells"]),
+            array("terrain/forbidden"),
+            terrain["material"],
+        ),
+        **rows,
+        **tables,
+    )
+
+
+def _rows(row: Any, table: list[list[Any]]) -> Iterator[Any]:
+    for values in table:
+        yield row(*(tuple(v) if isinstance(v, list) else v for v in values))

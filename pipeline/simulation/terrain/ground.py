@@ -1,0 +1,59 @@
+"""Ground: the terrain of a scene, ready to be stood on and drawn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.seeds import generator
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.forbidden import forbidden_cells
+from pipeline.simulation.terrain.generators import GENERATORS
+from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.spec.terrain import Ground as Words
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """A surface with its forbidden zones and its material.
+
+    Attributes:
+        field: the surface.
+        forbidden: (n_z, n_x) cells that no foot may be put on.
+        material: name of its material.
+    """
+
+    field: HeightField
+    forbidden: NDArray[np.bool_]
+    material: str
+
+    def height(self, x: Array, z: Array) -> Array:
+        """Return the height of the surface [m] at world (x, z)."""
+        return self.field.height(x, z)
+
+    def normal(self, x: Array, z: Array) -> Array:
+        """Return the unit normals (..., 3) of the surface at (x, z)."""
+        return self.field.normal(x, z)
+
+    def steppable(self, x: Array, z: Array) -> NDArray[np.bool_]:
+        """Say where a foot may be put; outside the grid it may not."""
+        n_x, n_z = self.field.cells
+        i = np.floor((np.asarray(x) / self.field.size[0] + 0.5) * n_x).astype(np.int64)
+        j = np.floor((np.asarray(z) / self.field.size[1] + 0.5) * n_z).astype(np.int64)
+        i, j = np.clip(i, 0, n_x - 1), np.clip(j, 0, n_z - 1)
+        result: NDArray[np.bool_] = self.field.inside(x, z) & ~self.forbidden[j, i]
+        return result
+
+
+def build_ground(words: Words, seed: int) -> Ground:
+    """Build the ground that `words` describe.
+
+    The terrain draws from the scene's seed under the name "terrain".
+    """
+    heights = GENERATORS[type(words)](words, generator(seed, "terrain"))
+    field = HeightField(heights, (float(words.size[0]), float(words.size[1])))
+    zones = forbidden_cells(field, math.radians(words.unsteppable_slope_deg), words.foot_radius)
+    return Ground(field, zones, words.material)

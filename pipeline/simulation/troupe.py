@@ -1,0 +1,88 @@
+"""Troupe: all performers of one room, advanced together as arrays.
+
+A troupe reads what the world was one step ago, so that the order of the cast cannot
+matter, and writes nothing but its own state and its own slice of the take.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
+from pipeline.simulation.terrain import Ground
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """What every troupe is shown.
+
+    Attributes:
+        ground: the terrain.
+        clock: the grid of steps, rows and frames.
+        seed: of the scene.
+    """
+
+    ground: Ground
+    clock: Clock
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Inventory:
+    """What a troupe adds to the take; node numbers count from its own first node."""
+
+    nodes: tuple[Node, ...]
+    channels: tuple[Channel, ...]
+    meshes: tuple[Mesh, ...]
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """A troupe's slice of one row of the take, to be written into.
+
+    Attributes:
+        positions: (J, 3) [m].
+        rotations: (J, 3, 3) matrices; the take holds them as quaternions.
+        alive: (J,).
+        values: (C,) of its channels.
+    """
+
+    positions: Array
+    rotations: Array
+    alive: NDArray[np.bool_]
+    values: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What happened in one step.
+
+    Attributes:
+        contacts: that began in it.
+        notes: that the author should have.
+    """
+
+    contacts: tuple[Contact, ...] = ()
+    notes: tuple[Note, ...] = ()
+
+
+class Troupe(Protocol):
+    """The passes of the step that a troupe takes part in."""
+
+    inventory: Inventory
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to `step + 1`; may take sub-steps."""
+
+    def write(self, rows: Rows) -> None:
+        """Write the present state into the take."""
+
+    def facts(self) -> Facts:
+        """Return what happened in the last step."""

@@ -2,15 +2,15 @@
 
 from pipeline.spec.cast import Member
 from pipeline.spec.digest import scene_digest, simulation_key
-from pipeline.spec.dump import dump
 from pipeline.spec.figure import Figure, Node, Operation
-from pipeline.spec.library import find_scene, library, shipped_scenes
+from pipeline.spec.json_schema import figure_schema, schema
 from pipeline.spec.loading import load_figure, load_scene, read_scene
 from pipeline.spec.mirror import Mirror, copied_names, mirrored, mirrored_name, mirrored_point
 from pipeline.spec.scene import VERSION, Scene
-from pipeline.spec.schema import figure_schema, schema
+from pipeline.spec.shipped import find_scene, library, shipped_scenes
 from pipeline.spec.terrain import FlatTerrain, FractalTerrain, HillsTerrain, Terrain
 from pipeline.spec.walk import GaitWords, Walk
+from pipeline.spec.writing import dump
 
 __all__ = [
     "VERSION",

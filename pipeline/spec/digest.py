@@ -48,5 +48,5 @@ def _part(scene: Scene, part: str) -> Any:
     if part != "figures":
         return words
     used = sorted({member.figure for member in scene.cast})
-    # The order of nodes stays: it is the order in which the analysis meets them.
-    return [[name, list(words[name]["nodes"]), words[name]] for name in used]
+    # The order of nodes stays as it is: in this order the analysis meets them.
+    return [[name, words[name]] for name in used]

@@ -13,8 +13,8 @@ from pipeline.errors import Problem
 from pipeline.spec.checking import check
 from pipeline.spec.figure import Figure
 from pipeline.spec.files import read_file
-from pipeline.spec.library import SUFFIX, library, names_in
 from pipeline.spec.nearest import hint
+from pipeline.spec.shipped import SUFFIX, library, names_in
 from pipeline.spec.tree import Leaf, Place, Row, Table, Tree
 from pipeline.spec.values import NAME_PATTERN, Words
 

@@ -59,9 +59,7 @@ def copied_names(operation: Mirror, positions: Mapping[str, At]) -> dict[str, st
         operation: what to do.
         positions: the nodes that there are before it [m].
     """
-    names = operation.nodes
-    if names is None:
-        names = tuple(name for name in positions if not _on_axis(positions[name], operation.mirror))
+    names = _originals(operation, positions)
     return {name: mirrored_name(name, operation.suffix) for name in names}
 
 
@@ -77,7 +75,8 @@ def mirrored(operation: Mirror, positions: Mapping[str, At]) -> dict[str, At]:
 def faults_of_mirror(operation: Mirror, positions: Mapping[str, At]) -> Iterator[Fault]:
     """Find names that do not fit the nodes that there are before the operation."""
     made: set[str] = set()
-    for i, (name, copy) in enumerate(copied_names(operation, positions).items()):
+    for i, name in enumerate(_originals(operation, positions)):
+        copy = mirrored_name(name, operation.suffix)
         place = () if operation.nodes is None else ("nodes", i)
         if name not in positions:
             message = f"no node is called '{name}', {hint(name, positions)}"
@@ -90,6 +89,12 @@ def faults_of_mirror(operation: Mirror, positions: Mapping[str, At]) -> Iterator
             made.add(copy)
             continue
         yield Fault(place, message)
+
+
+def _originals(operation: Mirror, positions: Mapping[str, At]) -> tuple[str, ...]:
+    if operation.nodes is not None:
+        return operation.nodes
+    return tuple(name for name in positions if not _on_axis(positions[name], operation.mirror))
 
 
 def _on_axis(at: At, axis: Axis) -> bool:

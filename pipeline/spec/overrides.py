@@ -12,7 +12,7 @@ from pipeline.spec.nearest import hint
 from pipeline.spec.reader import read_yaml
 from pipeline.spec.tree import Entry, Leaf, Place, Row, Table, Tree, path_text
 
-_STEP = re.compile(r"\.?([^.\[\]=]+)|\[([0-9]{1,9})\]")
+_STEP = re.compile(r"(?:^|\.)([^.\[\]=]+)|\[([0-9]{1,9})\]")
 
 # Blocks for which the name of a preset may stand: a change adjusts the preset.
 _PRESETS = re.compile(r"terrain|light|materials\..+")

@@ -79,7 +79,8 @@ class Scene(Words):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        refuse([*faults_of_timing(dict(self)), *faults_of_references(self)])
+        given = {word: getattr(self, word) for word in self.model_fields_set}
+        refuse([*faults_of_timing(given), *faults_of_references(self)])
         return self
 
     @property

@@ -1,0 +1,357 @@
+"""Every mistake is refused at its line and column, in words that say what would be right."""
+
+from __future__ import annotations
+
+import pytest
+
+from pipeline.errors import Problem, SceneError
+from pipeline.spec import read_scene
+
+GOOD = """\
+pronk: 1
+duration: 2
+terrain: hills
+figures:
+  bug:
+    nodes:
+      head: [0, -1]
+      hip: [0, 0]
+      knee_l: [1, 0]
+      foot_l: {at: [2, 0.5], radius: 0.1}
+    chains: [[head, hip], [hip, knee_l, foot_l]]
+    then: [{mirror: x, nodes: [knee_l, foot_l]}]
+cast:
+  - figure: bug
+    walk: {speed: 0.5}
+"""
+
+LOOKS = "must be made of letters, digits, _ and, inside, - and blanks; is "
+FPS = "should be a whole number 1 to 240, or text such as '30000/1001'"
+
+# What is replaced in the good scene, by what (the mark § stands where the message must point),
+# the path and the message.
+ONE_MISTAKE = [
+    # Keys.
+    ("speed:", "§sped:", "cast[0].walk.sped", "unknown key, did you mean 'speed'?"),
+    ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, duration, "
+     "figures, film, fps, frames, light, materials, pronk, samples, seed, ..."),
+    ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
+     "unknown key, did you mean 'height'?"),
+    ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
+     "unknown key, known: cells, foot_radius, kind, material, size, unsteppable_slope_deg"),
+    ("[2, 0.5], radius", "[2, 0.5], §radios", "figures.bug.nodes.foot_l.radios",
+     "unknown key, did you mean 'radius'?"),
+    ("terrain: hills", "film: {§sise: [320, 180]}", "film.sise",
+     "unknown key, did you mean 'size'?"),
+    ("terrain: hills", "light: {sun: {§our: 12}}", "light.sun.our",
+     "unknown key, did you mean 'hour'?"),
+    ("terrain: hills", "sound: {voices: [{}, {when: {§caus: x}}]}", "sound.voices[1].when.caus",
+     "unknown key, did you mean 'cause'?"),
+    ("terrain: hills", "§<<: {duration: 3}", "<<",
+     "unknown key, known: camera, cast, duration, figures, film, fps, frames, light, materials, "
+     "pronk, samples, seed, ..."),
+    ("duration: 2", "duration: 2\n§duration: 2", "duration",
+     "the key is repeated, it stands already on line 2"),
+    ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",
+     "the key is repeated, it stands already on line 15"),
+    ("duration: 2", "duration: 2\n§1: 2", "", "a key must be text, is 1; put it in quotes"),
+    ("duration: 2", "duration: 2\n§true: 2", "", "a key must be text, is true; put it in quotes"),
+    ("duration: 2", "duration: 2\n? §[1, 2]\n: 2", "",
+     "a key must be text, not a list or a mapping"),
+    ("  - figure: bug\n    walk", "  - §walk", "cast[0].figure", "is missing"),
+    ("pronk: 1\n", "§", "pronk", "is missing"),
+    # Kinds of values.
+    ("duration: 2", "duration: §fast", "duration", "should be a number, is the text 'fast'"),
+    ("duration: 2", 'duration: §"2"', "duration", "should be a number, is the text '2'"),
+    ("duration: 2", "duration: §true", "duration", "should be a number, is true"),
+    ("duration: 2", "duration: §1_000", "duration", "should be a number, is the text '1_000'"),
+    ("duration: 2", "duration: §1:30", "duration", "should be a number, is the text '1:30'"),
+    ("duration: 2", "duration: §[2]", "duration", "should be a number, is a list of 1"),
+    ("duration: 2", "duration: §{s: 2}", "duration", "should be a number, is a mapping"),
+    ("duration: 2", "frames: §48.5", "frames", "should be a whole number, is 48.5"),
+    ("duration: 2", "frames: §48.0", "frames", "should be a whole number, is 48"),
+    ("terrain: hills", "seed: §yes", "seed", "should be a whole number, is the text 'yes'"),
+    ("terrain: hills", "title: §3", "title", "should be text, is 3"),
+    ("terrain: hills", "terrain: §3", "terrain", "should be a mapping of keys to values, is 3"),
+    ("terrain: hills", "terrain: §{}", "terrain", "needs the key 'kind'"),
+    ("terrain: hills", "materials: §[goo]", "materials",
+     "should be a mapping of keys to values, is a list of 1"),
+    ("walk: {speed: 0.5}", "walk: §fast", "cast[0].walk",
+     "should be a mapping of keys to values, is the text 'fast'"),
+    ("{speed: 0.5}", "{gait: §3}", "cast[0].walk.gait", "should be a name or a mapping, is 3"),
+    ("terrain: hills", "camera: {follow: §3}", "camera.follow",
+     "should be text or a list, is 3"),
+    ("terrain: hills", "camera: {follow: [bug, §3]}", "camera.follow[1]", "should be text, is 3"),
+    ("terrain: hills", "sound: {volume_db: §'3'}", "sound.volume_db",
+     "should be a number, is the text '3'"),
+    ("terrain: hills", "sound: {voices: [{mute: §yes}]}", "sound.voices[0].mute",
+     "should be true or false, is the text 'yes'"),
+    ("terrain: hills", "film: {size: [320, §x]}", "film.size[1]",
+     "should be a whole number, is the text 'x'"),
+    ("[1, 0]", "§1", "figures.bug.nodes.knee_l",
+     "should be a mapping of keys to values, is 1"),
+    ("[1, 0]", "[1, §a]", "figures.bug.nodes.knee_l[1]", "should be a number, is the text 'a'"),
+    ("[1, 0]", "§[1, 0, 0]", "figures.bug.nodes.knee_l",
+     "must hold at most 2 values, holds 3"),
+    ("[1, 0]", "§[1]", "figures.bug.nodes.knee_l", "must hold more values, holds 1"),
+    ("pronk: 1", "pronk: §true", "pronk", "should be the number of the version, 1"),
+    ("pronk: 1", "pronk: §1.0", "pronk", "should be the number of the version, 1"),
+    ("pronk: 1", "pronk: §0", "pronk", "this pronk reads version 1 of the language, not 0"),
+    ("pronk: 1", "pronk: §2", "pronk", "this pronk reads version 1 of the language, not 2"),
+    # Ranges.
+    ("duration: 2", "duration: §-2", "duration", "must be greater than 0, is -2"),
+    ("duration: 2", "duration: §0", "duration", "must be greater than 0, is 0"),
+    ("duration: 2", "duration: §.nan", "duration", "must be a finite number, is .nan"),
+    ("duration: 2", "duration: §.inf", "duration", "must be a finite number, is .inf"),
+    ("duration: 2", "duration: §1e999", "duration", "the number is too large"),
+    ("duration: 2", "duration: §9" + "9" * 400, "duration", "the number is too large"),
+    ("duration: 2", "duration: §900000", "duration",
+     "makes 21600000 frames, more than the 1000000 that are allowed"),
+    ("duration: 2", "frames: §0", "frames", "must be greater than 0, is 0"),
+    ("terrain: hills", "seed: §-1", "seed", "must be at least 0, is -1"),
+    ("terrain: hills", "fps: §0", "fps", "must be from 1 to 240 frames a second, is 0"),
+    ("terrain: hills", "fps: §241", "fps", "must be from 1 to 240 frames a second, is 241"),
+    ("terrain: hills", "fps: §1/24", "fps", "must be from 1 to 240 frames a second, is 1/24"),
+    ("terrain: hills", "fps: §24/0", "fps", FPS + ", is the text '24/0'"),
+    ("terrain: hills", "fps: §24.5", "fps", FPS + ", is 24.5"),
+    ("terrain: hills", "fps: §29.97", "fps",
+     FPS + " ('30000/1001' is probably meant), is 29.97"),
+    ("terrain: hills", "fps: §true", "fps", FPS + ", is True"),
+    ("terrain: hills", "steps: §6", "steps", "must be a multiple of samples, which is 4; is 6"),
+    ("terrain: hills", "samples: §3", "samples", "must divide steps, which is 4; is 3"),
+    ("terrain: hills", "terrain: {kind: flat, size: [3, §0]}", "terrain.size[1]",
+     "must be greater than 0, is 0"),
+    ("terrain: hills", "terrain: {kind: flat, cells: [§1, 9]}", "terrain.cells[0]",
+     "must be at least 2, is 1"),
+    ("terrain: hills", "terrain: {kind: flat, cells: [§4001, 2]}",
+     "terrain.cells[0]", "must be at most 4000, is 4001"),
+    ("terrain: hills", "terrain: {kind: flat, unsteppable_slope_deg: §90}",
+     "terrain.unsteppable_slope_deg", "must be less than 90, is 90"),
+    ("terrain: hills", "terrain: {kind: fractal, roughness: §1.01}", "terrain.roughness",
+     "must be at most 1, is 1.01"),
+    ("[1, 0]", "[§1e5, 0]", "figures.bug.nodes.knee_l[0]", "must be at most 10000, is 100000"),
+    ("figure: bug", "figure: bug\n    scale: §0", "cast[0].scale", "must be greater than 0, is 0"),
+    ("0.5}\n", "§-0.5}\n", "cast[0].walk.speed", "must be greater than 0, is -0.5"),
+    ("terrain: hills", "film: {size: [320, §181]}", "film.size[1]",
+     "must be a multiple of 2, is 181"),
+    ("{speed: 0.5}", "{gait: {up: {l1: 0}, down: {l1: §1.5}}}", "cast[0].walk.gait.down.l1",
+     "must be at most 1, is 1.5"),
+    # Names.
+    ("figure: bug", "figure: §bog", "cast[0].figure",
+     "no figure is called 'bog', did you mean 'bug'? (searched: this file, the library)"),
+    ("figure: bug", "figure: §../bug", "cast[0].figure", LOOKS + "the text '../bug'"),
+    ("      hip: [0, 0]", "      hip: [0, 0]\n      §a.b: [3, 3]", "figures.bug.nodes.a.b",
+     LOOKS + "the text 'a.b'"),
+    ("walk: {speed: 0.5}", "name: a\n  - {figure: bug, name: §a}", "cast[1].name",
+     "the name 'a' is taken by cast[0]"),
+    ("terrain: hills", "terrain: §hill", "terrain",
+     "no terrain is called 'hill', did you mean 'hills'?"),
+    ("terrain: hills", "terrain: {kind: §hill}", "terrain.kind",
+     "no kind is called 'hill', did you mean 'hills'?"),
+    ("terrain: hills", "terrain: {preset: §hill}", "terrain.preset",
+     "no terrain is called 'hill', did you mean 'hills'?"),
+    ("terrain: hills", "terrain: {preset: hills, §kind: hills}", "terrain.kind",
+     "give either preset or kind, not both"),
+    ("terrain: hills", "terrain: {kind: flat, material: §dry sail}", "terrain.material",
+     "no material is called 'dry sail', did you mean 'dry soil'?"),
+    ("figure: bug", "figure: bug\n    material: §gren chitin", "cast[0].material",
+     "no material is called 'gren chitin', did you mean 'green chitin'?"),
+    ("radius: 0.1", "material: §bown", "figures.bug.nodes.foot_l.material",
+     "no material is called 'bown', did you mean 'bone'?"),
+    ("  bug:\n", "  bug:\n    material: §bown\n", "figures.bug.material",
+     "no material is called 'bown', did you mean 'bone'?"),
+    ("terrain: hills", "light: §dai", "light", "no preset is called 'dai'; did you mean 'day'?"),
+    ("terrain: hills", "camera: {follow: §bgu}", "camera.follow",
+     "nobody in the cast is called 'bgu', did you mean 'bug'?"),
+    ("terrain: hills", "camera: [{}, {start: 1, follow: [bug, §bgu]}]", "camera[1].follow[1]",
+     "nobody in the cast is called 'bgu', did you mean 'bug'?"),
+    ("terrain: hills", "camera: {view: §sid}", "camera.view",
+     "must be 'three-quarter', 'side', 'front', 'back' or 'top', is the text 'sid'; "
+     "did you mean 'side'?"),
+    ("{speed: 0.5}", "{gait: §trto}", "cast[0].walk.gait",
+     "must be 'trot', 'wave' or 'tripod', is the text 'trto'; did you mean 'trot'?"),
+    ("{speed: 0.5}", "{gait: {up: {l1: 0, r1: 0.5}, §down: {l1: 0.5}}}", "cast[0].walk.gait.down",
+     "says nothing of leg 'r1', which up names"),
+    ("{speed: 0.5}", "{gait: {up: {l1: 0.5}, down: {l1: §0.5}}}", "cast[0].walk.gait.down.l1",
+     "the foot must come down at another phase than it goes up"),
+    # Figures.
+    ("[head, hip]", "[§haed, hip]", "figures.bug.chains[0][0]",
+     "no node is called 'haed', did you mean 'head'?"),
+    ("[head, hip]", "[head, hip, §hip]", "figures.bug.chains[0][2]",
+     "node 'hip' is connected to itself"),
+    ("[head, hip]", "§[head]", "figures.bug.chains[0]", "a chain connects at least 2 nodes"),
+    ("[[head, hip]", "[[head, §knee_m, hip]", "figures.bug.chains[0][1]",
+     "no node is called 'knee_m', did you mean 'knee_l'?"),
+    ("[head, hip], [hip,", "[head, hip], [§hip2, hip,", "figures.bug.chains[1][0]",
+     "no node is called 'hip2', did you mean 'hip'?"),
+    ("nodes: [knee_l, foot_l]", "nodes: [knee_l, §fot_l]", "figures.bug.then[0].nodes[1]",
+     "no node is called 'fot_l', did you mean 'foot_l'?"),
+    ("nodes: [knee_l, foot_l]", "nodes: [knee_l, §hip]", "figures.bug.then[0].nodes[1]",
+     "node 'hip' lies on the axis, its copy would lie on itself"),
+    ("nodes: [knee_l, foot_l]", "nodes: [knee_l, §knee_l]", "figures.bug.then[0].nodes[1]",
+     "the copy of 'knee_l' would be called 'knee_r', and there is one already"),
+    ("foot_l]}]", "foot_l]}]\n    parts: {foot_r: leg, §foot_x: leg}", "figures.bug.parts.foot_x",
+     "no node is called 'foot_x', did you mean 'foot_r'?"),
+    ("foot_l]}]", "foot_l]}]\n    parts: {foot_r: §leag}", "figures.bug.parts.foot_r",
+     "must be 'leg', 'head', 'tail' or 'feeler', is the text 'leag'; did you mean 'leg'?"),
+    ("  bug:\n", "  bug:\n    style: §mammal\n", "figures.bug.style",
+     "must be 'insect', is the text 'mammal'"),
+    # Words that contradict each other.
+    ("duration: 2", "duration: 2\n§frames: 48", "frames",
+     "give either duration or frames, not both"),
+    ("pronk: 1\nduration: 2", "§pronk: 1", "", "give duration (in seconds) or frames"),
+    ("{speed: 0.5}", "{speed: 0.9, cycle: 0.7, stride: §0.5}", "cast[0].walk.stride",
+     "stride = speed * cycle, but 0.9 * 0.7 = 0.63, not 0.5; leave one of the three out, or take "
+     "stride: 0.63, speed: 0.714285714 or cycle: 0.555555556"),
+    ("terrain: hills", "camera: §{at: [1, 1, 1], view: side}", "camera",
+     "a camera that stands at a place has no view"),
+    # What YAML can do and a scene cannot.
+    ("duration: 2", "duration: §!!python/object/apply:os.system [id]", "duration",
+     "the tag '!!python/object/apply:os.system' is refused: a file is plain data"),
+    ("duration: 2", "duration: §!dice 6", "duration",
+     "the tag '!dice' is refused: a file is plain data"),
+    ("duration: 2", "duration: §!!timestamp 2001-01-01", "duration",
+     "the tag '!!timestamp' is refused: a file is plain data"),
+    ("duration: 2", "duration: §!!int two", "duration", "the value does not fit its tag '!!int'"),
+    ("duration: 2", "duration: §!!int true", "duration", "the value does not fit its tag '!!int'"),
+    ("duration: 2", "duration: 2\ntitle: §*nobody", "title",
+     "there is no anchor '&nobody' before this alias"),
+    ("duration: 2", "duration: 2\nfilm: &f {size: [2, §*f]}", "film.size[1]",
+     "the alias '*f' would contain itself"),
+]  # fmt: skip
+
+
+def problems_in(text: str) -> tuple[Problem, ...]:
+    with pytest.raises(SceneError) as caught:
+        read_scene(text, "scene.yaml")
+    return caught.value.problems
+
+
+@pytest.mark.parametrize(("old", "new", "path", "message"), ONE_MISTAKE)
+def test_one_mistake_is_one_problem_at_its_place(old, new, path, message):
+    assert GOOD.count(old) == 1
+    marked = GOOD.replace(old, new)
+    before, mark, after = marked.partition("§")
+    assert mark
+    line, column = before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1
+    source = (before + after).split("\n")[line - 1]
+    (problem,) = problems_in(before + after)
+    assert (problem.path, problem.message) == (path, message)
+    assert (problem.file, problem.line, problem.column) == ("scene.yaml", line, column)
+    assert problem.source == (source if len(source) <= 200 else "")
+
+
+def test_the_good_scene_is_good():
+    assert read_scene(GOOD).n_frames == 48
+
+
+def test_a_problem_shows_its_line_with_a_caret():
+    (problem,) = problems_in(GOOD.replace("speed:", "strde:"))
+    assert str(problem) == (
+        "scene.yaml:15:12: cast[0].walk.strde: unknown key, did you mean 'stride'?\n"
+        "        walk: {strde: 0.5}\n"
+        "               ^"
+    )
+
+
+def test_all_mistakes_are_reported_at_once_in_the_order_of_the_file():
+    text = (
+        GOOD.replace("duration: 2", "duration: -2")
+        .replace("terrain: hills", "terrain: {kind: hills, material: mudd}\nfps: 0\nfps: 24")
+        .replace("head: [0, -1]", "head: [0, .nan]")
+        .replace("figure: bug", "figure: !x bug")
+        .replace("speed:", "sped:")
+        + "camera: {follow: nobody}\n"
+    )
+    found = [(p.line, p.path) for p in problems_in(text)]
+    assert found == [
+        (2, "duration"),
+        (3, "terrain.material"),
+        (4, "fps"),
+        (5, "fps"),
+        (9, "figures.bug.nodes.head[1]"),
+        (16, "cast[0].figure"),
+        (17, "cast[0].walk.sped"),
+        (18, "camera.follow"),
+    ]
+
+
+# Content of a whole file, and the line, column and message of the one problem with it.
+WHOLE_FILES = [
+    (b"", 0, 0, "is empty; the least that a file holds is 'pronk: 1'"),
+    (b"# nothing\n", 0, 0, "is empty; the least that a file holds is 'pronk: 1'"),
+    (b"\xef\xbb\xbf", 0, 0, "is empty; the least that a file holds is 'pronk: 1'"),
+    (b"- pronk: 1\n", 1, 1, "should be a mapping of keys to values at the top"),
+    (b"\n  pronk\n", 2, 3, "should be a mapping of keys to values at the top"),
+    (b"pronk: 1\nbad: \xff\n", 2, 6, "is not UTF-8: the byte 0xff"),
+    (b"\xff\xfep\x00", 1, 1, "is not UTF-8: the byte 0xff"),
+    (b"pronk: 1\ntitle: a\x07\n", 2, 9, "is not YAML: the character U+0007 is not allowed"),
+    (b"cast:\n\t- bug\n", 2, 1, "is not YAML: a tab cannot indent, use blanks"),
+    (b"a: [1, 2\nb: 3\n", 2, 2,
+     "is not YAML: expected ',' or ']', but got ':' (while parsing a flow sequence that began "
+     "on line 1)"),
+    (b"a: 'open\n", 2, 1,
+     "is not YAML: found unexpected end of stream (while scanning a quoted scalar that began "
+     "on line 1)"),
+    (b'a: "\\UFFFFFFFF"\n', 1, 7, "is not YAML: a number or an escape is out of range"),
+    (b"pronk: 1\n---\npronk: 1\n", 2, 1,
+     "one file holds one document, and a second one begins here"),
+    (b"a: " + b"[" * 48 + b"]" * 48, 1, 51, "lists and mappings go deeper than 48 levels"),
+    (b"pronk: 2\nnew_word: 3\n", 1, 8, "this pronk reads version 1 of the language, not 2"),
+    (b"#" * (8 * 2**20 + 1), 0, 0, "is larger than 8 MiB"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "column", "message"), WHOLE_FILES, ids=range(len(WHOLE_FILES))
+)
+def test_a_file_that_is_no_scene(content, line, column, message):
+    with pytest.raises(SceneError) as caught:
+        read_scene(content, "scene.yaml")
+    (problem,) = caught.value.problems
+    assert (problem.line, problem.column, problem.message) == (line, column, message)
+
+
+def test_a_link_without_length_is_refused_where_it_ends():
+    text = GOOD.replace("[1, 0]", "[0, -0.0]")
+    found = [(p.line, p.path, p.message) for p in problems_in(text)]
+    assert found == [
+        (
+            11,
+            "figures.bug.chains[1][1]",
+            "nodes 'hip' and 'knee_l' are at the same place, so the link has no length",
+        ),
+        (
+            12,
+            "figures.bug.then[0].nodes[0]",
+            "node 'knee_l' lies on the axis, its copy would lie on itself",
+        ),
+    ]
+
+
+def test_an_alias_bomb_is_refused_where_it_goes_off():
+    levels = "\n".join(
+        f"{name}: &{name} [{', '.join([f'*{below}'] * 10)}]"
+        for below, name in zip("abcdefgh", "bcdefghi", strict=True)
+    )
+    (problem,) = problems_in("a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + levels)
+    assert problem.message == "holds more than 100000 values when its aliases are written out"
+    assert problem.line == 5
+
+
+def test_nesting_by_aliases_is_bounded_too():
+    chain = "\n".join(f"a{i}: &a{i} [[[[[[*a{i - 1}]]]]]]" for i in range(1, 400))
+    (problem,) = problems_in("a0: &a0 []\n" + chain)
+    assert problem.message == "lists and mappings go deeper than 48 levels"
+
+
+def test_aliases_within_bounds_are_fine():
+    text = GOOD.replace("[1, 0]", "&knee [1, 0]").replace("  - figure: bug", "  - figure: &f bug")
+    scene = read_scene(text + "  - {figure: *f, at: *knee}\n")
+    assert scene.cast[1].figure == "bug"
+    assert scene.cast[1].at == (1.0, 0.0)
+
+
+def test_words_of_yaml_1_1_are_text_and_core_tags_are_allowed():
+    scene = read_scene(GOOD.replace("terrain: hills", "title: on\nseed: !!int 0x10\nfps: 25/1"))
+    assert (scene.title, scene.seed, scene.rate) == ("on", 16, 25)

@@ -1,0 +1,196 @@
+"""What the models mean: frames, rates, names, mirrors, terrains."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+from fractions import Fraction
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from pipeline.spec import (
+    Figure,
+    FlatTerrain,
+    HillsTerrain,
+    Member,
+    Mirror,
+    Scene,
+    Walk,
+    copied_names,
+    mirrored,
+    mirrored_name,
+)
+
+BUG = Figure(nodes={"head": [0, -1], "hip": [0, 0]}, chains=[["head", "hip"]])
+
+
+def scene(**words):
+    given = {"pronk": 1, "figures": {"bug": BUG}, "cast": [{"figure": "bug"}], **words}
+    return Scene.model_validate(given)
+
+
+@pytest.mark.parametrize(
+    ("duration", "fps", "frames"),
+    [
+        (6, 24, 144),
+        (0.1, 30, 3),  # 0.1 as a binary number is more than a tenth
+        (1.1, 30, 33),
+        (0.7, 10, 7),
+        (0.71, 10, 8),
+        (1e-9, 24, 1),
+        (1, "30000/1001", 30),
+        (10.01, "30000/1001", 300),
+        (10.0101, "30000/1001", 301),
+        (1_000_000, 1, 1_000_000),
+    ],
+)
+def test_frames_are_rounded_up_from_the_decimal_that_was_written(duration, fps, frames):
+    assert scene(duration=duration, fps=fps).n_frames == frames
+
+
+@given(st.decimals("0.001", "4000", places=3), st.integers(1, 240))
+def test_the_film_is_never_shorter_and_less_than_a_frame_longer(duration, fps):
+    n = scene(duration=float(duration), fps=fps).n_frames
+    assert (n - 1) < Fraction(Decimal(duration)) * fps <= n
+
+
+def test_frames_given_are_the_frames():
+    assert scene(frames=7, fps="24000/1001").n_frames == 7
+    assert scene(frames=7, fps="24000/1001").rate == Fraction(24000, 1001)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {},
+        {"duration": 1, "frames": 24},
+        {"duration": "1"},
+        {"duration": True},
+        {"duration": math.nan},
+        {"duration": math.inf},
+        {"frames": 1_000_001},
+        {"frames": 1, "samples": 3},
+        {"frames": 1, "seed": 2**63},
+        {"frames": 1, "cast": []},
+        {"frames": 1, "cast": [{"figure": "bog"}]},
+        {"frames": 1, "fps": "30000 / 1001"},
+        {"frames": 1, "fps": "1e3/1"},
+        {"frames": 1, "fps": "٣/1"},
+    ],
+)
+def test_a_scene_that_cannot_be_is_refused_without_a_file_too(words):
+    with pytest.raises(ValidationError):
+        scene(**words)
+
+
+def test_members_are_called_after_their_figure_and_the_first_keeps_its_name():
+    cast = [
+        {"figure": "bug"},
+        {"figure": "bug", "name": "bug_2"},
+        {"figure": "bug"},
+        {"figure": "bug", "name": "queen"},
+        {"figure": "bug"},
+    ]
+    names = [member.name for member in scene(frames=1, cast=cast).cast]
+    assert names == ["bug", "bug_2", "bug_3", "queen", "bug_4"]
+
+
+def test_a_name_taken_by_a_later_member_is_left_to_it():
+    cast = [{"figure": "bug"}, {"figure": "bug", "name": "bug"}]
+    assert [m.name for m in scene(frames=1, cast=cast).cast] == ["bug_2", "bug"]
+
+
+def test_defaults_make_a_film():
+    made = scene(duration=1)
+    assert made.rate == 24
+    assert (made.seed, made.samples, made.steps) == (1, 4, 4)
+    assert made.terrain == FlatTerrain()
+    assert made.terrain.cells == (240, 240)
+    assert made.cast[0] == Member(name="bug", figure="bug")
+    assert made.cast[0].walk is None
+
+
+def test_terrain_by_name_by_preset_and_in_full_are_the_same():
+    full = HillsTerrain(height=2)
+    for words in ({"kind": "hills", "height": 2}, {"preset": "hills", "height": 2}, full):
+        assert scene(duration=1, terrain=words).terrain == full
+    assert scene(duration=1, terrain="hills").terrain == HillsTerrain()
+
+
+def test_nothing_can_be_changed():
+    made = scene(duration=1)
+    with pytest.raises(ValidationError):
+        made.seed = 2
+    with pytest.raises(ValidationError):
+        made.cast[0].scale = 2
+
+
+@given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
+def test_stride_that_agrees_is_accepted_and_one_that_does_not_is_refused(speed, cycle):
+    stride = speed * cycle
+    if 0 < stride <= 10_000:
+        Walk(speed=speed, cycle=cycle, stride=stride)
+        with pytest.raises(ValidationError, match="stride = speed"):
+            Walk(speed=speed, cycle=cycle, stride=stride * (1 - 3e-6))
+
+
+@given(st.floats(0.01, 90), st.floats(0.01, 90), st.floats(0.01, 9000))
+def test_the_values_that_a_refusal_proposes_work(speed, cycle, stride):
+    try:
+        Walk(speed=speed, cycle=cycle, stride=stride)
+    except ValidationError as error:
+        said = error.errors()[0]["msg"].partition("take ")[2].replace(" or ", ", ")
+        proposals = [one.split(": ") for one in said.split(", ")]
+        assert [word for word, _ in proposals] == ["stride", "speed", "cycle"]
+        given = {"speed": speed, "cycle": cycle, "stride": stride}
+        for word, value in proposals:
+            if word != "stride" and float(value) > 1000:
+                continue  # beyond the range of that word
+            Walk(**{**given, word: float(value)})
+
+
+def test_mirrored_names():
+    assert mirrored_name("foot_l") == "foot_r"
+    assert mirrored_name("foot_r") == "foot_l"
+    assert mirrored_name("foot1") == "foot1_m"
+    assert mirrored_name("foot1", "_back") == "foot1_back"
+
+
+@given(st.from_regex(r"[a-z]{1,5}(_l|_r)", fullmatch=True))
+def test_mirroring_a_side_twice_gives_its_name_back(name):
+    assert mirrored_name(mirrored_name(name)) == name
+
+
+def test_mirror_leaves_out_what_lies_on_the_axis():
+    nodes = {"spine": (0.0, 1.0), "hip_l": (1.0, 0.0), "foot": (2.0, 3.0)}
+    across = Mirror(mirror="x")
+    assert copied_names(across, nodes) == {"hip_l": "hip_r", "foot": "foot_m"}
+    assert mirrored(across, nodes) == {**nodes, "hip_r": (-1.0, 0.0), "foot_m": (-2.0, 3.0)}
+    assert mirrored(Mirror(mirror="y", nodes=("foot",)), nodes)["foot_m"] == (2.0, -3.0)
+
+
+def test_operations_see_the_nodes_that_earlier_ones_made():
+    figure = {
+        "nodes": {"hip": [0, 0], "foot": [1, 1]},
+        "chains": [["hip", "foot"]],
+        "then": [{"mirror": "x"}, {"mirror": "y", "nodes": ["foot", "foot_m"], "suffix": "_b"}],
+        "parts": {"foot_m_b": "leg"},
+    }
+    assert Figure.model_validate(figure).parts == {"foot_m_b": "leg"}
+    figure["then"].append({"mirror": "x"})
+    with pytest.raises(ValidationError, match="'foot_m', and there is one already; list the nodes"):
+        Figure.model_validate(figure)
+
+
+@pytest.mark.parametrize("name", ["a", "foot 1", "l-1", "Käfer", "1"])
+def test_names(name):
+    assert Figure(nodes={name: [0, 0]}).nodes[name].at == (0, 0)
+
+
+@pytest.mark.parametrize("name", ["", " a", "a ", "a.b", "a[0]", "a/b", "a\n", "-a", "x" * 65])
+def test_what_is_no_name(name):
+    with pytest.raises(ValidationError):
+        Figure(nodes={name: [0, 0]})

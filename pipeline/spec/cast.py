@@ -41,12 +41,15 @@ def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
     first keeps its name (and so its random numbers) when another is added.
     """
     taken = {name for name, _ in cast if name}
+    last: dict[str, int] = {}
     names = []
     for own, figure in cast:
-        name, number = own or figure, 1
+        name, number = own or figure, last.get(figure, 1)
         while not own and name in taken:
             number += 1
             name = f"{figure}_{number}"
+        if not own:
+            last[figure] = number
         taken.add(name)
         names.append(name)
     return names

@@ -45,6 +45,9 @@ def _draft_07(words: Any) -> Any:
         said["definitions"] = said.pop("$defs")
     if isinstance(said.get("prefixItems"), list):
         said["items"] = said.pop("prefixItems")
+    if "patternProperties" in said:
+        # Pydantic says what names look like, and not that there are no others.
+        said.setdefault("additionalProperties", False)
     reference = said.get("$ref")
     if isinstance(reference, str):
         said["$ref"] = reference.replace("#/$defs/", "#/definitions/")

@@ -68,7 +68,7 @@ def load_figure(path: str | Path) -> Figure:
     tree, problems = read_file(path)
     if tree is None:
         raise SceneError(problems)
-    refuse_newer(tree)
+    _refuse_newer(tree)
     loaded, wrong = check(FigureFile, tree)
     if loaded is None or problems or wrong:
         raise SceneError(in_order([*problems, *wrong], [str(path)]))
@@ -93,7 +93,7 @@ def _scene(
 ) -> Scene:
     if tree is None:
         raise SceneError(problems)
-    refuse_newer(tree)
+    _refuse_newer(tree)
     tree, wrong = override(tree, overrides)
     search = Search(beside, file)
     tree = search.complete(tree)
@@ -102,14 +102,14 @@ def _scene(
         # What does not fit together is found by the model only when all else is right.
         words = plain(tree)
         faults = [*faults_of_timing(words), *faults_of_references(words)]
-        invalid = merged(invalid, problems_of_faults(tree, faults))
+        invalid = _merged(invalid, problems_of_faults(tree, faults))
     problems = [*problems, *wrong, *search.problems, *invalid]
     if scene is None or problems:
         raise SceneError(in_order(problems, [file, *search.files]))
     return scene
 
 
-def refuse_newer(tree: Table) -> None:
+def _refuse_newer(tree: Table) -> None:
     """Refuse a file in a later version of the language, before its new words are called wrong.
 
     Raises:
@@ -121,7 +121,7 @@ def refuse_newer(tree: Table) -> None:
         raise SceneError([version.place.problem(("pronk",), message)])
 
 
-def merged(problems: list[Problem], more: list[Problem]) -> list[Problem]:
+def _merged(problems: list[Problem], more: list[Problem]) -> list[Problem]:
     """Add problems where there was none yet."""
     known = {(p.file, p.line, p.column, p.path) for p in problems}
     return problems + [p for p in more if (p.file, p.line, p.column, p.path) not in known]

@@ -36,6 +36,19 @@ class Ground(Words):
         "forbidden zone [m].",
     )
 
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Let a preset of this kind stand for the kind, as `{preset: hills, height: 2}`."""
+        block = handler.resolve_ref_schema(handler(core))
+        kind = block["properties"]["kind"]["const"]
+        names = [name for name, words in TERRAIN_PRESETS.items() if words["kind"] == kind]
+        preset = {"enum": names, "description": "The preset that this terrain starts from."}
+        block["properties"] = {"preset": preset, **block["properties"]}
+        block["oneOf"] = [{"required": ["kind"]}, {"required": ["preset"]}]
+        return block
+
 
 class FlatTerrain(Ground):
     """Level ground at height 0."""

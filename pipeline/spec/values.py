@@ -15,8 +15,10 @@ class Words(BaseModel):
     )
 
 
-NAME_PATTERN = r"^\w([\w\- ]*\w)?$"
-"""Letters, digits, `_`; inside also `-` and blanks. Dots and brackets are left to paths."""
+_LETTER = "0-9A-Za-z_\u00c0-\u1fff\u2c00-\ud7ff"
+NAME_PATTERN = f"^[{_LETTER}]([{_LETTER} \\-]*[{_LETTER}])?$"
+"""Letters of any script, digits, `_`; inside also `-` and blanks. Dots and brackets are left to
+paths. Spelled out, because pydantic, Python and editors disagree on what `\\w` is."""
 
 # Beyond 10 km a float32 vertex is no longer exact to a millimetre.
 FAR = 10_000.0

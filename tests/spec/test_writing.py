@@ -9,7 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.spec import Scene, dump, read_scene, scene_digest, simulation_key
+from pipeline.spec.values import NAME_PATTERN
 
+NAMES = st.from_regex(NAME_PATTERN.replace("*", "{0,9}"), fullmatch=True)
 WORDS = {
     "pronk": 1,
     "title": "yes: # 1e3",
@@ -52,7 +54,12 @@ def test_everything_is_written_out_and_read_back():
     title=st.text(max_size=200),
     duration=st.floats(1e-9, 4000, allow_subnormal=False),
     at=st.tuples(st.floats(-1e4, 1e4), st.floats(-1e4, 1e4)),
-    names=st.lists(st.from_regex(r"\A\w([\w\- ]{0,9}\w)?\Z"), min_size=2, max_size=4, unique=True),
+    names=st.lists(
+        st.from_regex(NAME_PATTERN.replace("*", "{0,9}"), fullmatch=True),
+        min_size=2,
+        max_size=4,
+        unique=True,
+    ),
 )
 def test_any_text_name_and_number_survives_the_writing(title, duration, at, names):
     try:

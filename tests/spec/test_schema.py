@@ -1,0 +1,150 @@
+"""The JSON Schema accepts what loads, short forms too, and refuses what does not."""
+
+from __future__ import annotations
+
+import copy
+
+import jsonschema
+import pytest
+import yaml
+
+from pipeline.spec import Scene, dump, figure_schema, library, schema, shipped_scenes
+
+SMALLEST = {"pronk": 1, "duration": 6, "terrain": "hills", "cast": [{"figure": "bug", "walk": {}}]}
+FULL = {
+    "pronk": 1,
+    "title": "Beetle over the rocks",
+    "fps": "30000/1001",
+    "frames": 144,
+    "terrain": {"preset": "hills", "height": 2},
+    "figures": {
+        "ant": {
+            "style": "insect",
+            "nodes": {"head": [0, -1.1], "tail": {"at": [0, 1.0], "radius": 0.05}},
+            "chains": [["head", "tail"]],
+            "then": [{"mirror": "y", "nodes": ["head"]}],
+            "parts": {"head": "head"},
+        }
+    },
+    "cast": [
+        {"figure": "ant", "at": [-4, 2], "walk": {"gait": "tripod", "cycle": 0.7}},
+        {"figure": "ant", "walk": {"gait": {"up": {"l1": 0}, "down": {"l1": 0.5}}}},
+    ],
+    "materials": {"goo": "moss", "slime": {"preset": "moss", "color": "#102030"}},
+    "camera": [{"follow": "ant"}, {"start": 1, "follow": ["ant", "ant_2"]}],
+    "light": {"sun": {"hour": 16.5}},
+    "film": {"size": [1280, 720]},
+    "sound": {"voices": [{"when": {"cause": "footfall"}, "pitch": "by foot"}]},
+}
+FIGURE = {"pronk": 1, "figure": FULL["figures"]["ant"]}
+
+
+def accepts(words, value):
+    return jsonschema.Draft7Validator(words).is_valid(value)
+
+
+def changed(scene, path, value):
+    scene = copy.deepcopy(scene)
+    below = scene
+    for step in path[:-1]:
+        below = below[step]
+    below[path[-1]] = value
+    return scene
+
+
+@pytest.mark.parametrize("words", [schema(), figure_schema()], ids=["scene", "figure"])
+def test_it_is_a_schema_of_draft_07(words):
+    jsonschema.Draft7Validator.check_schema(words)
+    assert words["$schema"] == "http://json-schema.org/draft-07/schema#"
+    for later in ("$defs", "prefixItems", "discriminator"):
+        assert not list(occurrences(words, later))
+
+
+def occurrences(words, key):
+    below = words.values() if isinstance(words, dict) else words
+    if isinstance(words, dict) and key in words:
+        yield words
+    if isinstance(words, dict | list):
+        for value in below:
+            yield from occurrences(value, key)
+
+
+def test_every_reference_leads_somewhere_and_stands_alone():
+    words = schema()
+    references = list(occurrences(words, "$ref"))
+    assert references
+    for one in references:
+        assert list(one) == ["$ref"]
+        assert one["$ref"].removeprefix("#/definitions/") in words["definitions"]
+
+
+def test_every_word_is_described():
+    undescribed = [
+        f"{block['title']}.{name}"
+        for block in (schema(), *schema()["definitions"].values(), figure_schema())
+        for form in (block, *block.get("anyOf", []))
+        for name, word in form.get("properties", {}).items()
+        if "description" not in word and name != "preset"
+    ]
+    assert undescribed == []
+
+
+@pytest.mark.parametrize("scene", [SMALLEST, FULL], ids=["smallest", "full"])
+def test_scenes_are_accepted(scene):
+    assert accepts(schema(), scene)
+
+
+def test_a_scene_that_was_written_out_is_accepted():
+    assert accepts(schema(), yaml.safe_load(dump(Scene.model_validate(FULL))))
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_shipped_scenes_are_accepted(name):
+    assert accepts(schema(), yaml.safe_load((library() / f"{name}.yaml").read_text("utf-8")))
+
+
+@pytest.mark.parametrize("path", sorted((library() / "figures").glob("*.yaml")), ids=str)
+def test_figure_files_are_accepted_by_their_schema_alone(path):
+    words = yaml.safe_load(path.read_text("utf-8"))
+    assert accepts(figure_schema(), words)
+    assert not accepts(schema(), words)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (["zzz"], 1),
+        (["pronk"], 2),
+        (["duration"], 3),
+        (["frames"], 0),
+        (["frames"], "144"),
+        (["fps"], "30000 / 1001"),
+        (["fps"], 29.97),
+        (["terrain"], "hill"),
+        (["terrain"], {"kind": "flat", "height": 3}),
+        (["terrain"], {"preset": "hills", "size": [1, 2, 3]}),
+        (["terrain"], {"preset": "hills", "size": [1]}),
+        (["figures", "ant", "nodes", "head"], [0]),
+        (["figures", "ant", "nodes", "head"], [0, 1, 2]),
+        (["figures", "ant", "nodes", "a.b"], [0, 0]),
+        (["figures", "ant", "style"], "mammal"),
+        (["figures", "ant", "then", 0, "mirror"], "z"),
+        (["cast"], []),
+        (["cast", 0, "figure"], 3),
+        (["cast", 0, "walk", "gait"], "trto"),
+        (["cast", 0, "walk", "strde"], 1),
+        (["cast", 1, "walk", "gait", "down", "l1"], 2),
+        (["light"], "dai"),
+        (["film", "size"], [1280, "720"]),
+        (["materials", "goo"], "mosss"),
+    ],
+)
+def test_mistakes_are_refused(path, value):
+    assert accepts(schema(), FULL)
+    assert not accepts(schema(), changed(FULL, path, value))
+
+
+@pytest.mark.parametrize("path", [["figure", "nodes"], ["figure", "radius"], ["pronk"]])
+def test_mistakes_in_figure_files_are_refused(path):
+    assert accepts(figure_schema(), FIGURE)
+    assert not accepts(figure_schema(), changed(FIGURE, path, "x"))

@@ -60,6 +60,7 @@ def _quads(inside: NDArray[np.bool_], number: NDArray[np.int64], axis: int) -> N
     i, j, k = np.nonzero(near != far)
     a, b = number[i, j, k], number[i, j + 1, k]
     c, d = number[i, j + 1, k + 1], number[i, j, k + 1]
-    outward = near[i, j, k]
+    # Bringing the second axis to the front mirrors the grid, and with it the winding.
+    outward = near[i, j, k] != (axis == 1)
     quads = np.where(outward[:, None], np.stack([a, b, c, d], -1), np.stack([a, d, c, b], -1))
     return quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)

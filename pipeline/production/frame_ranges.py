@@ -1,0 +1,44 @@
+"""Frame ranges: which frames are asked for, in the notation of film pipelines."""
+
+from __future__ import annotations
+
+from fileseq import FrameSet
+from fileseq.exceptions import FileSeqException
+
+from pipeline.errors import UsageError
+
+ALLOWED = "a frame, a range, every n-th of a range, separated by commas, such as 1-48,60-90x5"
+
+
+def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
+    """Return the frames that `text` asks for, ascending, each once.
+
+    Args:
+        text: such as "1-48,60-90x5"; None for all.
+        last: the last frame of the scene.
+
+    Raises:
+        UsageError: if it cannot be read, or names frames that the scene does not have.
+    """
+    if text is None:
+        return tuple(range(1, last + 1))
+    try:
+        frames = sorted({int(frame) for frame in FrameSet(text)})
+    except (FileSeqException, ValueError):
+        raise UsageError(f"--frames {text}: cannot be read; what works is {ALLOWED}") from None
+    if not frames:
+        raise UsageError(f"--frames: names no frame; what works is {ALLOWED}")
+    outside = [frame for frame in frames if not 1 <= frame <= last]
+    if outside:
+        raise UsageError(f"--frames {text}: the scene has frames 1-{last}, no {outside[0]}")
+    return tuple(frames)
+
+
+def described(frames: tuple[int, ...]) -> str:
+    """Return the shortest notation for ascending `frames`, fit for a file's name."""
+    return str(FrameSet(frames)).replace(",", "_")
+
+
+def contiguous(frames: tuple[int, ...]) -> bool:
+    """Say whether ascending `frames` follow one another without a gap."""
+    return frames[-1] - frames[0] + 1 == len(frames)

@@ -1,0 +1,129 @@
+"""Outputs: the folder of one scene, and what stands in it.
+
+Everything is written beside its place and renamed into it, so whatever has its name
+is whole, and a run that is stopped at any moment can go on.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.errors import StoreError
+
+PARTIAL = ".partial"
+"""Ends the names of what is not yet whole."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """Where the files of one scene are.
+
+    Attributes:
+        folder: such as out/first_steps.
+        name: of the scene; files are called after it.
+    """
+
+    folder: Path
+    name: str
+
+    @property
+    def frames(self) -> Path:
+        """Folder of the frames."""
+        return self.folder / "frames"
+
+    def frame(self, number: int, suffix: str = "png") -> Path:
+        """Return the file of one frame."""
+        return self.frames / f"{number:04d}.{suffix}"
+
+    def film(self, part: str = "") -> Path:
+        """Return the file of the film, or of a part of it such as "1-48"."""
+        return self.folder / (f"{self.name}_{part}.mp4" if part else f"{self.name}.mp4")
+
+    @property
+    def midi(self) -> Path:
+        """The score."""
+        return self.folder / f"{self.name}.mid"
+
+    @property
+    def wav(self) -> Path:
+        """The sound."""
+        return self.folder / f"{self.name}.wav"
+
+    @property
+    def events(self) -> Path:
+        """The sound events, one JSON object a line."""
+        return self.folder / "events.jsonl"
+
+    @property
+    def take(self) -> Path:
+        """The take."""
+        return self.folder / "take.zarr"
+
+    @property
+    def manifest(self) -> Path:
+        """What was made, by what, from what."""
+        return self.folder / "manifest.json"
+
+
+@contextlib.contextmanager
+def opened(outputs: Outputs) -> Iterator[None]:
+    """Make the folder of `outputs` and keep other runs out of it.
+
+    What an earlier run left unfinished is cleared away.
+
+    Raises:
+        StoreError: if the folder cannot be written to, or another run is at work in it.
+    """
+    try:
+        outputs.frames.mkdir(parents=True, exist_ok=True)
+        lock = (outputs.folder / ".lock").open("a")
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise StoreError(
+            f"{outputs.folder}: cannot be written to ({reason}); choose another place with --out"
+        ) from error
+    with lock:
+        if not _locked(lock.fileno()):
+            raise StoreError(f"{outputs.folder}: another run is at work here; wait for its end")
+        _clear(outputs)
+        yield
+
+
+def _locked(descriptor: int) -> bool:
+    """Take the lock of an open file if nobody else has it; it goes with the process."""
+    try:
+        import fcntl  # There is none on Windows, which then goes unlocked.
+    except ImportError:
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True
+
+
+def _clear(outputs: Outputs) -> None:
+    for folder in (outputs.folder, outputs.frames):
+        for path in folder.glob(f".*{PARTIAL}*"):
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink(missing_ok=True)
+
+
+def replace_folder(new: Path, place: Path) -> None:
+    """Move the folder `new` to `place`, over what is there.
+
+    Two renames are not one; if the run is stopped between them there is no folder, and
+    the next run makes it again.
+    """
+    old = place.with_name(f".{place.name}.old{PARTIAL}")
+    with contextlib.suppress(FileNotFoundError):
+        os.replace(place, old)
+    os.replace(new, place)
+    shutil.rmtree(old, ignore_errors=True)

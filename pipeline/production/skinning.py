@@ -1,0 +1,56 @@
+"""Skinning: where the vertices of a take's parts are in one row."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array, matrix
+from pipeline.simulation.take import Take
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """All vertices of a take, part after part, with the nodes that they follow.
+
+    Attributes:
+        vertices: (V, 3) in the rest frame, relative to each of the two nodes: (2, V, 3) [m].
+        nodes: (2, V).
+        weights: (2, V, 1).
+        blended: whether any vertex follows two nodes.
+        starts: (P + 1,) first vertex of each part.
+    """
+
+    vertices: Array
+    nodes: NDArray[np.int32]
+    weights: Array
+    blended: bool
+    starts: NDArray[np.int64]
+
+    @staticmethod
+    def of(take: Take) -> Skin:
+        """Collect the vertices of all parts of `take`."""
+        meshes = [take.meshes[part.mesh] for part in take.parts]
+        counts = [len(mesh.vertices) for mesh in meshes]
+        nodes = np.concatenate([mesh.nodes for mesh in meshes]).T
+        rest = np.array([node.rest for node in take.nodes])
+        vertices = np.concatenate([mesh.vertices for mesh in meshes]).astype(float)
+        weights = np.concatenate([mesh.weights for mesh in meshes]).T[..., None].astype(float)
+        return Skin(
+            vertices=vertices - rest[nodes],
+            nodes=nodes,
+            weights=weights,
+            blended=bool(np.any(weights[1] > 0.0)),
+            starts=np.concatenate([[0], np.cumsum(counts)]),
+        )
+
+    def posed(self, take: Take, row: int) -> NDArray[np.float32]:
+        """Return the vertices (V, 3) in the world in `row` [m]."""
+        R, p = matrix(take.rotations[row]), take.positions[row]
+        world = np.zeros((self.vertices.shape[1], 3))
+        for k in range(2 if self.blended else 1):
+            moved = p[self.nodes[k]] + (R[self.nodes[k]] @ self.vertices[k][..., None])[..., 0]
+            world += self.weights[k] * moved
+        return world.astype(np.float32)

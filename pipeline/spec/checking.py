@@ -131,8 +131,8 @@ def _found(model: type[BaseModel], tree: Tree, error: ErrorDetails) -> list[_Fou
         return [_missing(spot, path)]
     if kind == "union_tag_invalid":
         spot = locate(tree, (*path, str(error["ctx"]["discriminator"]).strip("'")))
-    if kind == "too_short" and spot.tree.size > error["ctx"]["min_length"]:
-        # Pydantic counts only the values that are right.
+    if kind == "too_short" and len(plain(spot.tree)) >= error["ctx"]["min_length"]:
+        # Pydantic counts only the values that are right; the others are reported.
         return []
     return [_Found(spot, message(error, plain(spot.tree)), wanted(error))]
 

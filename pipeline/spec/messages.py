@@ -52,7 +52,7 @@ def described(value: object) -> str:
             short = value if len(value) <= 60 else value[:57] + "..."
             return f"the text {short!r}"
         case int() | float():
-            return f"{value:.15g}" if isinstance(value, float) else str(value)
+            return str(value)
         case Mapping():
             return "a mapping"
         case list() | tuple():

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 from pydantic import PlainValidator, WithJsonSchema
 
 from pipeline.spec.faults import fault
+from pipeline.spec.messages import described
 
 SLOWEST, FASTEST = 1, 240
 NTSC = {
@@ -38,11 +39,11 @@ def rate_of(words: int | str) -> Fraction:
 def _checked(words: Any) -> int | str:
     allowed = f"should be a whole number {SLOWEST} to {FASTEST}, or text such as '30000/1001'"
     if isinstance(words, bool) or not isinstance(words, int | str):
-        raise fault(f"{allowed}{_meant(words)}, is {words!r}")
+        raise fault(f"{allowed}{_meant(words)}, is {described(words)}")
     try:
         rate = rate_of(words)
     except ValueError:
-        raise fault(f"{allowed}{_meant(words)}, is the text '{words}'") from None
+        raise fault(f"{allowed}{_meant(words)}, is {described(words)}") from None
     if not SLOWEST <= rate <= FASTEST:
         raise fault(f"must be from {SLOWEST} to {FASTEST} frames a second, is {words}")
     return words

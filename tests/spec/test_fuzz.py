@@ -42,8 +42,8 @@ WORDS = yaml.safe_load(SCENE)
 ODD = ["", "~", "-1", "0", "1e9", ".nan", "[]", "{}", "true", "'3'", "*k", "*t", "&k", "!x 1",
        "? a", "- b", "{a: [1, 2]}", "x: 1", "|\n  text", "\t", "<<: *k", "9999999999999999999",
        "1e-300", "!!binary aGk=", "#", "---", "...", "%YAML 1.1", "@", "`", "\\", '"\\x', "é",
-       "\u2028", "[1, a]", "[[1, 2], 3]", "{preset: noon}", "{sun: {}, studio: {}}", "null", "{preset: 3}",
-       "{preset: [1]}", "{preset: {a: 1}}", "studio", "off"]  # fmt: skip
+       "\u2028", "[1, a]", "[[1, 2], 3]", "{preset: noon}", "{sun: {}, studio: {}}", "null",
+       "{preset: 3}", "{preset: [1]}", "{preset: {a: 1}}", "studio", "off"]  # fmt: skip
 PIECES = re.findall(r"\w+|[^\w]", SCENE)
 
 

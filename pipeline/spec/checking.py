@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -71,8 +71,8 @@ def check(model: type[Model], tree: Tree) -> tuple[Model | None, list[Problem]]:
     try:
         return model.model_validate(plain(tree), strict=True), []
     except ValidationError as error:
-        details = error.errors(include_url=False)
-    found = [one for detail in details[:MOST_ERRORS] for one in _found(model, tree, detail)]
+        details = _last_missing(error.errors(include_url=False)[:MOST_ERRORS])
+    found = [one for detail in details for one in _found(model, tree, detail)]
     return None, problems_of(_without_refused(_merged(found)))
 
 
@@ -137,11 +137,21 @@ def _found(model: type[BaseModel], tree: Tree, error: ErrorDetails) -> list[_Fou
     return [_Found(spot, message(error, plain(spot.tree)), wanted(error))]
 
 
+def _last_missing(details: Sequence[ErrorDetails]) -> Iterator[ErrorDetails]:
+    """Keep of the values that a list lacks only the last, whose index says how many there are."""
+    last = {one["loc"][:-1]: one for one in details if _lacks_value(one)}
+    return (one for one in details if not _lacks_value(one) or last[one["loc"][:-1]] is one)
+
+
+def _lacks_value(error: ErrorDetails) -> bool:
+    return error["type"] == "missing" and isinstance(error["loc"][-1], int)
+
+
 def _missing(spot: Spot, path: Sequence[Step]) -> _Found:
     last = path[-1]
     if isinstance(last, int):
         length = len(spot.tree.items) if isinstance(spot.tree, Row) else 0
-        return _Found(spot, f"must hold more values, holds {length}")
+        return _Found(spot, f"must hold {last + 1} values, holds {length}")
     if isinstance(spot.tree, Table):
         return _Found(Spot((*spot.path, last), spot.tree, spot.key), "is missing", missing=True)
     return _Found(spot, f"should be a mapping that has '{last}'")

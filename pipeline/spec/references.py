@@ -32,8 +32,8 @@ def faults_of_references(scene: object) -> list[Fault]:
 
 def _figures(scene: object) -> Iterator[Fault]:
     figures = _get(scene, "figures")
-    if figures is not None and not isinstance(figures, Mapping):
-        return
+    if isinstance(scene, Mapping) and not isinstance(scene.get("figures", {}), Mapping):
+        return  # Whatever the file was meant to draw, it is reported already.
     known = _keys(figures)
     for i, member in _items(_get(scene, "cast")):
         figure = _get(member, "figure")

@@ -93,11 +93,12 @@ ONE_MISTAKE = [
     ("[1, 0]", "[1, §a]", "figures.bug.nodes.knee_l[1]", "should be a number, is the text 'a'"),
     ("[1, 0]", "§[1, 0, 0]", "figures.bug.nodes.knee_l",
      "must hold at most 2 values, holds 3"),
-    ("[1, 0]", "§[1]", "figures.bug.nodes.knee_l", "must hold more values, holds 1"),
+    ("[1, 0]", "§[1]", "figures.bug.nodes.knee_l", "must hold 2 values, holds 1"),
     ("pronk: 1", "pronk: §true", "pronk", "should be the number of the version, 1"),
     ("pronk: 1", "pronk: §1.0", "pronk", "should be the number of the version, 1"),
     ("pronk: 1", "pronk: §0", "pronk", "this pronk reads version 1 of the language, not 0"),
     ("pronk: 1", "pronk: §2", "pronk", "this pronk reads version 1 of the language, not 2"),
+    ("terrain: hills", "camera: {at: §[1]}", "camera.at", "must hold 3 values, holds 1"),
     # Ranges.
     ("duration: 2", "duration: §-2", "duration", "must be greater than 0, is -2"),
     ("duration: 2", "duration: §0", "duration", "must be greater than 0, is 0"),
@@ -274,6 +275,11 @@ def test_all_mistakes_are_reported_at_once_in_the_order_of_the_file():
         (17, "cast[0].walk.sped"),
         (18, "camera.follow"),
     ]
+
+
+def test_figures_that_are_no_mapping_are_reported_and_not_missed():
+    text = "pronk: 1\nduration: 1\nfigures:\ncast: [{figure: bug}]\n"
+    assert [(p.line, p.path) for p in problems_in(text)] == [(3, "figures")]
 
 
 # Content of a whole file, and the line, column and message of the one problem with it.

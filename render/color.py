@@ -33,8 +33,8 @@ _SIGMOID = (15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232)
 
 # The look laid over the neutral curve, which is meant to be graded: AgX's own
 # "punchy" is power 1.35, saturation 1.4; half way keeps skies and soil believable.
-_POWER = 1.18
-_SATURATION = 1.25
+_POWER = 1.15
+_SATURATION = 1.12
 
 _STEPS = 8192
 

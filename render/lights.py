@@ -1,20 +1,23 @@
-"""Lights, baked into one picture of all directions.
+"""Lights: a sky painted into a map of all directions, and one key light before it.
 
-Sky, sun and softboxes are painted into an environment map once for a build:
-Mitsuba then has a single light to sample, and the sun casts soft shadows by its
-size alone. The map is scaled so that a grey card half turned to the key light
-shows as middle grey: noon and dusk are both well exposed, as a photographer
-would expose them.
+The key light (the sun, or the softbox of a studio) is a distant disc, so that
+shadows are soft by its size alone. At each bounce the path tracer sends a ray to
+the key light and meets the sky by following the surface: the sky then has no
+weight in the choice of lights, and sun-lit relief is free of noise. Where there
+is no key light the sky is sampled.
+
+All is scaled so that a grey card half turned to the key light shows as middle
+grey: noon and dusk are both well exposed, as a photographer would expose them.
 
 Directions are world directions (Y up). Source of the clear sky and of the sun's
-colour: A. Wilkie et al., A fitted radiance and attenuation model for realistic
-atmospheres, and L. Hosek, A. Wilkie, as implemented by Mitsuba's `sunsky`.
+colour: the model of L. Hosek and A. Wilkie, as implemented by Mitsuba's `sunsky`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mitsuba as mi
@@ -27,41 +30,90 @@ from render.words import Light, Studio, Sun
 Image = NDArray[np.float64]
 Vector = NDArray[np.float64]
 
-WIDTH, HEIGHT = 1024, 512
+WIDTH, HEIGHT = 512, 256
 _SKY_WIDTH, _SKY_HEIGHT = 256, 128
 _SUN_DEG = 0.5358
-_CARD = math.pi
-"""Irradiance on the card: grey of albedo 0.18 then has radiance 0.18."""
+_CARD = 1.25 * math.pi
+"""Irradiance on the card; at pi a grey of albedo 0.18 has radiance 0.18."""
+_HAZE = 0.11
+"""Sine of the angle below the horizon at which the haze has thinned to 1/e."""
+_GLOW = 0.06
+"""The same above the horizon, where the haze glows before the sky."""
+_KEY = 2.6
+"""Irradiance of a studio's key light; its backdrop has about 0.3 of radiance."""
+_UP = np.array([0.0, 1.0, 0.0])
+_FAR = 4000.0
+"""Distance of the key light [m]: across a scene of 30 m its direction turns by 0.4 degrees."""
 
 
-def emitter(light: Light, ground: Sequence[float]) -> dict[str, Any]:
-    """Return the environment of a light as a dictionary for `mi.load_dict`.
+@dataclass(frozen=True, eq=False)
+class _Key:
+    """A distant disc of light.
+
+    Attributes:
+        toward: unit vector to its middle.
+        width_deg: its width.
+        irradiance: (3,) on a plane that faces it.
+    """
+
+    toward: Vector
+    width_deg: float
+    irradiance: Vector
+
+
+def emitters(light: Light, ground: Sequence[float]) -> dict[str, dict[str, Any]]:
+    """Return the emitters of a light as dictionaries for `mi.load_dict`.
 
     Args:
         light: the words.
         ground: linear colour of the ground, which goes on beyond the edge of the world.
     """
-    image, key = _studio(light.studio) if light.studio else _outdoors(_sun(light), ground)
-    card = _irradiance(image, _unit(key + np.array([0.0, 1.0, 0.0])))
-    pixels = (image * (_CARD / card)).astype(np.float32)
-    return {"type": "envmap", "bitmap": mi.Bitmap(np.ascontiguousarray(pixels))}
+    if light.sun is not None:
+        sky, key = _outdoors(light.sun, np.asarray(ground, np.float64))
+    else:
+        sky, key = _studio(light.studio or Studio())
+    lit = bool(key.irradiance.max() > 0)
+    toward = key.toward if lit else _UP
+    normal = _unit(toward + _UP)
+    card = _irradiance(sky, normal) + float(luminance(key.irradiance)) * float(normal @ toward)
+    scale = _CARD / card
+    pixels = np.ascontiguousarray(sky * scale, np.float32)
+    found = {
+        "sky": {
+            "type": "envmap",
+            "bitmap": mi.Bitmap(pixels),
+            "sampling_weight": 0.0 if lit else 1.0,
+        }
+    }
+    if lit:
+        found["key"] = _disc(key, scale)
+    return found
 
 
-def _sun(light: Light) -> Sun:
-    return light.sun or Sun()
+def _disc(key: _Key, scale: float) -> dict[str, Any]:
+    half = math.radians(key.width_deg) / 2
+    radiance = key.irradiance * scale / (math.pi * math.sin(half) ** 2)
+    place = (key.toward * _FAR).tolist()
+    up = [1.0, 0.0, 0.0] if abs(key.toward[1]) > 0.9 else [0.0, 1.0, 0.0]
+    T = mi.ScalarTransform4f
+    return {
+        "type": "disk",
+        "to_world": T().look_at(place, [0.0, 0.0, 0.0], up).scale(_FAR * math.tan(half)),
+        "emitter": {
+            "type": "area",
+            "radiance": {"type": "rgb", "value": radiance.tolist()},
+        },
+    }
 
 
-def _outdoors(sun: Sun, ground: Sequence[float]) -> tuple[Image, Vector]:
+def _outdoors(sun: Sun, ground: Vector) -> tuple[Image, _Key]:
     toward = _unit(np.array(sun.direction))
     clear_sky, sun_light = _clear(sun, toward)
     overcast = _overcast(float(luminance(clear_sky[: HEIGHT // 2]).mean()))
     sky = (1 - sun.clouds) * clear_sky + sun.clouds * overcast
-    disc = _cap(toward, sun.softness_deg / 2, feather_deg=0.2)
-    power = sun_light * (1 - sun.clouds) ** 2
-    below = _earth(sky, np.asarray(ground), power * toward[1])
-    full = below + disc[..., None] * power / (disc * _solid_angles()).sum()
-    key = toward if sun.clouds < 1 else np.array([0.0, 1.0, 0.0])
-    return full, key
+    # Clouds hide the disc sooner than they whiten the sky.
+    key = _Key(toward, sun.softness_deg, sun_light * (1 - sun.clouds) ** 2)
+    return _earth(sky, ground, key.irradiance * toward[1]), key
 
 
 def _clear(sun: Sun, toward: Vector) -> tuple[Image, Vector]:
@@ -116,23 +168,23 @@ def _earth(sky: Image, ground: Vector, sun_on_ground: Vector) -> Image:
     weight = (_solid_angles() * d[..., 1].clip(0, None))[..., None]
     irradiance = (sky * weight).sum(axis=(0, 1)) + sun_on_ground
     soil = ground * irradiance / math.pi
-    horizon = sky[HEIGHT // 2 - 2].mean(axis=0)
-    haze = np.exp(-np.maximum(-d[..., 1], 0) / 0.035)[..., None]
-    air = 0.5 * horizon + 0.5 * sky[HEIGHT // 2 - 2][None]
-    return np.where(d[..., 1:2] < 0, haze * air + (1 - haze) * soil, sky)
+    rim = sky[HEIGHT // 2 - 2][None]
+    air = 0.45 * rim + 0.6 * rim.mean(axis=1, keepdims=True)
+    up = d[..., 1:2]
+    haze = np.exp(-np.abs(up) / np.where(up < 0, _HAZE, _GLOW))
+    return np.asarray(haze * air + (1 - haze) * np.where(up < 0, soil, sky))
 
 
-def _studio(studio: Studio) -> tuple[Image, Vector]:
+def _studio(studio: Studio) -> tuple[Image, _Key]:
     heading, height = math.radians(studio.heading_deg), math.radians(studio.elevation_deg)
-    key = _toward(heading, height)
-    d = _directions(WIDTH, HEIGHT)
-    backdrop = linear(studio.backdrop) * (0.55 + 0.45 * np.exp(-((d[..., 1:2] - 0.15) ** 2) / 0.3))
-    image = np.where(d[..., 1:2] < -0.2, 0.6 * backdrop, backdrop)
-    image = image + 2.6 * _box(key, studio.softness_deg, np.array([1.0, 0.95, 0.88]))
-    fill = _toward(heading + 2.0, 0.35)
-    image = image + 2.6 * studio.fill * _box(fill, 70.0, np.array([0.85, 0.93, 1.0]))
-    rim = _toward(heading + 3.6, 0.6)
-    return image + 2.6 * studio.rim * _box(rim, 24.0, np.array([1.0, 0.98, 0.95])), key
+    up = _directions(WIDTH, HEIGHT)[..., 1:2]
+    # A paper backdrop: brightest a little above the horizon, darker overhead and below.
+    paper = linear(studio.backdrop) * (0.45 + 0.55 * np.exp(-((up - 0.1) ** 2) / 0.25))
+    fill = _box(_toward(heading + 2.0, 0.35), 70.0, np.array([0.85, 0.93, 1.0]))
+    rim = _box(_toward(heading + 3.6, 0.6), 24.0, np.array([1.0, 0.98, 0.95]))
+    image = paper + _KEY * (0.6 * studio.fill * fill + 0.7 * studio.rim * rim)
+    key = _Key(_toward(heading, height), studio.softness_deg, _KEY * np.array([1.0, 0.95, 0.88]))
+    return image, key
 
 
 def _box(toward: Vector, width_deg: float, color: Vector) -> Image:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from render.color import linear
 from render.errors import ShotError
-from render.lights import emitter
+from render.lights import emitters
 from render.meshes import Group, built, groups, moved, update
 from render.shot import CameraPose, Mesh, Shot
 from render.words import FullFilm, Material
@@ -42,7 +42,7 @@ class Stage:
             {
                 "type": "scene",
                 **parts,
-                "light": emitter(shot.light, _ground(shot)),
+                **emitters(shot.light, _ground(shot)),
                 "camera": _camera(self._film),
             }
         )
@@ -50,6 +50,7 @@ class Stage:
         self._integrator = mi.load_dict(
             {"type": "path", "max_depth": self._film.depth, "rr_depth": self._film.depth + 1}
         )
+        self._colors = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
         self._values = mi.traverse(self._scene)
         self._shown: tuple[Mesh, ...] = shot.meshes
         self.move(shot)
@@ -65,9 +66,20 @@ class Stage:
 
     def trace(self, seed: int) -> NDArray[np.float32]:
         """Return the light that the camera sees, (H, W, 3), linear sRGB."""
-        image = self._integrator.render(
+        return self._render(self._integrator, seed)
+
+    def albedo(self, seed: int) -> NDArray[np.float32]:
+        """Return the colour of what the camera sees first, (H, W, 3), 0 to 1.
+
+        A pass of its own, because around the path tracer it doubles the time.
+        """
+        return np.ascontiguousarray(self._render(self._colors, seed)[..., -3:].clip(0.0, 1.0))
+
+    def _render(self, integrator: Any, seed: int) -> NDArray[np.float32]:
+        image = integrator.render(
             self._scene, self._sensor, seed=seed & 0xFFFFFFFF, spp=self._film.samples
         )
+        # Reading the pixels waits for Mitsuba, so that times taken outside are honest.
         return np.array(image, np.float32)
 
 

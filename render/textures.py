@@ -45,9 +45,8 @@ def tile(pattern: str) -> Tile:
     """Return the tile of a pattern of `render.words.material.Texture`."""
     shade, warmth, relief, size = _PATTERNS[pattern](np.random.default_rng(_SEED))
     shade = shade / shade.mean()
-    return Tile(
-        shade.astype(np.float32), warmth.astype(np.float32), relief.astype(np.float32), size
-    )
+    planes = (np.asarray(plane, np.float32) for plane in (shade, warmth, _softened(relief)))
+    return Tile(*planes, size)
 
 
 @lru_cache(maxsize=4)
@@ -59,6 +58,13 @@ def patches(size: int = 512) -> Plane:
 
 
 _SEED = 19870501
+
+
+def _softened(relief: Plane) -> Plane:
+    """Return the relief without slopes from pixel to pixel, which only sparkle."""
+    for axis in (0, 1):
+        relief = 0.5 * relief + 0.25 * (np.roll(relief, 1, axis) + np.roll(relief, -1, axis))
+    return relief
 
 
 def _noise(
@@ -123,10 +129,10 @@ def _pebbles(rng: np.random.Generator, across: int, share: float) -> tuple[Plane
 
 
 def _soil(rng: np.random.Generator) -> tuple[Plane, Plane, Plane, float]:
-    clods, grain = _noise(rng, 1.5, first=6), _noise(rng, 0.6, first=60)
+    clods, grain = _noise(rng, 1.7, first=6), _noise(rng, 0.8, first=50)
     gravel, gravel_tint = _pebbles(rng, 90, 0.35)
     stones, stone_tint = _pebbles(rng, 26, 0.16)
-    relief = 0.0075 * clods + 0.0007 * grain + 0.006 * gravel + 0.02 * stones
+    relief = 0.008 * clods + 0.0002 * grain + 0.0035 * gravel + 0.013 * stones
     shade = 1 + 0.13 * clods + 0.09 * grain
     shade += np.where(gravel > 0, 0.22 * gravel_tint, 0) + np.where(
         stones > 0, 0.15 + 0.22 * stone_tint, 0
@@ -166,7 +172,7 @@ def _grass(rng: np.random.Generator) -> tuple[Plane, Plane, Plane, float]:
     tint = np.zeros((TILE, TILE))
     top = tall >= height[row, column]
     tint[row[top], column[top]] = np.broadcast_to(rng.normal(0, 1, (blades, 1)), row.shape)[top]
-    relief = 0.012 * height + 0.01 * clump
+    relief = 0.006 * height + 0.01 * clump
     shade = (0.35 + 0.85 * height) * (1 + 0.16 * tint) * (1 + 0.12 * clump)
     warmth = 0.3 * tint + 0.25 * _noise(rng, 1.5, first=4)
     return shade.clip(0.15, 2.0), warmth.clip(-1, 1), relief, 1.9
@@ -187,9 +193,9 @@ def _rock(rng: np.random.Generator) -> tuple[Plane, Plane, Plane, float]:
     fine_first, fine_second, _ = _cells(rng, 31, warp=0.3)
     crack = np.exp(-(((second - first) / 0.035) ** 2))
     chip = np.exp(-(((fine_second - fine_first) / 0.06) ** 2))
-    rough = _noise(rng, 1.25, first=6)
+    rough = _noise(rng, 1.55, first=6)
     facet = rng.uniform(-1, 1, 81)[owner]
-    relief = 0.02 * rough + 0.012 * facet - 0.02 * crack - 0.004 * chip
+    relief = 0.018 * rough + 0.008 * facet - 0.009 * crack - 0.001 * chip
     shade = 1 + 0.16 * rough + 0.08 * facet - 0.4 * crack - 0.1 * chip
     shade += 0.07 * _noise(rng, 0.5, first=60)
     warmth = 0.45 * _noise(rng, 1.5, first=4)

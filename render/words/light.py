@@ -23,7 +23,7 @@ class Sun(Words):
     north_deg: float = Field(
         160.0, ge=-360, le=360, description="Heading of north: 0 is +X, 90 is -Z."
     )
-    turbidity: float = Field(3.0, ge=1, le=10, description="Haze: 2 is alpine, 6 is dusty.")
+    turbidity: float = Field(2.5, ge=1, le=10, description="Haze: 2 is alpine, 6 is dusty.")
     softness_deg: float = Field(
         1.0, ge=0.5, le=20, description="Width of the sun's disc; the real one has 0.53."
     )
@@ -80,9 +80,9 @@ class Studio(Words):
 
 
 _PRESETS: dict[str, dict[str, Any]] = {
-    "day": {"sun": {"hour": 16.5, "turbidity": 3.0}},
-    "noon": {"sun": {"hour": 12.5, "turbidity": 2.5}},
-    "golden hour": {"sun": {"hour": 18.6, "turbidity": 3.5, "softness_deg": 1.4}},
+    "day": {"sun": {"hour": 16.5, "turbidity": 2.5}},
+    "noon": {"sun": {"hour": 12.5}},
+    "golden hour": {"sun": {"hour": 18.6, "turbidity": 3.0, "softness_deg": 1.4}},
     "overcast": {"sun": {"hour": 13.0, "clouds": 1.0}},
     "studio": {"studio": {}},
 }

@@ -13,7 +13,7 @@ Texture = Literal["none", "soil", "sand", "grass", "snow", "rock", "wood", "mott
 
 _PRESETS: dict[str, dict[str, Any]] = {
     # Creatures.
-    "green chitin": {"color": "#3f6b1e", "roughness": 0.38, "clearcoat": 0.8, "metallic": 0.25},
+    "green chitin": {"color": "#46691f", "roughness": 0.33, "clearcoat": 0.9, "metallic": 0.35},
     "brown chitin": {"color": "#5a3217", "roughness": 0.4, "clearcoat": 0.8, "metallic": 0.15},
     "black chitin": {"color": "#1b1a1d", "roughness": 0.35, "clearcoat": 1.0, "metallic": 0.2},
     "red chitin": {"color": "#94201a", "roughness": 0.38, "clearcoat": 0.9, "metallic": 0.15},
@@ -45,8 +45,8 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "yellow plastic": {"color": "#d9a818", "roughness": 0.3, "clearcoat": 0.5},
     # Ground.
     "dry soil": {
-        "color": "#9b7550",
-        "color2": "#b99a71",
+        "color": "#8c7156",
+        "color2": "#ab9678",
         "roughness": 0.95,
         "texture": "soil",
         "texture_scale": 2.6,
@@ -54,8 +54,8 @@ _PRESETS: dict[str, dict[str, Any]] = {
         "steep_color": "#85766a",
     },
     "grass": {
-        "color": "#5a7231",
-        "color2": "#83853f",
+        "color": "#5d6b3a",
+        "color2": "#87834e",
         "roughness": 0.9,
         "texture": "grass",
         "texture_scale": 1.9,

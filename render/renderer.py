@@ -1,0 +1,115 @@
+"""Renderer: shots in, frames out, and where the time went."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from render.backend import Backend
+from render.frame import Frame
+from render.shot import Shot
+
+if TYPE_CHECKING:
+    from render.stage import Stage
+
+
+@dataclass
+class Split:
+    """Seconds spent by a renderer so far.
+
+    Attributes:
+        frames: how many were finished.
+        build: building scenes in Mitsuba.
+        update: moving meshes and camera, with Mitsuba's own update.
+        trace: Mitsuba at work, to the last pixel.
+        denoise: the denoiser.
+        tone: from light to an 8-bit picture.
+    """
+
+    frames: int = 0
+    build: float = 0.0
+    update: float = 0.0
+    trace: float = 0.0
+    denoise: float = 0.0
+    tone: float = 0.0
+
+    @contextmanager
+    def timed(self, part: str) -> Iterator[None]:
+        """Add the time that passes inside to a part."""
+        began = time.perf_counter()
+        yield
+        setattr(self, part, getattr(self, part) + time.perf_counter() - began)
+
+    @property
+    def seconds(self) -> float:
+        """All of it."""
+        return self.build + self.update + self.trace + self.denoise + self.tone
+
+
+class Renderer:
+    """Renders shots on one backend; builds a scene only when the shot needs another one.
+
+    Attributes:
+        backend: what Mitsuba runs on.
+        split: seconds spent so far.
+        key_extra: all that a frame depends on besides its shot; frames are kept under both.
+    """
+
+    def __init__(self, backend: Backend) -> None:
+        backend.activate()
+        # Imported here because Mitsuba must find the backend chosen when it is imported.
+        from render.denoiser import Denoiser
+
+        self.backend = backend
+        self.split = Split()
+        self._denoiser = Denoiser()
+        self._stage: Stage | None = None
+        self.key_extra = f"{backend.key}; {self._denoiser.key}; look {look()}"
+
+    def render(self, shot: Shot) -> Frame:
+        """Render one shot.
+
+        Raises:
+            ShotError: the shot cannot be drawn.
+            DenoiseError: the denoiser failed.
+        """
+        film = shot.film.resolved()
+        stage = self._staged(shot)
+        with self.split.timed("trace"):
+            light = stage.trace(shot.seed)
+            albedo = light if film.denoise == "off" else stage.albedo(shot.seed)
+        with self.split.timed("denoise"):
+            light = self._denoiser.clean(light, albedo, film.denoise)
+        frame = Frame(light, film.exposure)
+        if film.format == "png":
+            with self.split.timed("tone"):
+                _ = frame.srgb8
+        self.split.frames += 1
+        return frame
+
+    def _staged(self, shot: Shot) -> Stage:
+        from render.stage import Stage
+
+        if self._stage is None or self._stage.build != shot.build:
+            with self.split.timed("build"):
+                self._stage = None  # frees the old scene before the new one is made
+                self._stage = Stage(shot)
+        else:
+            with self.split.timed("update"):
+                self._stage.move(shot)
+        return self._stage
+
+
+@cache
+def look() -> str:
+    """Return a digest of the modules that decide what a frame looks like."""
+    here = Path(__file__).parent
+    names = ("color", "denoiser", "lights", "materials", "meshes", "stage", "textures")
+    sources = b"".join((here / f"{name}.py").read_bytes() for name in names)
+    return hashlib.blake2b(sources, digest_size=6).hexdigest()

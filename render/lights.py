@@ -35,7 +35,7 @@ _SKY_WIDTH, _SKY_HEIGHT = 256, 128
 _SUN_DEG = 0.5358
 _CARD = 1.25 * math.pi
 """Irradiance on the card; at pi a grey of albedo 0.18 has radiance 0.18."""
-_HAZE = 0.11
+_HAZE = 0.22
 """Sine of the angle below the horizon at which the haze has thinned to 1/e."""
 _GLOW = 0.06
 """The same above the horizon, where the haze glows before the sky."""
@@ -169,7 +169,9 @@ def _earth(sky: Image, ground: Vector, sun_on_ground: Vector) -> Image:
     irradiance = (sky * weight).sum(axis=(0, 1)) + sun_on_ground
     soil = ground * irradiance / math.pi
     rim = sky[HEIGHT // 2 - 2][None]
-    air = 0.45 * rim + 0.6 * rim.mean(axis=1, keepdims=True)
+    # Distance takes on the colour of the sky above it, not only of its lowest degrees.
+    high = sky[HEIGHT // 2 - HEIGHT // 9][None].mean(axis=1, keepdims=True)
+    air = 0.4 * rim + 0.4 * rim.mean(axis=1, keepdims=True) + 0.35 * high
     up = d[..., 1:2]
     haze = np.exp(-np.abs(up) / np.where(up < 0, _HAZE, _GLOW))
     return np.asarray(haze * air + (1 - haze) * np.where(up < 0, soil, sky))

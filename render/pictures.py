@@ -46,7 +46,7 @@ def write_png(path: Path, srgb8: NDArray[np.uint8], key: str) -> None:
         _chunk(file, b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
         _chunk(file, b"sRGB", b"\0")
         _chunk(file, b"tEXt", KEY.encode("latin-1") + b"\0" + key.encode("latin-1", "replace"))
-        _chunk(file, b"IDAT", zlib.compress(rows, _LEVEL))
+        _chunk(file, b"IDAT", zlib.compress(rows.data, _LEVEL))
         _chunk(file, b"IEND", b"")
 
 
@@ -156,7 +156,7 @@ def _exr_row(y: int, row: NDArray[np.float16]) -> bytes:
     split = np.concatenate([raw[0::2], raw[1::2]])
     told = split.copy()
     told[1:] = split[1:] - split[:-1] + np.uint8(128)
-    packed = zlib.compress(told, _LEVEL)
+    packed = zlib.compress(told.data, _LEVEL)
     body = packed if len(packed) < raw.size else raw.tobytes()
     return struct.pack("<ii", y, len(body)) + body
 
@@ -164,7 +164,7 @@ def _exr_row(y: int, row: NDArray[np.float16]) -> bytes:
 def _exr_key(data: bytes) -> str | None:
     at, key, height = 8, None, 0
     while data[at] != 0:
-        name, kind, rest = data[at : at + 512].split(b"\0", 2)
+        name, kind, _ = data[at : at + 512].split(b"\0", 2)
         at += len(name) + len(kind) + 2
         (size,) = struct.unpack_from("<i", data, at)
         value = data[at + 4 : at + 4 + size]

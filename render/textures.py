@@ -45,8 +45,8 @@ def tile(pattern: str) -> Tile:
     """Return the tile of a pattern of `render.words.material.Texture`."""
     shade, warmth, relief, size = _PATTERNS[pattern](np.random.default_rng(_SEED))
     shade = shade / shade.mean()
-    planes = (np.asarray(plane, np.float32) for plane in (shade, warmth, _softened(relief)))
-    return Tile(*planes, size)
+    planes = [np.asarray(plane, np.float32) for plane in (shade, warmth, _softened(relief))]
+    return Tile(planes[0], planes[1], planes[2], size)
 
 
 @lru_cache(maxsize=4)

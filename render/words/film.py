@@ -17,7 +17,7 @@ Even = Annotated[int, Field(ge=16, le=8192, multiple_of=2)]
 _PRESETS: dict[Preset, dict[str, Any]] = {
     "draft": {"size": (320, 180), "samples": 2, "depth": 3, "denoise": "fast"},
     "preview": {"size": (640, 360), "samples": 4, "depth": 4, "denoise": "fast"},
-    "final": {"size": (1280, 720), "samples": 24, "depth": 6, "denoise": "high"},
+    "final": {"size": (1280, 720), "samples": 12, "depth": 5, "denoise": "high"},
 }
 
 

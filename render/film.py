@@ -1,0 +1,225 @@
+"""Film: frames in order, with sound, as an H.264 film in MP4.
+
+The clock of the picture is 1 / fps, so that frame f (from 1) is presented at exactly
+(f - 1) / fps; sound is cut or padded to exactly N / fps seconds.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
+from numpy.typing import NDArray
+
+from render.errors import EncodeError
+
+RATE = 48_000
+"""Sound in the film [samples a second]."""
+_BLOCK = 1024
+"""Samples in one frame of AAC."""
+_THREADS = 4
+"""Threads of x264, which decide its bytes: a constant, no property of the machine."""
+
+Picture = NDArray[np.uint8]
+Sound = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """How a film is packed.
+
+    Attributes:
+        crf: constant rate factor of x264; 17 is hard to tell from the frames.
+        effort: preset of x264.
+    """
+
+    crf: int = 17
+    effort: str = "medium"
+
+
+def write_film(
+    path: Path,
+    frames: Iterable[Picture],
+    fps: Fraction,
+    sound: Path | None = None,
+    key: str = "",
+    encoding: Encoding | None = None,
+) -> int:
+    """Write frames, and sound if there is any, as MP4; return the number of frames.
+
+    Args:
+        path: where the film goes, ending in `.mp4`; it is replaced when the new one is whole.
+        frames: pictures (H, W, 3) sRGB of one even size, in order.
+        fps: frames a second.
+        sound: WAV file of 48 kHz, one or two channels; cut or padded to the picture.
+        key: kept in the film's comment, for `film_key`.
+        encoding: how it is packed.
+
+    Raises:
+        EncodeError: there is no frame, the frames differ in size, the sound is of
+            another kind, or the encoder or the disk failed.
+    """
+    if path.suffix != ".mp4":
+        raise EncodeError(f"{path} is no place for a film; let its name end in .mp4")
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.mp4")
+    try:
+        heard = None if sound is None else _heard(sound)
+        count = _write(temporary, frames, fps, heard, key, encoding or Encoding())
+        os.replace(temporary, path)
+    except (OSError, ValueError, av.FFmpegError) as error:
+        raise EncodeError(f"{path} could not be encoded: {error}") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+    return count
+
+
+def film_key(path: Path) -> str | None:
+    """Return the key that a film was written with; None if it has none or is not readable."""
+    try:
+        with av.open(str(path)) as container:
+            return container.metadata.get("comment")
+    except (OSError, ValueError, av.FFmpegError):
+        return None
+
+
+def _write(
+    path: Path,
+    frames: Iterable[Picture],
+    fps: Fraction,
+    heard: Sound | None,
+    key: str,
+    encoding: Encoding,
+) -> int:
+    options = {
+        "movflags": "+faststart",
+        "fflags": "+bitexact",
+        "use_editlist": "1",
+        # Lengths are kept in this unit, which is to hold both N / fps and whole samples.
+        "movie_timescale": str(math.lcm(RATE, fps.numerator)),
+    }
+    pictures = iter(frames)
+    first = next(pictures, None)
+    if first is None:
+        raise EncodeError("there is no frame to make a film of; render some first")
+    with av.open(str(path), "w", format="mp4", options=options) as container:
+        container.metadata["comment"] = key
+        # Both streams are declared before the first packet writes the header.
+        video = _video(container, first.shape, fps, encoding)
+        track = None if heard is None else _Track(container, heard)
+        count = 0
+        for picture in itertools.chain([first], pictures):
+            if picture.shape != first.shape:
+                raise EncodeError(
+                    f"frame {count + 1} is {picture.shape[1]}x{picture.shape[0]} and the first "
+                    f"{first.shape[1]}x{first.shape[0]}; render all frames at one size"
+                )
+            container.mux(video.encode(_shown(picture, count, fps)))
+            count += 1
+            if track is not None:
+                track.play_until(count / fps)
+        container.mux(video.encode(None))
+        if track is not None:
+            track.end_at(count / fps)
+        return count
+
+
+def _video(container: Any, shape: tuple[int, ...], fps: Fraction, encoding: Encoding) -> Any:
+    video = container.add_stream("libx264", rate=fps)
+    video.height, video.width = shape[:2]
+    video.pix_fmt = "yuv420p"
+    context = video.codec_context
+    context.time_base = 1 / fps
+    context.thread_count = _THREADS
+    # Without B-frames the order of decoding is that of showing, and no edit list shifts time.
+    context.max_b_frames = 0
+    context.gop_size = max(1, round(fps))
+    context.options = {"crf": str(encoding.crf), "preset": encoding.effort}
+    context.colorspace = Colorspace.ITU709
+    context.color_primaries = ColorPrimaries.BT709
+    context.color_trc = ColorTrc.BT709
+    context.color_range = ColorRange.MPEG
+    return video
+
+
+def _shown(picture: Picture, count: int, fps: Fraction) -> av.VideoFrame:
+    """Return a picture in YUV by the matrix of BT.709, limited range, at its time."""
+    rgb = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+    frame = rgb.reformat(
+        format="yuv420p",
+        src_colorspace=Colorspace.ITU709,
+        dst_colorspace=Colorspace.ITU709,
+        src_color_range=ColorRange.JPEG,
+        dst_color_range=ColorRange.MPEG,
+        interpolation="AREA",
+    )
+    frame.colorspace = Colorspace.ITU709
+    frame.color_primaries = ColorPrimaries.BT709
+    frame.color_trc = ColorTrc.BT709
+    frame.color_range = ColorRange.MPEG
+    frame.pts, frame.time_base, frame.duration = count, 1 / fps, 1
+    return frame
+
+
+class _Track:
+    """The sound of a film, fed as the picture goes on."""
+
+    def __init__(self, container: Any, heard: Sound) -> None:
+        self._container = container
+        self._heard = heard
+        self._layout = "mono" if len(heard) == 1 else "stereo"
+        self._stream = container.add_stream("aac", rate=RATE, layout=self._layout)
+        self._stream.bit_rate = 192_000
+        self._at = 0
+
+    def play_until(self, seconds: Fraction) -> None:
+        """Encode the whole blocks that end before a time."""
+        while (self._at + _BLOCK) <= seconds * RATE:
+            self._feed(_BLOCK)
+
+    def end_at(self, seconds: Fraction) -> None:
+        """Encode what is left up to a time, and no more."""
+        self.play_until(seconds)
+        rest = round(seconds * RATE) - self._at
+        if rest > 0:
+            self._feed(rest)
+        self._container.mux(self._stream.encode(None))
+
+    def _feed(self, count: int) -> None:
+        block = np.zeros((len(self._heard), count), np.float32)
+        piece = self._heard[:, self._at : self._at + count]
+        block[:, : piece.shape[1]] = piece
+        frame = av.AudioFrame.from_ndarray(block, format="fltp", layout=self._layout)
+        # With pts alone the sound comes a block too late: the time base is needed too.
+        frame.sample_rate, frame.pts, frame.time_base = RATE, self._at, Fraction(1, RATE)
+        self._container.mux(self._stream.encode(frame))
+        self._at += count
+
+
+def _heard(path: Path) -> Sound:
+    """Return the sound of a WAV file, (channels, samples), -1 to 1."""
+    with av.open(str(path)) as container:
+        if not container.streams.audio:
+            raise EncodeError(f"{path} has no sound")
+        stream = container.streams.audio[0]
+        channels = stream.codec_context.layout.nb_channels
+        if stream.rate != RATE or channels > 2:
+            raise EncodeError(
+                f"{path} has {stream.rate} Hz and {channels} channels; "
+                f"write it with {RATE} Hz and one or two"
+            )
+        to_float = av.AudioResampler(format="fltp", layout=stream.codec_context.layout, rate=RATE)
+        blocks = [
+            piece.to_ndarray()
+            for frame in container.decode(stream)
+            for piece in to_float.resample(frame)
+        ]
+        return np.concatenate(blocks, axis=1) if blocks else np.zeros((channels, 0), np.float32)

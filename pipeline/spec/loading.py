@@ -67,7 +67,7 @@ def load_figure(path: str | Path) -> Figure:
     _exists(path)
     tree, problems = read_file(path)
     if tree is None:
-        raise SceneError(problems)
+        raise SceneError(in_order(problems, [str(path)]))
     _refuse_newer(tree)
     loaded, wrong = check(FigureFile, tree)
     if loaded is None or problems or wrong:
@@ -92,7 +92,7 @@ def _scene(
     overrides: Sequence[str],
 ) -> Scene:
     if tree is None:
-        raise SceneError(problems)
+        raise SceneError(in_order(problems, [file]))
     _refuse_newer(tree)
     tree, wrong = override(tree, overrides)
     search = Search(beside, file)

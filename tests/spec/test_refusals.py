@@ -277,6 +277,10 @@ def test_all_mistakes_are_reported_at_once_in_the_order_of_the_file():
     ]
 
 
+def test_the_order_holds_where_reading_had_to_stop():
+    assert [p.column for p in problems_in("[a, !x b]: 1\n*c\n")] == [1, 5, 1]
+
+
 def test_figures_that_are_no_mapping_are_reported_and_not_missed():
     text = "pronk: 1\nduration: 1\nfigures:\ncast: [{figure: bug}]\n"
     assert [(p.line, p.path) for p in problems_in(text)] == [(3, "figures")]

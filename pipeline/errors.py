@@ -6,6 +6,7 @@
     ├── ProductionError     4    simulating, rendering or writing failed
     │   ├── SimulationError      diverged or impossible; says step, time and part
     │   ├── FilmingError         Mitsuba, the denoiser or the encoder failed
+    │   ├── ScoringError         the score could not be written as MIDI or sound
     │   └── StoreError           an output could not be written or read
     ├── GoldenMissing       5    there is nothing to compare with
     └── CannotJudge         6    this machine cannot decide the comparison
@@ -83,6 +84,10 @@ class SimulationError(ProductionError):
 
 class FilmingError(ProductionError):
     """Mitsuba, the denoiser or the encoder failed."""
+
+
+class ScoringError(ProductionError):
+    """The score could not be written as MIDI or sound."""
 
 
 class StoreError(ProductionError):

@@ -11,7 +11,7 @@ from pipeline.simulation.take import Take
 def event_lines(take: Take) -> bytes:
     """Return the events that a film of `take` shows, one object a line.
 
-    `time` is exact, as a fraction of a second; `seconds` is the same for reading.
+    `time` is that of the cause, in seconds; `frame` is the first that shows it.
     """
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
@@ -22,8 +22,7 @@ def event_lines(take: Take) -> bytes:
         time = clock.time_of(event.step, event.fraction)
         words = {
             "frame": event.frame,
-            "time": str(time),
-            "seconds": round(float(time), 9),
+            "time": float(time),
             "cause": event.cause,
             "who": event.who,
             "part": event.part,

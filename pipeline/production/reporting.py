@@ -141,7 +141,7 @@ class Plain:
             self._say(text)
 
     def _say(self, text: str) -> None:
-        print(text, file=self._stream, flush=True)  # noqa: T201 - this is where lines are printed
+        print(text, file=self._stream, flush=True)
 
 
 class Terminal(Plain):
@@ -226,7 +226,7 @@ class Machine:
 
     def say(self, words: dict[str, object]) -> None:
         """Write one object."""
-        print(json.dumps(words, ensure_ascii=False), file=self._stream, flush=True)  # noqa: T201
+        print(json.dumps(words, ensure_ascii=False), file=self._stream, flush=True)
 
 
 def reporter_for(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:

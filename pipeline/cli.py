@@ -1,0 +1,333 @@
+"""The commands; no logic. What they need is imported when they run, so that help is instant."""
+
+from __future__ import annotations
+
+import enum
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Never
+
+import typer
+
+from pipeline.errors import Problem, PronkError, SceneError
+
+if TYPE_CHECKING:
+    from pipeline.production.produce import Order
+    from pipeline.production.reporting import Reporter
+    from pipeline.spec import Scene
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="pronk",
+    help="One YAML scene in; a path-traced film and a frame-exact score out.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+class Preset(enum.StrEnum):
+    """Quality of the frames."""
+
+    draft = "draft"
+    preview = "preview"
+    final = "final"
+
+
+class BackendName(enum.StrEnum):
+    """Variant of Mitsuba."""
+
+    auto = "auto"
+    cuda = "cuda"
+    llvm = "llvm"
+    scalar = "scalar"
+
+
+@dataclass(slots=True)
+class Flags:
+    """The flags that every command has."""
+
+    json_lines: bool = False
+    quiet: bool = False
+    verbose: bool = False
+
+    def reporter(self) -> Reporter:
+        """Return the reporter that suits them."""
+        from pipeline.production.reporting import reporter_for
+
+        return reporter_for(self.json_lines, self.quiet, self.verbose)
+
+
+FLAGS = Flags()
+
+SceneName = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A file, or the name of a shipped scene.")
+]
+SceneNames = Annotated[
+    list[str], typer.Argument(metavar="SCENE...", help="Files, or names of shipped scenes.")
+]
+Out = Annotated[Path, typer.Option(help="Folder that the scenes' folders are made in.")]
+Sets = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Change a word of the scene: fps=30."),
+]
+PresetOption = Annotated[
+    Preset | None, typer.Option(help="Size and quality of the frames; the scene's own if left out.")
+]
+BackendOption = Annotated[
+    BackendName, typer.Option(help="Variant of Mitsuba; the fastest that works if left out.")
+]
+JsonFlag = Annotated[bool, typer.Option("--json", help="Say everything as lines of JSON.")]
+QuietFlag = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
+VerboseFlag = Annotated[bool, typer.Option("-v", "--verbose", help="Say more.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        import pipeline
+
+        typer.echo(f"pronk {pipeline.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version.")
+    ] = False,
+) -> None:
+    """One YAML scene in; a path-traced film and a frame-exact score out."""
+    del version
+
+
+@app.command()
+def render(
+    scenes: SceneNames,
+    out: Out = Path("out"),
+    preset: PresetOption = None,
+    frames: Annotated[
+        str | None, typer.Option(help="Frames to render, such as 1-48,60-90x5; all if left out.")
+    ] = None,
+    sets: Sets = None,
+    jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes that render at once.")] = 1,
+    no_sound: Annotated[bool, typer.Option("--no-sound", help="Make no sound, no MIDI.")] = False,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Make films: simulate, write the score, render the frames, encode.
+
+    What is there and still right is kept; a run that was stopped goes on where it was.
+    """
+    from pipeline.production import produce
+
+    reporter = _flags(json_lines, quiet, verbose)
+    loaded = [(name, _loaded(name, sets, preset)) for name in scenes]
+    for name, scene in loaded:
+        order = _order(name, scene, out, backend, frames=frames, jobs=jobs, sound=not no_sound)
+        outputs = produce.render(order, reporter)
+        reporter.note(f"{outputs.folder}")
+
+
+@app.command()
+def check(
+    scenes: SceneNames,
+    sets: Sets = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Say whether scenes are right; every mistake at once, with its line."""
+    from pipeline.production.checking import check_scene
+
+    reporter = _flags(json_lines, quiet, verbose)
+    problems: list[Problem] = []
+    for name in scenes:
+        try:
+            scene = _loaded(name, sets)
+            reporter.note(f"{name}: {check_scene(scene)}")
+        except SceneError as error:
+            problems.extend(error.problems)
+    if problems:
+        raise SceneError(problems)
+
+
+@app.command()
+def schema(
+    figure: Annotated[bool, typer.Option("--figure", help="Of figure files instead.")] = False,
+) -> None:
+    """Print the JSON Schema (draft-07) of the scene language, for editors."""
+    import json
+
+    from pipeline.spec import figure_schema
+    from pipeline.spec import schema as scene_schema
+
+    words = figure_schema() if figure else scene_schema()
+    typer.echo(json.dumps(words, indent=2, ensure_ascii=False))
+
+
+@app.command()
+def simulate(
+    scene: SceneName,
+    out: Out = Path("out"),
+    sets: Sets = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Simulate a scene and keep its take, rendering nothing."""
+    from pipeline.production import produce
+
+    reporter = _flags(json_lines, quiet, verbose)
+    outputs, take = produce.simulate_only(_order(scene, _loaded(scene, sets), out), reporter)
+    reporter.note(f"{outputs.take}: digest {take.digest}")
+
+
+@app.command()
+def midi(
+    scene: SceneName,
+    out: Out = Path("out"),
+    sets: Sets = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Write a scene's score as MIDI and as sound, rendering nothing."""
+    from pipeline.production import produce
+
+    reporter = _flags(json_lines, quiet, verbose)
+    outputs = produce.score_only(_order(scene, _loaded(scene, sets), out), reporter)
+    reporter.note(f"{outputs.midi}")
+
+
+@app.command()
+def frame(
+    scene: SceneName,
+    number: Annotated[int, typer.Argument(metavar="N", help="The frame, from 1.")],
+    out: Out = Path("out"),
+    preset: PresetOption = None,
+    sets: Sets = None,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Render one frame."""
+    from pipeline.production.stills import still
+
+    reporter = _flags(json_lines, quiet, verbose)
+    order = _order(scene, _loaded(scene, sets, preset), out, backend)
+    reporter.note(f"{still(order, number, reporter)}")
+
+
+@app.command()
+def sheet(
+    scene: SceneName,
+    count: Annotated[int, typer.Option(min=1, max=400, help="How many frames.")] = 12,
+    columns: Annotated[int, typer.Option(min=1, max=40, help="How many side by side.")] = 3,
+    out: Out = Path("out"),
+    preset: PresetOption = None,
+    sets: Sets = None,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Render a contact sheet: frames spread evenly over the film."""
+    from pipeline.production.stills import sheet as contact_sheet
+
+    reporter = _flags(json_lines, quiet, verbose)
+    order = _order(scene, _loaded(scene, sets, preset), out, backend)
+    reporter.note(f"{contact_sheet(order, count, columns, reporter)}")
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")],
+) -> None:
+    """Write a commented starter scene, NAME.yaml, into this folder."""
+    from pipeline.production.starter import write_starter
+
+    path = write_starter(name, Path())
+    typer.echo(f"{path}: written; try: pronk render {path} --preset draft")
+
+
+@app.command()
+def doctor(
+    fresh: Annotated[bool, typer.Option("--fresh", help="Probe backends again.")] = False,
+    json_lines: JsonFlag = False,
+) -> None:
+    """Say what is found on this machine, what will be used, and what is missing."""
+    import json
+    from dataclasses import asdict
+
+    from pipeline.production.doctor import examine
+
+    findings = examine(fresh)
+    for finding in findings:
+        if json_lines:
+            typer.echo(json.dumps(asdict(finding), ensure_ascii=False))
+        else:
+            mark = "ok " if finding.ok else "!! " if finding.needed else "-  "
+            typer.echo(f"{mark} {finding.what:<13} {finding.text}")
+    if any(not finding.ok and finding.needed for finding in findings):
+        raise typer.Exit(1)
+
+
+def _flags(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:
+    FLAGS.json_lines, FLAGS.quiet, FLAGS.verbose = json_lines, quiet, verbose
+    return FLAGS.reporter()
+
+
+def _loaded(name: str, sets: list[str] | None, preset: Preset | None = None) -> Scene:
+    from pipeline.spec import find_scene, load_scene
+
+    changes = [*([f"film.preset={preset.value}"] if preset else []), *(sets or [])]
+    return load_scene(find_scene(name), changes)
+
+
+def _order(
+    name: str, scene: Scene, out: Path, backend: BackendName = BackendName.auto, **more: Any
+) -> Order:
+    from pipeline.production.produce import Order
+
+    return Order(scene, Path(name).stem, out, backend=backend.value, **more)
+
+
+def main() -> Never:
+    """Run the command line; every error is one message and an exit code."""
+    try:
+        app()
+    except PronkError as error:
+        _say(error)
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt:
+        sys.exit(_interrupted())
+    except SystemExit as end:
+        # Typer turns Ctrl-C into this code and says nothing.
+        sys.exit(_interrupted() if end.code == INTERRUPTED else end.code)
+    raise AssertionError("typer ends every command by SystemExit")
+
+
+def _interrupted() -> int:
+    typer.echo("stopped; the same command goes on where it was", err=True)
+    return INTERRUPTED
+
+
+def _say(error: PronkError) -> None:
+    """Write an error where the flags want it."""
+    if not FLAGS.json_lines:
+        typer.echo(f"error: {error}", err=True)
+        return
+    import json
+    from dataclasses import asdict
+
+    words: dict[str, object] = {"event": "error", "exit_code": error.exit_code}
+    if isinstance(error, SceneError):
+        words["problems"] = [asdict(problem) for problem in error.problems]
+    typer.echo(json.dumps({**words, "message": str(error)}, ensure_ascii=False))

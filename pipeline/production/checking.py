@@ -1,0 +1,20 @@
+"""Checking: all that can be known of a scene without simulating it through."""
+
+from __future__ import annotations
+
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import Scene
+
+
+def check_scene(scene: Scene) -> str:
+    """Build the scene's world and let everybody stand in it; return a line about it.
+
+    Raises:
+        PronkError: if a figure is none, or somebody cannot begin what it is asked to do.
+    """
+    simulation = Simulation(scene)
+    ground = simulation.world.ground
+    width, height = scene.film.resolved().size
+    length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"
+    who = ", ".join(f"{member.name} ({member.figure})" for member in scene.cast)
+    return f"right: {length}; {who}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"

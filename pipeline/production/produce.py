@@ -1,0 +1,306 @@
+"""Produce: one scene to its take, score, frames and film, doing only what is due."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from audio.errors import AudioError
+from audio.files import put
+from audio.midi import write_midi
+from audio.modal import write_wav
+from audio.score import Score
+from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.production.events import event_lines
+from pipeline.production.filming import Share, due, film_frames, film_in_processes
+from pipeline.production.frame_ranges import contiguous, described, parse_frames
+from pipeline.production.manifest import Manifest, packages
+from pipeline.production.outputs import PARTIAL, Outputs, opened, replace_folder
+from pipeline.production.reporting import Reporter, Stage, stage, step
+from pipeline.production.scoring import score_of
+from pipeline.production.shooting import Shooting
+from pipeline.simulation.simulate import simulate, versions
+from pipeline.simulation.take import Take
+from pipeline.simulation.take_store import read_key, read_take, write_take
+from pipeline.spec import Scene, simulation_key
+from render.backend import Choice, choose
+from render.errors import RenderError
+from render.film import film_key, write_film
+from render.pictures import read_png
+from render.renderer import Renderer, Split
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """What is asked of a run.
+
+    Attributes:
+        scene: what to make.
+        name: of the scene; its folder and files are called so.
+        out: folder that holds the scenes' folders.
+        frames: ranges such as "1-48,60-90x5"; None for all.
+        jobs: processes that render at once.
+        sound: whether the film has sound, and MIDI and WAV are written.
+        backend: which variant of Mitsuba.
+    """
+
+    scene: Scene
+    name: str
+    out: Path
+    frames: str | None = None
+    jobs: int = 1
+    sound: bool = True
+    backend: Choice = "auto"
+
+
+@dataclass(slots=True)
+class Production:
+    """One run on one scene: what it has come to so far."""
+
+    order: Order
+    outputs: Outputs
+    reporter: Reporter
+    manifest: Manifest
+    seconds: dict[str, float] = field(default_factory=dict)
+    changed: bool = False
+
+    def timed(self, name: str, began: float) -> None:
+        """Remember that a stage had something to do, and how long that took."""
+        self.seconds[name] = round(time.monotonic() - began, 3)
+        self.changed = True
+
+
+def render(order: Order, reporter: Reporter) -> Outputs:
+    """Make the film of a scene, its score and all that goes with it.
+
+    Raises:
+        PronkError: if something cannot be made; what was made before stays.
+    """
+    frames = parse_frames(order.frames, order.scene.n_frames)
+    with working(order, reporter) as run:
+        take = take_of(run)
+        shooting = Shooting(order.scene, take)
+        if order.sound:
+            _write_score(run, take, shooting)
+        keys = _frames(run, shooting, frames)
+        _film(run, frames, keys)
+        _finish(run, take)
+        return run.outputs
+
+
+def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
+    """Simulate a scene and keep its take and events."""
+    with working(order, reporter) as run:
+        take = take_of(run)
+        put(run.outputs.events, event_lines(take))
+        _finish(run, take)
+        return run.outputs, take
+
+
+def score_only(order: Order, reporter: Reporter) -> Outputs:
+    """Simulate a scene if need be and write its score, rendering nothing."""
+    with working(order, reporter) as run:
+        take = take_of(run)
+        _write_score(run, take, Shooting(order.scene, take))
+        _finish(run, take)
+        return run.outputs
+
+
+@contextmanager
+def working(order: Order, reporter: Reporter) -> Iterator[Production]:
+    """Open the outputs of `order`, and turn what the lower floors raise into our own errors.
+
+    Raises:
+        PronkError: for whatever goes wrong inside.
+    """
+    outputs = Outputs(order.out / order.name, order.name)
+    with opened(outputs):
+        run = Production(order, outputs, reporter, Manifest.read(outputs.manifest))
+        try:
+            yield run
+        except RenderError as error:
+            raise FilmingError(str(error)) from error
+        except AudioError as error:
+            raise ScoringError(str(error)) from error
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise StoreError(f"{error.filename or outputs.folder}: {reason}") from error
+
+
+# --- simulate ---------------------------------------------------------------------
+
+
+def take_key(scene: Scene) -> str:
+    """Return the key of a scene's take: what is simulated, and by what."""
+    words = f"{simulation_key(scene)}|{sorted(versions().items())}"
+    return hashlib.blake2b(words.encode(), digest_size=20).hexdigest()
+
+
+def take_of(run: Production) -> Take:
+    """Return the take of the scene, simulating only if there is none that fits."""
+    scene, place = run.order.scene, run.outputs.take
+    key = take_key(scene)
+    with stage(run.reporter, "simulate", scene.n_frames) as current:
+        if read_key(place) == key:
+            try:
+                take = read_take(place)
+                current.result = "take is up to date"
+                return take
+            except StoreError as error:
+                run.reporter.note(f"{error}; it is made again")
+        began = time.monotonic()
+        take = simulate(scene, key, lambda done, _: step(run.reporter, current, done))
+        run.timed("simulate", began)
+        new = place.with_name(f".{place.name}{PARTIAL}")
+        write_take(take, new)
+        replace_folder(new, place)
+        faster = scene.n_frames / float(scene.rate) / max(run.seconds["simulate"], 1e-3)
+        current.result = f"{scene.n_frames} frames, {faster:.0f} times faster than they play"
+    for note in take.notes:
+        run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
+    return take
+
+
+# --- score ------------------------------------------------------------------------
+
+
+def _write_score(run: Production, take: Take, shooting: Shooting) -> Score:
+    """Write MIDI, WAV and events."""
+    with stage(run.reporter, "score", 3) as current:
+        began = time.monotonic()
+        score, late = score_of(run.order.scene, take, shooting.poses)
+        changed = put(run.outputs.events, event_lines(take))
+        step(run.reporter, current, 1)
+        midi = write_midi(score, run.outputs.midi)
+        step(run.reporter, current, 2)
+        wav = write_wav(score, run.outputs.wav)
+        if changed or midi.changed or wav.changed:
+            run.timed("score", began)
+        heard = f"{len(score.events)} events, peak {wav.peak_db:.1f} dB"
+        current.result = heard + (f", {late} after the last frame" if late else "")
+    run.manifest.words["events"] = {"written": len(score.events), "after_the_last_frame": late}
+    return score
+
+
+# --- frames -----------------------------------------------------------------------
+
+
+def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dict[int, str]:
+    """Render the frames that are due and return the keys of all."""
+    order, outputs = run.order, run.outputs
+    with stage(run.reporter, "render", len(frames)) as current:
+        began = time.monotonic()
+        backend = choose(order.backend)
+        for line in backend.describe():
+            run.reporter.note(line, detail=True)
+        renderer = Renderer(backend)
+        keys, missing = due(shooting, outputs, frames, renderer.key_extra)
+        kept = len(frames) - len(missing)
+        step(run.reporter, current, kept)
+        if not missing:
+            current.result = "frames are up to date"
+            return keys
+        wanted = {frame: keys[frame] for frame in missing}
+        jobs = min(order.jobs, len(missing))
+        if jobs > 1:
+            share = Share(order.scene, outputs.take, outputs, backend, wanted)
+            split = film_in_processes(
+                share, jobs, lambda done: step(run.reporter, current, kept + done)
+            )
+        else:
+            for i, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
+                step(run.reporter, current, kept + i)
+            split = renderer.split
+        run.timed("render", began)
+        current.result = _told(split, current.seconds * jobs, kept)
+    run.manifest.words["renderer"] = renderer.key_extra
+    return keys
+
+
+def _told(split: Split, seconds: float, kept: int) -> str:
+    """Return where the time of rendering went, in words."""
+    inside = split.build + split.update + split.trace + split.denoise
+    parts = (
+        f"{split.frames} frames, {seconds / split.frames:.2f} s each",
+        f"{100 * inside / seconds:.0f}% in Mitsuba and the denoiser",
+        f"(trace {split.trace:.1f} s, denoise {split.denoise:.1f} s, build {split.build:.1f} s)",
+    )
+    return ", ".join(parts[:2]) + " " + parts[2] + (f", {kept} kept" if kept else "")
+
+
+# --- film -------------------------------------------------------------------------
+
+
+def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> None:
+    """Encode the frames, with their sound, into a film that has exactly these frames."""
+    order, outputs = run.order, run.outputs
+    if order.scene.film.resolved().format != "png":
+        run.reporter.note("film: frames in EXR are left to a colour suite; no film is made")
+        return
+    whole = len(frames) == order.scene.n_frames
+    place = outputs.film("" if whole else described(frames))
+    sound = outputs.wav if order.sound and contiguous(frames) else None
+    if order.sound and sound is None:
+        run.reporter.note("film: frames with gaps between them have no sound")
+    key = _film_key(run, [keys[frame] for frame in frames], sound, frames[0])
+    with stage(run.reporter, "film", len(frames)) as current:
+        if film_key(place) == key:
+            current.result = f"{place.name} is up to date"
+            return
+        began = time.monotonic()
+        rate = order.scene.rate
+        write_film(place, _pictures(run, frames, current), rate, sound, key)
+        run.timed("film", began)
+        current.result = f"{place.name}, {len(frames)} frames" + (", with sound" if sound else "")
+
+
+def _pictures(
+    run: Production, frames: tuple[int, ...], current: Stage
+) -> Iterator[NDArray[np.uint8]]:
+    """Yield the pictures of `frames`, and report each."""
+    for done, frame in enumerate(frames):
+        step(run.reporter, current, done)
+        yield read_png(run.outputs.frame(frame))
+
+
+def _film_key(run: Production, keys: list[str], sound: Path | None, first: int) -> str:
+    state = hashlib.blake2b(digest_size=20)
+    state.update("\n".join([str(run.order.scene.rate), str(first), *keys]).encode())
+    if sound is not None:
+        state.update(sound.read_bytes())
+    return state.hexdigest()
+
+
+# --- manifest ---------------------------------------------------------------------
+
+
+def _finish(run: Production, take: Take) -> None:
+    """Write the manifest, if anything has changed."""
+    outputs, header = run.outputs, take.header
+    digests = {"take": take.digest}
+    for name, path in (("midi", outputs.midi), ("wav", outputs.wav), ("events", outputs.events)):
+        if path.is_file():
+            digests[name] = hashlib.blake2b(path.read_bytes(), digest_size=20).hexdigest()
+    words: dict[str, Any] = {
+        **run.manifest.words,
+        "scene": run.order.name,
+        "title": header.title,
+        "seed": header.seed,
+        "rate": str(header.rate),
+        "frames": header.frames,
+        "versions": {**header.versions, **packages()},
+        "digests": digests,
+        "notes": [f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in take.notes],
+    }
+    words.pop("manifest", None)
+    seconds = {**run.manifest.seconds, **run.seconds}
+    if run.changed or words != {k: v for k, v in run.manifest.words.items() if k != "manifest"}:
+        put(outputs.manifest, Manifest(words, seconds).encoded())

@@ -1,0 +1,68 @@
+"""Starter: the commented scene that `pronk new` writes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pipeline.errors import StoreError, UsageError
+
+TEXT = """\
+# yaml-language-server: $schema=scene.schema.json
+# (write that file with: pronk schema > scene.schema.json; editors then complete every word)
+#
+# {title}: a scene for pronk. Lengths are metres, times seconds.
+#   pronk check {name}.yaml                          is it right?
+#   pronk render {name}.yaml --preset draft          a quick film, in out/{name}/
+#   pronk render {name}.yaml --set fps=30            any word can be changed from outside
+pronk: 1                       # version of the language
+title: {title}
+fps: 24                        # or 25, 30, 60, "30000/1001"
+duration: 4                    # or frames: 96
+seed: 1                        # another number, another ground
+
+terrain:
+  kind: hills                  # flat, hills, fractal
+  height: 0.8                  # from the lowest point to the highest
+  spacing: 5                   # from hill to hill
+  material: grass              # grass, moss, dry soil, sand, snow, rock, ...
+  unsteppable_slope_deg: 38    # no foot is put on anything steeper
+
+cast:
+  - name: bug
+    figure: beetle             # from pronk's library, or a figure file beside this one
+    at: [-1, 0]                # x and z of where it starts
+    heading_deg: 0             # 0 looks along +X, 90 along -Z
+    scale: 0.6
+    material: blue chitin      # green, brown, black, red chitin, brass, wood, ...
+    walk:
+      gait: tripod             # tripod, trot, wave
+      speed: 0.7               # give two of speed, cycle and stride, or none
+
+camera: {{follow: bug, view: three-quarter}}    # three-quarter, side, front, back, top
+light: {{sun: {{hour: 17, day: 172, latitude_deg: 48}}}}
+film: {{preset: preview}}        # draft, preview, final
+"""
+
+
+def write_starter(name: str, folder: Path) -> Path:
+    """Write a starter scene called `name` into `folder`.
+
+    Returns:
+        The file.
+
+    Raises:
+        UsageError: if the name is no name for a file, or there is such a file already.
+        StoreError: if it cannot be written.
+    """
+    stem = name.removesuffix(".yaml")
+    if not stem or stem.startswith(".") or any(c in stem for c in '/\\\\:*?"<>|{}#'):
+        raise UsageError(f"'{name}' is no name for a scene; letters, digits, - and _ are")
+    path = folder / f"{stem}.yaml"
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(TEXT.format(name=stem, title=stem.replace("_", " ").capitalize()))
+    except FileExistsError:
+        raise UsageError(f"{path.name}: is there already; choose another name") from None
+    except OSError as error:
+        raise StoreError(f"{path}: cannot be written ({error.strerror})") from error
+    return path

@@ -96,14 +96,17 @@ class Renderer:
     def _staged(self, shot: Shot) -> Stage:
         from render.stage import Stage
 
-        if self._stage is None or self._stage.build != shot.build:
+        # Taken off while it is worked on: one that stopped half way is not used again.
+        stage, self._stage = self._stage, None
+        if stage is None or stage.build != shot.build:
+            del stage  # frees the old scene before the new one is made
             with self.split.timed("build"):
-                self._stage = None  # frees the old scene before the new one is made
-                self._stage = Stage(shot)
+                stage = Stage(shot)
         else:
             with self.split.timed("update"):
-                self._stage.move(shot)
-        return self._stage
+                stage.move(shot)
+        self._stage = stage
+        return stage
 
 
 @cache

@@ -1,0 +1,66 @@
+"""PNG and EXR files with keys."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from render.errors import FrameFileError
+from render.pictures import read_key, read_png, write_exr, write_png
+
+RNG = np.random.default_rng(1)
+
+
+@pytest.mark.parametrize("size", [(16, 16), (1, 5), (37, 19)])
+def test_png_keeps_pixels_and_key(tmp_path: Path, size: tuple[int, int]) -> None:
+    pixels = RNG.integers(0, 256, (*size, 3), dtype=np.uint8)
+    write_png(tmp_path / "a.png", pixels, "abc|1")
+    np.testing.assert_array_equal(read_png(tmp_path / "a.png"), pixels)
+    assert read_key(tmp_path / "a.png") == "abc|1"
+
+
+@pytest.mark.parametrize("suffix", ["png", "exr"])
+def test_a_torn_file_has_no_key_wherever_it_is_torn(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"a.{suffix}"
+    if suffix == "png":
+        write_png(path, RNG.integers(0, 256, (8, 8, 3), dtype=np.uint8), "key")
+    else:
+        write_exr(path, RNG.random((8, 8, 3), dtype=np.float32), "key")
+    whole = path.read_bytes()
+    assert read_key(path) == "key"
+    for length in range(len(whole)):
+        path.write_bytes(whole[:length])
+        assert read_key(path) is None, length
+
+
+def test_foreign_and_missing_files_have_no_key(tmp_path: Path) -> None:
+    (tmp_path / "x.png").write_bytes(b"GIF89a" + bytes(100))
+    assert read_key(tmp_path / "x.png") is None
+    assert read_key(tmp_path / "none.png") is None
+    with pytest.raises(FrameFileError, match="render it again"):
+        read_png(tmp_path / "x.png")
+
+
+def test_writing_leaves_nothing_beside(tmp_path: Path) -> None:
+    write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), "1")
+    write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), "2")
+    assert [p.name for p in tmp_path.iterdir()] == ["a.png"]
+    assert read_key(tmp_path / "a.png") == "2"
+
+
+def test_a_place_that_cannot_be_written_says_so(tmp_path: Path) -> None:
+    with pytest.raises(FrameFileError, match="could not be written"):
+        write_png(tmp_path / "none" / "a.png", np.zeros((4, 4, 3), np.uint8), "1")
+
+
+@pytest.mark.usefixtures("renderer")
+def test_another_reader_finds_the_light_of_an_exr(tmp_path: Path) -> None:
+    import mitsuba as mi
+
+    light = RNG.random((9, 14, 3), dtype=np.float32) * 100
+    light[2] = 0
+    write_exr(tmp_path / "a.exr", light, "key")
+    read = np.array(mi.Bitmap(str(tmp_path / "a.exr"))).astype(np.float32)
+    np.testing.assert_array_equal(read, light.astype(np.float16).astype(np.float32))

@@ -1,0 +1,128 @@
+"""The words of materials, light, camera and film."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import TypeAdapter, ValidationError
+
+from render.words import (
+    LIGHTS,
+    MATERIALS,
+    Camera,
+    Cuts,
+    Film,
+    Light,
+    Material,
+    Sun,
+    cuts,
+    light,
+    material,
+)
+
+PROMISED = (
+    "green chitin|brown chitin|black chitin|red chitin|blue chitin|bone|wood|clay|brass|steel|"
+    "rubber|skin|white plaster|grey plaster|eye|dry soil|grass|sand|snow|rock|moss"
+).split("|")
+
+
+@pytest.mark.parametrize("name", PROMISED)
+def test_every_promised_material_is_there(name: str) -> None:
+    assert material(name) == MATERIALS[name]
+
+
+@pytest.mark.parametrize("word", [*MATERIALS.values(), *LIGHTS.values(), Film().resolved()])
+def test_words_written_out_mean_the_same(word: Material | Light | Film) -> None:
+    assert type(word).model_validate(json.loads(word.model_dump_json())) == word
+
+
+def test_a_wrong_name_gets_the_nearest_one() -> None:
+    with pytest.raises(ValueError, match="did you mean 'green chitin'"):
+        material("gren chitin")
+    with pytest.raises(ValueError, match="did you mean 'golden hour'"):
+        light("goldenhour")
+
+
+def test_a_preset_is_adjusted_and_otherwise_kept() -> None:
+    adjusted = material({"preset": "green chitin", "roughness": 0.21})
+    assert adjusted.roughness == 0.21
+    assert adjusted.color == MATERIALS["green chitin"].color
+    golden = light({"preset": "golden hour", "sun": {"turbidity": 5}})
+    assert golden.sun is not None
+    assert LIGHTS["golden hour"].sun is not None
+    assert golden.sun.turbidity == 5
+    assert golden.sun.hour == LIGHTS["golden hour"].sun.hour
+
+
+def test_hexadecimal_colours_are_srgb() -> None:
+    assert Material(color="#ff8000").color == pytest.approx((1.0, 128 / 255, 0.0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("model", "words"),
+    [
+        (Material, {"roughness": math.nan}),
+        (Material, {"roughness": 1.5}),
+        (Material, {"color": "#12345"}),
+        (Material, {"colour": "#123456"}),
+        (Material, {"color": [0, 0, -1]}),
+        (Light, {"sun": {"hour": 1}}),
+        (Light, {"sun": {}, "studio": {}}),
+        (Light, {"sun": {"turbidity": math.inf}}),
+        (Camera, {"distance": 0}),
+        (Camera, {"at": [1, 1, 1], "view": "side"}),
+        (Camera, {"follow": "bug", "look_at": [0, 0, 0]}),
+        (Camera, {"start": -1}),
+        (Film, {"size": [641, 360]}),
+        (Film, {"size": [640, 8]}),
+        (Film, {"samples": 0}),
+        (Film, {"shutter_deg": 180}),
+    ],
+)
+def test_nonsense_is_refused(model: type[Material], words: dict[str, object]) -> None:
+    with pytest.raises(ValidationError):
+        model.model_validate(words)
+
+
+def test_cuts_begin_at_zero_and_go_on_in_time() -> None:
+    assert cuts({"follow": "bug"})[0].follow == "bug"
+    assert [c.start for c in cuts([{}, {"start": 2, "view": "side"}])] == [0, 2]
+    for bad in ([{"start": 1}], [{}, {"start": 2}, {"start": 2}], []):
+        with pytest.raises(ValidationError):
+            cuts(bad)  # type: ignore[arg-type]
+
+
+def test_the_schema_lets_a_preset_stand_for_a_block() -> None:
+    schema = TypeAdapter(Material).json_schema()
+    assert "green chitin" in schema["anyOf"][0]["enum"]
+    assert TypeAdapter(Cuts).json_schema()["anyOf"][1]["type"] == "array"
+
+
+def test_film_resolves_once_and_for_all() -> None:
+    film = Film(preset="final", samples=3).resolved()
+    assert (film.samples, film.size, film.denoise) == (3, (1280, 720), "high")
+    assert film.resolved() == film
+
+
+@given(hour=st.floats(6.5, 17.5), day=st.integers(1, 366), turn=st.floats(-360, 360))
+def test_the_sun_is_a_unit_vector_and_culminates_in_the_south(
+    hour: float, day: int, turn: float
+) -> None:
+    sun = Sun(hour=hour, day=day, latitude_deg=10, north_deg=turn)
+    x, y, z = sun.direction
+    assert math.hypot(x, y, z) == pytest.approx(1)
+    noon = Sun(hour=12, day=80, latitude_deg=48, north_deg=turn)
+    # At the equinox the sun culminates at 90 - latitude; south is opposite to north.
+    assert noon.elevation_deg == pytest.approx(42, abs=1)
+    north = (math.cos(math.radians(turn)), -math.sin(math.radians(turn)))
+    assert noon.direction[0] * north[0] + noon.direction[2] * north[1] < -0.7
+
+
+def test_the_sun_goes_down_in_the_west() -> None:
+    # North at -Z puts west at -X, east at +X.
+    assert Sun(hour=17, north_deg=90).direction[0] < -0.5
+    assert Sun(hour=7, north_deg=90).direction[0] > 0.5

@@ -34,13 +34,13 @@ VIEWS: dict[View, tuple[float, float]] = {
 SMOOTHING = 0.45
 """Standard deviation in time of a followed path [s]."""
 
-MARGIN = 1.18
+MARGIN = 1.08
 """Room left around performers, as a factor on their extent."""
 
 CLEARANCE = 0.12
 """Least height of the camera over the ground, as a part of its distance."""
 
-LEAD = 0.10
+LEAD = 0.07
 """How far ahead of its performers a camera looks, as a part of its distance."""
 
 

@@ -41,6 +41,8 @@ class Simulation:
         )
         self.step_number = 0
         self._write()
+        contacts, notes = self._facts()
+        self.recorder.happened(contacts, [], notes)
 
     @property
     def finished(self) -> bool:

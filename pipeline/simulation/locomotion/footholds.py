@@ -2,9 +2,11 @@
 
     1. The place where the foot would rest in the middle of its next stance.
     2. If that is forbidden or out of reach, the farthest good place that is nearer.
+    3. If there is none, the good place nearest to the wished one on any side of it.
 
-Sims 1987, 10.2, steps 1 and 2; reach is checked at the begin, the middle and the end
-of the stance, which the thesis leaves to chance.
+Sims 1987, 10.2, steps 1 and 2. The thesis leaves reach to chance; here it is checked at
+the begin, the middle and the end of the stance, first as the body wants to go, then
+with the body as low as it may be.
 """
 
 from __future__ import annotations
@@ -21,7 +23,13 @@ NEARER = np.linspace(1.0, 0.0, 49)
 """Places looked at between the wished foothold and the present one."""
 
 RINGS, SPOKES = 24, 16
-"""Places looked at around a foot's rest when a creature is set down."""
+"""Places looked at around a wished foothold."""
+
+AROUND = 0.4
+"""How far around it, as a part of the leg's length."""
+
+STOOP = 0.45
+"""How far a body may be lowered so that its feet reach, as a part of its height."""
 
 
 class Footholds:
@@ -48,12 +56,14 @@ class Footholds:
         swing, stance = self._times(leg)
         moments = phase + swing + stance * np.array([0.0, 0.5, 1.0])
         R, p = self._bodies(leg, travelled, phase, moments)
-        wished = p[1] + turn(R[1], self._rest(leg))
+        wished = (p[1] + turn(R[1], self._rest(leg)))[[0, 2]]
         here = present[[0, 2]]
-        xz = here + NEARER[:, None] * (wished[[0, 2]] - here)
-        tips = self.stand(leg, xz)
-        good = self.ground.steppable(xz[:, 0], xz[:, 1]) & self._reached(leg, tips, R, p)
-        return tips[int(np.argmax(good))] if good.any() else None
+        line = here + NEARER[:, None] * (wished - here)
+        for places in (line, self._around(leg, wished)):
+            best = self._best(leg, places, R, p)
+            if best is not None:
+                return best
+        return None
 
     def first(self, leg: int, phase: float) -> Array | None:
         """Return where `leg` stands at the start: the good place nearest to where it would.
@@ -66,13 +76,34 @@ class Footholds:
         moments = phase + stance * np.array([0.0, 0.5, 1.0])
         R, p = self._bodies(leg, 0.0, 0.0, moments)
         wished = (p[1] + turn(R[1], self._rest(leg)))[[0, 2]]
+        return self._best(leg, self._around(leg, wished), R, p)
+
+    def _around(self, leg: int, middle: Array) -> Array:
+        """Return places (n, 2) on rings around `middle`, the nearest first [m]."""
         angle = np.arange(SPOKES) * (2.0 * np.pi / SPOKES)
         spokes = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        radii = np.linspace(0.0, 0.4 * self.herd.legs.lengths[leg], RINGS)
-        xz = wished + (radii[:, None, None] * spokes).reshape(-1, 2)
+        radii = np.linspace(0.0, AROUND * self.herd.legs.lengths[leg], RINGS)
+        result: Array = middle + (radii[:, None, None] * spokes).reshape(-1, 2)
+        return result
+
+    def _best(self, leg: int, xz: Array, R: Array, p: Array) -> Array | None:
+        """Return the tip (3,) on the first good one of the places `xz` (n, 2), if there is one.
+
+        Args:
+            leg: which.
+            xz: places, the best first [m].
+            R: (m, 3, 3) and
+            p: (m, 3), poses of the body during the stance [m].
+        """
         tips = self.stand(leg, xz)
-        good = self.ground.steppable(xz[:, 0], xz[:, 1]) & self._reached(leg, tips, R, p)
-        return tips[int(np.argmax(good))] if good.any() else None
+        safe = self.ground.steppable(xz[:, 0], xz[:, 1])
+        height = self.herd.body_height[self.herd.owner[leg]]
+        for stoop in (0.0, STOOP * height):
+            good = safe & self._reached(leg, tips, R, p - [0.0, stoop, 0.0])
+            if good.any():
+                best: Array = tips[int(np.argmax(good))]
+                return best
+        return None
 
     def stand(self, leg: int, xz: Array) -> Array:
         """Return the places (n, 3) of a tip whose sole touches the ground at `xz` (n, 2) [m]."""
@@ -88,7 +119,7 @@ class Footholds:
     def _rest(self, leg: int) -> Array:
         x, z = self.herd.rest[leg]
         height = self.herd.body_height[self.herd.owner[leg]]
-        rest: Array = np.array([x, -height, z])
+        rest: Array = np.array([float(x), -float(height), float(z)])
         return rest
 
     def _bodies(

@@ -109,7 +109,8 @@ class Footholds:
         """Return the places (n, 3) of a tip whose sole touches the ground at `xz` (n, 2) [m]."""
         x, z = xz[:, 0], xz[:, 1]
         ground = np.stack([x, self.ground.height(x, z), z], axis=-1)
-        return ground + self.herd.sole[leg] * self.ground.normal(x, z)
+        sole = float(self.herd.sole[leg])
+        return ground + sole * self.ground.normal(x, z)
 
     def _times(self, leg: int) -> tuple[float, float]:
         """Return the parts of a cycle that a leg swings and stands."""

@@ -95,6 +95,9 @@ def _cut(
         return _poses(target + distance * UP, target, forward, cut.fov_deg)
     if cut.look_at is None:
         target = target + LEAD * distance * forward
+    if cut.distance is None:
+        # Whoever is followed no longer stands in the middle and needs some more room.
+        distance = _distance(followed, target, direction, cut.fov_deg, aspect)
     eye = _clear(target + distance * direction, target, ground, distance, _rate(take))
     return _poses(eye, target, UP, cut.fov_deg)
 

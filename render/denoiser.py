@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from render.errors import DenoiseError
 from render.words.film import Denoise
 
-THREADS = 4
+THREADS = 2
 """Threads of the denoiser; part of the key of a frame."""
 
 _QUALITY = {"fast": oidn.Quality.Fast, "high": oidn.Quality.High}

@@ -55,17 +55,25 @@ class Split:
 class Renderer:
     """Renders shots on one backend; builds a scene only when the shot needs another one.
 
+    Args:
+        backend: what Mitsuba is to run on.
+        threads: how many Mitsuba uses, all processors unless said; pixels do not depend on it.
+
     Attributes:
         backend: what Mitsuba runs on.
         split: seconds spent so far.
         key_extra: all that a frame depends on besides its shot; frames are kept under both.
     """
 
-    def __init__(self, backend: Backend) -> None:
+    def __init__(self, backend: Backend, threads: int | None = None) -> None:
         backend.activate()
         # Imported here because Mitsuba must find the backend chosen when it is imported.
+        import drjit
+
         from render.denoiser import Denoiser
 
+        if threads is not None:
+            drjit.set_thread_count(threads)
         self.backend = backend
         self.split = Split()
         self._denoiser = Denoiser()

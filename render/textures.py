@@ -98,24 +98,25 @@ def _cells(
     rng: np.random.Generator, across: int, warp: float = 0.0
 ) -> tuple[Plane, Plane, NDArray[np.intp]]:
     """Return distances to the nearest and second nearest seed [cells], and whose cell it is."""
-    seeds = rng.uniform(0.05, 0.95, (across, across, 2))
-    y, x = np.mgrid[0:TILE, 0:TILE].astype(np.float32) * (across / TILE)
+    seed_y, seed_x = rng.uniform(0.05, 0.95, (2, across * across)).astype(np.float32)
+    y, x = np.mgrid[0:TILE, 0:TILE].astype(np.float32) * np.float32(across / TILE)
     if warp:
-        x = x + warp * _noise(rng, 1.6, first=across / 2)
-        y = y + warp * _noise(rng, 1.6, first=across / 2)
-    row, column = np.floor(y).astype(np.intp), np.floor(x).astype(np.intp)
-    first = np.full((TILE, TILE), 9.0, np.float32)
+        x = x + np.float32(warp) * _noise(rng, 1.6, first=across / 2)
+        y = y + np.float32(warp) * _noise(rng, 1.6, first=across / 2)
+    row, column = np.floor(y).astype(np.int32), np.floor(x).astype(np.int32)
+    y, x = y - row, x - column
+    first = np.full((TILE, TILE), 81.0, np.float32)
     second = first.copy()
     owner = np.zeros((TILE, TILE), np.intp)
     for dy in (-1, 0, 1):
         for dx in (-1, 0, 1):
-            i, j = (row + dy) % across, (column + dx) % across
-            d = np.hypot(row + dy + seeds[i, j, 0] - y, column + dx + seeds[i, j, 1] - x)
+            cell = (row + dy) % across * across + (column + dx) % across
+            d = (seed_y[cell] + dy - y) ** 2 + (seed_x[cell] + dx - x) ** 2
             nearer = d < first
             second = np.where(nearer, first, np.minimum(second, d))
-            owner = np.where(nearer, i * across + j, owner)
+            owner = np.where(nearer, cell, owner)
             first = np.where(nearer, d, first)
-    return first, second, owner
+    return np.sqrt(first), np.sqrt(second), owner
 
 
 def _pebbles(rng: np.random.Generator, across: int, share: float) -> tuple[Plane, Plane]:

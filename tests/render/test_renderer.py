@@ -166,9 +166,7 @@ from render.backend import choose
 from render.renderer import Renderer
 from render.shot import CameraPose, Shot
 from render.words import Film, light, material
-renderer = Renderer(choose())
-import drjit
-drjit.set_thread_count(int(sys.argv[2]))
+renderer = Renderer(choose(), threads=int(sys.argv[2]))
 film = Film(size=(96, 64), samples=4, depth=4, denoise="fast")
 materials = {"dry soil": material("dry soil"), "bone": material("green chitin")}
 for x in (0.0, 0.3):
@@ -239,14 +237,10 @@ def test_most_of_the_time_goes_to_mitsuba_and_the_denoiser(
 
 
 @pytest.mark.slow
-def test_the_scalar_variant_renders_too(tmp_path: Path) -> None:
-    code = (
-        _ALONE.replace("choose()", "choose('scalar')")
-        .replace("import drjit\n", "")
-        .replace("drjit.set_thread_count(int(sys.argv[2]))", "")
-    )
+def test_the_scalar_variant_renders_too() -> None:
+    code = _ALONE.replace("choose()", "choose('scalar')")
     child = subprocess.run(
-        [sys.executable, "-c", code, str(Path(__file__).parent)],
+        [sys.executable, "-c", code, str(Path(__file__).parent), "2"],
         capture_output=True,
         text=True,
         check=False,

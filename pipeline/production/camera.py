@@ -34,11 +34,14 @@ VIEWS: dict[View, tuple[float, float]] = {
 SMOOTHING = 0.45
 """Standard deviation in time of a followed path [s]."""
 
-MARGIN = 1.08
+MARGIN = 1.06
 """Room left around performers, as a factor on their extent."""
 
 CLEARANCE = 0.12
 """Least height of the camera over the ground, as a part of its distance."""
+
+FITTINGS = 6
+"""How often the distance is corrected until performers are in the picture."""
 
 LEAD = 0.07
 """How far ahead of its performers a camera looks, as a part of its distance."""
@@ -90,24 +93,44 @@ def _cut(
     right = np.cross(forward, UP)
     level = math.cos(azimuth) * forward + math.sin(azimuth) * right
     direction = math.cos(elevation) * level + math.sin(elevation) * UP
-    distance = cut.distance or _distance(followed, target, direction, cut.fov_deg, aspect)
     if view == "top":
-        return _poses(target + distance * UP, target, forward, cut.fov_deg)
+        level, direction = forward, UP
+    if cut.distance is not None:
+        return _stand(cut, followed, target, direction, cut.distance, ground, take)
+    distance = 1.0
+    for _ in range(FITTINGS):
+        poses = _stand(cut, followed, target, direction, distance, ground, take)
+        distance *= _too_near(followed.points, poses, aspect)
+    return _stand(cut, followed, target, direction, distance, ground, take)
+
+
+def _stand(
+    cut: Camera,
+    followed: _Followed,
+    target: Array,
+    direction: Array,
+    distance: float,
+    ground: HeightField,
+    take: Take,
+) -> list[CameraPose]:
+    """Return the poses of a camera that stands at `distance` in `direction` of its target."""
     if cut.look_at is None:
-        target = target + LEAD * distance * forward
-    if cut.distance is None:
-        # Whoever is followed no longer stands in the middle and needs some more room.
-        distance = _distance(followed, target, direction, cut.fov_deg, aspect)
-    eye = _clear(target + distance * direction, target, ground, distance, _rate(take))
-    return _poses(eye, target, UP, cut.fov_deg)
+        target = target + LEAD * distance * followed.heading
+    eye = target + distance * direction
+    if cut.view == "top":
+        return _poses(eye, target, followed.heading, cut.fov_deg)
+    return _poses(_clear(eye, target, ground, distance, _rate(take)), target, UP, cut.fov_deg)
 
 
 def _follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.int64]) -> _Followed:
     """Return the smoothed middle and the extent of the performers called `names`."""
     wanted = (names,) if isinstance(names, str) else names
-    nodes = [i for i, n in enumerate(take.nodes) if wanted is None or n.performer in wanted]
-    roots = [i for i in nodes if take.nodes[i].parent < 0]
-    points = take.positions[rows][:, nodes]
+    roots = [
+        i
+        for i, node in enumerate(take.nodes)
+        if node.parent < 0 and (wanted is None or node.performer in wanted)
+    ]
+    points = _corners(take, wanted, rows)
     middle = 0.5 * (points.min(axis=1) + points.max(axis=1))
     place = _smoothed(middle, SMOOTHING * _rate(take))
     # One heading for the whole cut: a camera that turned with every step would sway.
@@ -117,18 +140,43 @@ def _follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.in
     return _Followed(place, points, heading)
 
 
-def _distance(
-    followed: _Followed, target: Array, direction: Array, fov_deg: float, aspect: float
-) -> float:
-    """Return the least distance from which all points are in the picture at all frames."""
-    across = normalized(np.cross(UP, direction)) if abs(direction[1]) < 0.999 else followed.heading
-    upward = np.cross(direction, across)
-    relative = followed.points - target[:, None]
-    tan = math.tan(math.radians(fov_deg) / 2.0)
-    wide = np.abs(relative @ across) * MARGIN / (tan * aspect)
-    high = np.abs(relative @ upward) * MARGIN / tan
-    # A point nearer to the camera than the target needs that much more distance.
-    return float((np.maximum(wide, high) + relative @ direction).max()) * 1.05
+def _corners(take: Take, wanted: tuple[str, ...] | None, rows: NDArray[np.int64]) -> Array:
+    """Return the corners (F, 8 P, 3) of boxes around all parts of the performers `wanted`."""
+    nodes, corners = [], []
+    for part in take.parts:
+        if wanted is None or part.performer in wanted:
+            mesh = take.meshes[part.mesh]
+            ends = np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
+            box = np.stack(np.meshgrid(*ends.T.astype(float)), axis=-1).reshape(8, 3)
+            node = int(mesh.nodes[0, 0])
+            nodes.append(node)
+            corners.append(box - take.nodes[node].rest)
+    R, p = matrix(take.rotations[rows][:, nodes]), take.positions[rows][:, nodes]
+    world = np.einsum("fpij,pcj->fpci", R, np.array(corners)) + p[:, :, None]
+    corners_W: Array = world.reshape(len(rows), -1, 3)
+    return corners_W
+
+
+def _too_near(points: Array, poses: Sequence[CameraPose], aspect: float) -> float:
+    """Return by which factor the camera has to stand back to have all `points` (F, n, 3) in view.
+
+    Less than one where it may come nearer. Judged on the poses themselves, because a
+    camera that is raised over a hill looks down more steeply than it was asked to.
+    """
+    eye, target, up = (
+        np.array([getattr(pose, name) for pose in poses]) for name in ("p_WC", "p_WT", "up")
+    )
+    forward = normalized(target - eye)
+    right = normalized(np.cross(forward, up))
+    upward = np.cross(right, forward)
+    away = np.linalg.norm(target - eye, axis=-1)
+    relative = points - target[:, None]
+    tan = math.tan(math.radians(poses[0].fov_deg) / 2.0)
+    wide = np.abs(np.einsum("fnk,fk->fn", relative, right)) / (tan * aspect)
+    high = np.abs(np.einsum("fnk,fk->fn", relative, upward)) / tan
+    # What stands nearer to the camera than its target needs that much more distance.
+    needed = MARGIN * np.maximum(wide, high) - np.einsum("fnk,fk->fn", relative, forward)
+    return float((needed.max(axis=-1) / away).max().clip(0.1, 1e6))
 
 
 def _clear(eye: Array, target: Array, ground: HeightField, distance: float, rate: float) -> Array:

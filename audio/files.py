@@ -29,7 +29,9 @@ def put(path: Path, data: bytes) -> bool:
 
 def _replace(path: Path, data: bytes) -> None:
     # Beside the target, because a rename is atomic only within one file system.
-    handle, name = tempfile.mkstemp(prefix=f".{path.name[:64]}.", dir=path.parent)
+    handle, name = tempfile.mkstemp(
+        prefix=f".{path.name[:64]}.", suffix=".partial", dir=path.parent
+    )
     beside = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:

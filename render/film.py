@@ -51,6 +51,7 @@ def write_film(
     frames: Iterable[Picture],
     fps: Fraction,
     sound: Path | None = None,
+    sound_from: Fraction = Fraction(0),
     key: str = "",
     encoding: Encoding | None = None,
 ) -> int:
@@ -61,6 +62,7 @@ def write_film(
         frames: pictures (H, W, 3) sRGB of one even size, in order.
         fps: frames a second.
         sound: WAV file of 48 kHz, one or two channels; cut or padded to the picture.
+        sound_from: time in it at which the first frame stands [s].
         key: kept in the film's comment, for `film_key`.
         encoding: how it is packed.
 
@@ -70,9 +72,9 @@ def write_film(
     """
     if path.suffix != ".mp4":
         raise EncodeError(f"{path} is no place for a film; let its name end in .mp4")
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.mp4")
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.partial.mp4")
     try:
-        heard = None if sound is None else _heard(sound)
+        heard = None if sound is None else _heard(sound)[:, round(sound_from * RATE) :]
         count = _write(temporary, frames, fps, heard, key, encoding or Encoding())
         os.replace(temporary, path)
     except (OSError, ValueError, av.FFmpegError) as error:

@@ -257,7 +257,8 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
             return
         began = time.monotonic()
         rate = order.scene.rate
-        write_film(place, _pictures(run, frames, current), rate, sound, key)
+        began_at = (frames[0] - 1) / rate
+        write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
         run.timed("film", began)
         current.result = f"{place.name}, {len(frames)} frames" + (", with sound" if sound else "")
 

@@ -35,7 +35,9 @@ def write_wave(path: Path, samples: np.ndarray) -> Path:
 def test_times_and_lengths_are_exact(tmp_path: Path, fps: Fraction, seconds: float) -> None:
     sound = write_wave(tmp_path / "s.wav", np.zeros(int(RATE * seconds)))
     film = tmp_path / "f.mp4"
-    assert write_film(film, (patches((i, 0, 0)) for i in range(COUNT)), fps, sound, "k|1") == COUNT
+    assert (
+        write_film(film, (patches((i, 0, 0)) for i in range(COUNT)), fps, sound, key="k|1") == COUNT
+    )
     assert film_key(film) == "k|1"
     with av.open(str(film)) as container:
         video, audio = container.streams.video[0], container.streams.audio[0]
@@ -128,3 +130,25 @@ def test_what_cannot_be_encoded_says_why_and_keeps_the_old_film(tmp_path: Path) 
     assert film_key(film) == "old"
     assert film_key(tmp_path / "none.mp4") is None
     assert [p.name for p in tmp_path.iterdir()] == ["f.mp4"]
+
+
+def test_sound_of_a_part_begins_where_the_part_does(tmp_path: Path) -> None:
+    # Silence for frames 1 to 6, then a tone: a part from frame 7 on begins with the tone.
+    tone = np.sin(np.arange(48000) * (2 * np.pi * 440 / 48000)) * 0.5
+    tone[: 6 * 2000] = 0.0
+    wav = tmp_path / "s.wav"
+    with wave.open(str(wav), "wb") as file:
+        file.setnchannels(1)
+        file.setsampwidth(2)
+        file.setframerate(48000)
+        file.writeframes((tone * 32767).astype("<i2").tobytes())
+    loud = {}
+    for first in (1, 7):
+        film = tmp_path / f"{first}.mp4"
+        pictures = [patches((0, 0, 0))] * 6
+        write_film(film, pictures, Fraction(24), wav, Fraction(first - 1, 24))
+        with av.open(str(film)) as container:
+            heard = np.concatenate([f.to_ndarray() for f in container.decode(audio=0)], axis=1)
+        loud[first] = float(np.abs(heard[0, 2000:10000]).mean())
+    assert loud[1] < 0.01
+    assert loud[7] > 0.2

@@ -3,16 +3,19 @@
     1. The place where the foot would rest in the middle of its next stance.
     2. If that is forbidden or out of reach, the farthest good place that is nearer.
     3. If there is none, the good place nearest to the wished one on any side of it.
+    4. If there is none, the same again with the body as low as it may be.
 
-Sims 1987, 10.2, steps 1 and 2. The thesis leaves reach to chance; here it is checked at
-the begin, the middle and the end of the stance, first as the body wants to go, then
-with the body as low as it may be.
+Sims 1987, 10.2, steps 1 and 2. The thesis leaves reach to chance; here it is checked
+from the foot's coming down until it has left the ground again, and how far the body
+has to stoop is known a whole swing before.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
+
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.herd import REACH, Herd
@@ -31,6 +34,29 @@ AROUND = 0.4
 STOOP = 0.45
 """How far a body may be lowered so that its feet reach, as a part of its height."""
 
+PLANNED_REACH = 0.98 * REACH
+"""How far a leg is planned to stretch, as a part of its length; the rest is kept for
+what the plan does not know."""
+
+STANCE = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+"""Parts of a stance at which reach is checked."""
+
+LAGS = 0.25
+"""Part of the swing after it in which the foot has hardly left its place, see `ease`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Foothold:
+    """Where a foot stands.
+
+    Attributes:
+        tip: (3,) place of the leg's tip [m].
+        stoop: how far the body has to be lowered for it [m].
+    """
+
+    tip: Array
+    stoop: float
+
 
 class Footholds:
     """Plans footholds for the legs of a herd."""
@@ -40,8 +66,8 @@ class Footholds:
         self.ground = ground
         self.path = path
 
-    def next(self, leg: int, present: Array, travelled: float, phase: float) -> Array | None:
-        """Return where the tip of `leg`, about to lift, is to come down.
+    def next(self, leg: int, present: Array, travelled: float, phase: float) -> Foothold | None:
+        """Return where `leg`, about to lift, is to come down.
 
         Args:
             leg: which.
@@ -50,33 +76,23 @@ class Footholds:
             phase: of the gait at lifting, whole cycles counted.
 
         Returns:
-            (3,) place of the tip [m], or None if there is no foothold between the wished
-            one and the present one.
+            None if there is no foothold within reach.
         """
-        swing, stance = self._times(leg)
-        moments = phase + swing + stance * np.array([0.0, 0.5, 1.0])
-        R, p = self._bodies(leg, travelled, phase, moments)
-        wished = (p[1] + turn(R[1], self._rest(leg)))[[0, 2]]
+        swing, _ = self._times(leg)
+        R, p, wished = self._stance(leg, travelled, phase, phase + swing)
         here = present[[0, 2]]
         line = here + NEARER[:, None] * (wished - here)
-        for places in (line, self._around(leg, wished)):
-            best = self._best(leg, places, R, p)
-            if best is not None:
-                return best
-        return None
+        return self._best(leg, (line, self._around(leg, wished)), R, p)
 
-    def first(self, leg: int, phase: float) -> Array | None:
+    def first(self, leg: int, phase: float) -> Foothold | None:
         """Return where `leg` stands at the start: the good place nearest to where it would.
 
         Args:
             leg: which.
             phase: its gait's phase from which its foot has been down, at most 0.
         """
-        _, stance = self._times(leg)
-        moments = phase + stance * np.array([0.0, 0.5, 1.0])
-        R, p = self._bodies(leg, 0.0, 0.0, moments)
-        wished = (p[1] + turn(R[1], self._rest(leg)))[[0, 2]]
-        return self._best(leg, self._around(leg, wished), R, p)
+        R, p, wished = self._stance(leg, 0.0, 0.0, phase)
+        return self._best(leg, (self._around(leg, wished),), R, p)
 
     def _around(self, leg: int, middle: Array) -> Array:
         """Return places (n, 2) on rings around `middle`, the nearest first [m]."""
@@ -86,23 +102,28 @@ class Footholds:
         result: Array = middle + (radii[:, None, None] * spokes).reshape(-1, 2)
         return result
 
-    def _best(self, leg: int, xz: Array, R: Array, p: Array) -> Array | None:
-        """Return the tip (3,) on the first good one of the places `xz` (n, 2), if there is one.
+    def _best(self, leg: int, choices: Iterable[Array], R: Array, p: Array) -> Foothold | None:
+        """Return the first good foothold, rather a later one than one to stoop for.
 
         Args:
             leg: which.
-            xz: places, the best first [m].
+            choices: places (n, 2) in each, the best first [m].
             R: (m, 3, 3) and
-            p: (m, 3), poses of the body during the stance [m].
+            p: (m, 3), poses of the body while the foot is there [m].
         """
-        tips = self.stand(leg, xz)
-        safe = self.ground.steppable(xz[:, 0], xz[:, 1])
-        height = self.herd.body_height[self.herd.owner[leg]]
-        for stoop in (0.0, STOOP * height):
-            good = safe & self._reached(leg, tips, R, p - [0.0, stoop, 0.0])
-            if good.any():
-                best: Array = tips[int(np.argmax(good))]
-                return best
+        height = float(self.herd.body_height[self.herd.owner[leg]])
+        looked_at = []
+        for xz in choices:
+            tips = self.stand(leg, xz)
+            safe = self.ground.steppable(xz[:, 0], xz[:, 1])
+            looked_at.append((tips, np.where(safe, self._stoop(leg, tips, R, p), np.inf)))
+            if (looked_at[-1][1] == 0.0).any():
+                break
+        for most in (0.0, STOOP * height):
+            for tips, stoop in looked_at:
+                if (stoop <= most).any():
+                    best = int(np.argmax(stoop <= most))
+                    return Foothold(tips[best], float(stoop[best]))
         return None
 
     def stand(self, leg: int, xz: Array) -> Array:
@@ -123,18 +144,39 @@ class Footholds:
         rest: Array = np.array([float(x), -float(height), float(z)])
         return rest
 
-    def _bodies(
-        self, leg: int, travelled: float, phase: float, moments: Array
-    ) -> tuple[Array, Array]:
-        """Return the poses of the leg's body at phases `moments` if it goes on as it goes."""
-        owner = self.herd.owner[leg]
-        creature = np.full(len(moments), owner)
-        way = travelled + (moments - phase) * self.herd.stride[owner]
-        return self.path.pose(creature, way, moments)
+    def _stance(
+        self, leg: int, travelled: float, phase: float, down: float
+    ) -> tuple[Array, Array, Array]:
+        """Return what a foothold is for, if the creature goes on as it goes.
 
-    def _reached(self, leg: int, tips: Array, R: Array, p: Array) -> NDArray[np.bool_]:
-        """Say which of `tips` (n, 3) the leg reaches from all bodies (m, ...)."""
-        hips = p + turn(R, self.herd.hips[leg])
-        distance = np.linalg.norm(tips[:, None] - hips, axis=-1).max(axis=1)
-        result: NDArray[np.bool_] = distance <= REACH * self.herd.legs.lengths[leg]
-        return result
+        Args:
+            leg: which.
+            travelled: way that its body has gone [m].
+            phase: of the gait at that, whole cycles counted.
+            down: phase at which the foot comes down.
+
+        Returns:
+            R_WB (m, 3, 3) and p_WB (m, 3) of the body while the foot is there, and where
+            the foot would rest in the middle of its stance (2,) [m].
+        """
+        swing, stance = self._times(leg)
+        moments = down + np.append(stance * STANCE, stance + LAGS * swing)
+        owner = self.herd.owner[leg]
+        way = travelled + (moments - phase) * self.herd.stride[owner]
+        R, p = self.path.pose(np.full(len(moments), owner), way, moments)
+        middle = len(STANCE) // 2
+        wished: Array = (p[middle] + R[middle] @ self._rest(leg))[[0, 2]]
+        return R, p, wished
+
+    def _stoop(self, leg: int, tips: Array, R: Array, p: Array) -> Array:
+        """Return how far (n,) all bodies (m, ...) have to be lowered so that `tips` are reached.
+
+        Zero where they need not, infinite where it does not help [m].
+        """
+        to_tip = tips[:, None] - (p + turn(R, self.herd.hips[leg]))
+        reach = PLANNED_REACH * self.herd.legs.lengths[leg]
+        room = reach**2 - to_tip[..., 0] ** 2 - to_tip[..., 2] ** 2
+        up = np.sqrt(np.maximum(room, 0.0))
+        stoop = np.maximum(-to_tip[..., 1] - up, 0.0).max(axis=1)
+        out_of_reach = (room < 0.0) | (to_tip[..., 1] + stoop[:, None] > up)
+        return np.where(out_of_reach.any(axis=1), np.inf, stoop)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import SimulationError
-from pipeline.simulation.curves import hinge
+from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inverse import solve
 from pipeline.simulation.locomotion.body_path import BodyPath
@@ -46,6 +46,8 @@ class Walkers:
         halted: (C,) whether it found no foothold.
         start, end, height: of each leg's swing, (L, 3), (L, 3), (L,) [m]; a leg that
             stands does so at `end`.
+        stoop: (2, L) how far the body is lowered for each leg's foothold before the one at
+            `end`, and for that one [m].
         lifted: (L,) phase at which its swing began.
         swinging: (L,).
     """
@@ -69,6 +71,7 @@ class Walkers:
         self.halted = np.zeros(creatures, dtype=bool)
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
+        self.stoop = np.zeros((2, legs))
         self.swinging = np.zeros(legs, dtype=bool)
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
@@ -123,7 +126,8 @@ class Walkers:
             place = self.footholds.first(leg, down if walks else -0.5 * (1.0 - swings[leg]))
             if place is None:
                 raise SimulationError(self._no_ground(leg))
-            self.start[leg] = self.end[leg] = place
+            self.start[leg] = self.end[leg] = place.tip
+            self.stoop[:, leg] = place.stoop
             if in_air:
                 self._lift(0, leg, -float(into[leg]))
 
@@ -178,10 +182,10 @@ class Walkers:
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
             self._notes.append(Note("stopped", step, name, "no foothold within reach"))
             return
-        self.start[leg] = self.end[leg]
-        self.end[leg] = place
+        self.start[leg], self.end[leg] = self.end[leg], place.tip
+        self.stoop[:, leg] = self.stoop[1, leg], place.stoop
         self.height[leg] = lift_to_clear(
-            self.world.ground, self.start[leg], place, herd.sole[leg], herd.step_height[leg]
+            self.world.ground, self.start[leg], place.tip, herd.sole[leg], herd.step_height[leg]
         )
         self.lifted[leg], self.swinging[leg] = phase, True
 
@@ -212,29 +216,41 @@ class Walkers:
         )
 
     def _place_bodies(self) -> None:
-        """Bring the bodies to their poses, lowered rather than a leg overstretched."""
+        """Bring the bodies to their poses, as low as their feet need them."""
         herd = self.herd
         everyone = np.arange(len(herd.names))
         self.R_WB, self.p_WB = self.path.pose(everyone, self.travelled, self.phase)
-        self.tips = self._tips()
+        s = self._swung()
+        self.tips = swing(self.start, self.end, self.height, s)
+        self.p_WB[:, 1] -= self._stooped(s)
+        # What no plan foresaw: rather lowered at once than a leg overstretched.
         hips = self.p_WB[herd.owner] + turn(self.R_WB[herd.owner], herd.hips)
         reach = REACH * herd.legs.lengths
         across = ((self.tips - hips)[:, [0, 2]] ** 2).sum(axis=-1)
         highest = self.tips[:, 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
-        excess = hinge(hips[:, 1] - highest, 0.02 * herd.legs.lengths)
+        excess = hinge(hips[:, 1] - highest, 0.01 * herd.legs.lengths)
         lower = np.zeros(len(herd.names))
         np.maximum.at(lower, herd.owner, excess)
         self.p_WB[:, 1] -= lower
 
-    def _tips(self) -> Array:
-        """Return where the feet are to be (L, 3) [m]."""
+    def _swung(self) -> Array:
+        """Return the part of its swing that each foot has done (L,); 1 where it stands."""
         herd = self.herd
-        if not self.swinging.any():
-            return self.end.copy()
         part = np.mod(herd.down - herd.up, 1.0)
         s = np.clip((self.phase[herd.owner] - self.lifted) / part, 0.0, 1.0)
-        s = np.where(self.swinging, s, 1.0)
-        return swing(self.start, self.end, self.height, s)
+        return np.where(self.swinging, s, 1.0)
+
+    def _stooped(self, s: Array) -> Array:
+        """Return how far the bodies are lowered (C,) for their feet's footholds [m].
+
+        It comes and goes within the swings before and after; the norm of order 4 is never
+        less than the greatest and changes smoothly where another becomes the greatest.
+        """
+        before, after = self.stoop
+        wanted = (before + ease(s) * (after - before)) ** 4
+        sums = np.bincount(self.herd.owner, wanted, minlength=len(self.herd.names))
+        result: Array = np.sqrt(np.sqrt(sums))
+        return result
 
     def _place_legs(self, step: int, most: int = 40) -> None:
         """Bring the feet to their places by inverse kinematics from the pose before."""

@@ -108,12 +108,25 @@ def _locked(descriptor: int) -> bool:
 
 
 def _clear(outputs: Outputs) -> None:
-    for folder in (outputs.folder, outputs.frames):
-        for path in folder.glob(f".*{PARTIAL}*"):
-            if path.is_dir():
-                shutil.rmtree(path, ignore_errors=True)
-            else:
-                path.unlink(missing_ok=True)
+    """Remove what is not yet whole: its name is a dot, that of an output, and more.
+
+    Frames, films and sounds are written by floors that know nothing of production; all
+    that is agreed upon is the beginning of the name.
+    """
+    # Sounds cut a long name short, because no name may be longer than 255 bytes.
+    own = [f".{outputs.name}{end}"[:65] for end in "._"]
+    for path in outputs.folder.iterdir():
+        if path.name.startswith((*own, ".events.", ".manifest.", ".take.")):
+            _remove(path)
+    for path in outputs.frames.glob(".[0-9]*"):
+        _remove(path)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def replace_folder(new: Path, place: Path) -> None:
@@ -126,4 +139,4 @@ def replace_folder(new: Path, place: Path) -> None:
     with contextlib.suppress(FileNotFoundError):
         os.replace(place, old)
     os.replace(new, place)
-    shutil.rmtree(old, ignore_errors=True)
+    _remove(old)

@@ -149,13 +149,10 @@ def take_of(run: Production) -> Take:
     scene, place = run.order.scene, run.outputs.take
     key = take_key(scene)
     with stage(run.reporter, "simulate", scene.n_frames) as current:
-        if read_key(place) == key:
-            try:
-                take = read_take(place)
-                current.result = "take is up to date"
-                return take
-            except StoreError as error:
-                run.reporter.note(f"{error}; it is made again")
+        kept = _kept_take(run, key)
+        if kept is not None:
+            current.result = "take is up to date"
+            return kept
         began = time.monotonic()
         take = simulate(scene, key, lambda done, _: step(run.reporter, current, done))
         run.timed("simulate", began)
@@ -167,6 +164,19 @@ def take_of(run: Production) -> Take:
     for note in take.notes:
         run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
     return take
+
+
+def _kept_take(run: Production, key: str) -> Take | None:
+    """Return the take that an earlier run kept under `key`, None if there is none."""
+    place = run.outputs.take
+    try:
+        return read_take(place) if read_key(place) == key else None
+    except StoreError as error:
+        run.reporter.note(f"{error}; it is made again")
+    except Exception as error:
+        # Whatever a damaged file makes its reader stumble over, a take can be made again.
+        run.reporter.note(f"{place}: is no take that can be read ({error}); it is made again")
+    return None
 
 
 # --- score ------------------------------------------------------------------------
@@ -204,6 +214,7 @@ def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dic
         renderer = Renderer(backend)
         keys, missing = due(shooting, outputs, frames, renderer.key_extra)
         kept = len(frames) - len(missing)
+        run.manifest.words["renderer"] = renderer.key_extra
         step(run.reporter, current, kept)
         if not missing:
             current.result = "frames are up to date"
@@ -221,7 +232,6 @@ def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dic
             split = renderer.split
         run.timed("render", began)
         current.result = _told(split, current.seconds * jobs, kept)
-    run.manifest.words["renderer"] = renderer.key_extra
     return keys
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.drawing import Drawing, draw
 from pipeline.simulation.figures.network import Anatomy, analyse
 from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton
+from pipeline.simulation.figures.solids import Solid, body_solid
 from pipeline.spec.figure import Figure as Words
 
 
@@ -30,6 +32,22 @@ class Figure:
     drawing: Drawing
     anatomy: Anatomy
     skeleton: Skeleton
+
+    @cached_property
+    def body(self) -> Solid:
+        """The body's surface, in the creation frame moved to the middle of the body."""
+        nodes = list(self.anatomy.body)
+        points = self.drawing.creation()[nodes] * self.scale
+        # The skeleton stands the body's frame in the middle of its bases.
+        points = points + self.skeleton.links[0].ends[0] - points.mean(axis=0)
+        number = {node: i for i, node in enumerate(nodes)}
+        bones = [(number[a], number[b]) for a, b in self.anatomy.bones]
+        return body_solid(points, self.drawing.radii[nodes] * self.scale, bones)
+
+    @property
+    def belly(self) -> float:
+        """How deep the body reaches below its own frame [m]."""
+        return -float(self.body.vertices[:, 1].min())
 
 
 def build_figure(name: str, words: Words, scale: float) -> Figure:

@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.network import FEELER, HEAD, LEG
 from pipeline.simulation.figures.skeleton import Link
-from pipeline.simulation.figures.solids import Solid, ball, body_solid, link_solid
+from pipeline.simulation.figures.solids import Solid, ball, link_solid
 from pipeline.simulation.spatial import Array
 
 EYE_MATERIAL = "eye"
@@ -52,17 +52,11 @@ def flesh(figure: Figure) -> list[Piece]:
 
 
 def _body(figure: Figure) -> Piece:
-    nodes = list(figure.anatomy.body)
-    points = figure.drawing.creation()[nodes] * figure.scale
-    # The skeleton stands the body's frame in the middle of its bases.
-    points = points + figure.skeleton.links[0].ends[0] - points.mean(axis=0)
-    radii = figure.drawing.radii[nodes] * figure.scale
-    number = {node: i for i, node in enumerate(nodes)}
-    bones = [(number[a], number[b]) for a, b in figure.anatomy.bones]
+    nodes = figure.anatomy.body
     counts = [figure.drawing.materials[n] for n in nodes if figure.drawing.materials[n]]
-    material = max(set(counts), key=counts.count) if len(counts) > len(nodes) / 2 else ""
-    size = float(np.ptp(points, axis=0).max() + 2 * radii.max())
-    return Piece("body", 0, body_solid(points, radii, bones), material, size)
+    material = max(counts, key=counts.count) if len(counts) > len(nodes) / 2 else ""
+    size = float(np.ptp(figure.body.vertices, axis=0).max())
+    return Piece("body", 0, figure.body, material, size)
 
 
 def _eyes(number: int, link: Link) -> list[Piece]:

@@ -24,8 +24,12 @@ PITCH_FOLLOWS = 0.85
 ROLL_FOLLOWS = 0.6
 """How much of the slope across it takes on."""
 
-BELLY = 0.55
-"""The body keeps this part of its height above the highest ground under it."""
+CORNER = 0.4
+"""Over how much of its height a body feels the ground come near its belly."""
+
+BLUNT = 0.12
+"""How blunt the highest ground under a body is taken to be, as a part of its height:
+the body does not follow every corner of the terrain."""
 
 BOUNCE = np.array([-1.0, -0.1, 1.0, 0.1])
 """One bounce, from one coming down of feet to the next: they give, then push."""
@@ -67,9 +71,9 @@ class BodyPath:
         xz = herd.starts[creature] + travelled[:, None] * self.directions[creature]
         height, slope, crest = self._under(creature, xz)
         beat = cyclic(BOUNCE, herd.beats[creature] * (phase - self._first_down[creature]))
-        # The lowest the body may be so that its belly clears the ground under it.
+        # The belly has to clear the ground under it.
         tall = herd.body_height[creature]
-        lift = hinge(crest - (1.0 - BELLY) * tall, 0.2 * tall)
+        lift = hinge(crest + herd.belly[creature] - tall, CORNER * tall)
         p = np.stack(
             [xz[:, 0], height + tall + lift + herd.bounciness[creature] * beat, xz[:, 1]], axis=-1
         )
@@ -89,7 +93,7 @@ class BodyPath:
 
         Returns:
             Its height (N,) [m], its slopes along and across (N, 2), and how far the ground
-            under the middle of the body rises above it (N,) [m].
+            under the middle rises above the plane that the body lies in (N,) [m].
         """
         offsets, weights, middle = self._samples
         own = offsets[creature]
@@ -100,9 +104,16 @@ class BodyPath:
         h = self.ground.height(x, z)
         height = h @ weights
         slope = ((h * weights)[:, None] @ own)[:, 0] / (weights @ own**2)
-        plane = height[:, None] + (own @ slope[..., None])[..., 0]
-        crest = (h - plane)[:, middle].max(axis=-1)
-        return height, slope, crest
+        tilted = slope * [PITCH_FOLLOWS, ROLL_FOLLOWS]
+        plane = height[:, None] + (own @ tilted[..., None])[..., 0]
+        rise = (h - plane)[:, middle]
+        highest = rise.max(axis=-1, keepdims=True)
+        blunt = BLUNT * self.herd.body_height[creature, None]
+        # A maximum without corners, by log-mean-exp.
+        crest = highest + blunt * np.log(
+            np.exp((rise - highest) / blunt).mean(axis=-1, keepdims=True)
+        )
+        return height, slope, crest[:, 0]
 
 
 def pitched_and_rolled(pitch: Array, roll: Array) -> Array:

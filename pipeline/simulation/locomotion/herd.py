@@ -24,6 +24,12 @@ REACH = 0.97
 """How far a leg may stretch, as a part of its length: beyond lies the singularity of
 full extension (Sims 1987, 6.3)."""
 
+CLEARANCE = 1.25
+"""Least height of a body over level ground, as a multiple of the depth of its belly."""
+
+EASY = 0.85
+"""A stride that nobody asked for, as a part of the longest that the legs can do."""
+
 GRAVITY = 9.81
 
 
@@ -59,6 +65,7 @@ class Herd:
         headings: (C,) [rad].
         cycle, stride, body_height, bounciness: (C,), see `Pace`.
         beats: (C,) times a cycle that feet come down.
+        belly: (C,) how deep the bodies reach below their frames [m].
         walks: (C,) whether it goes anywhere.
         footprint: (C, 2) half extent of the feet at rest along x and z [m].
         owner: (L,) creature of each leg.
@@ -78,6 +85,7 @@ class Herd:
     body_height: Array
     bounciness: Array
     beats: Array
+    belly: Array
     walks: NDArray[np.bool_]
     footprint: Array
     owner: NDArray[np.int64]
@@ -115,8 +123,8 @@ def gather(cast: Sequence[tuple[int, Member, Figure]]) -> Herd:
     paces = []
     for c, (number, member, figure) in enumerate(cast):
         own = owners == c
-        paces.append(_pace(number, member, figure, legs.lengths[own], tips[own]))
-        _check_reach(number, member, paces[-1], legs.places[own, 0], tips[own], legs.lengths[own])
+        spread = Spread(legs.places[own, 0], tips[own], legs.lengths[own])
+        paces.append(_pace(number, member, figure, spread))
     spans = [
         np.abs(tips[owners == c][:, [0, 2]]).max(axis=0, initial=0.05) for c in range(len(cast))
     ]
@@ -130,6 +138,7 @@ def gather(cast: Sequence[tuple[int, Member, Figure]]) -> Herd:
         body_height=np.array([p.body_height for p in paces]),
         bounciness=np.array([p.bounciness for p in paces]),
         beats=np.array([p.gait.beats for p in paces], dtype=float),
+        belly=np.array([figure.belly for _, _, figure in cast]),
         walks=np.array([member.walk is not None for _, member, _ in cast]),
         footprint=np.array(spans),
         owner=owners,
@@ -143,14 +152,77 @@ def gather(cast: Sequence[tuple[int, Member, Figure]]) -> Herd:
     )
 
 
-def _pace(number: int, member: Member, figure: Figure, lengths: Array, tips: Array) -> Pace:
-    """Choose what the author left open so that it suits the legs."""
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """The legs of one creature at rest.
+
+    Attributes:
+        hips, feet: (n, 3) relative to the body [m].
+        lengths: (n,) stretched out [m].
+    """
+
+    hips: Array
+    feet: Array
+    lengths: Array
+
+    def tallest(self) -> float:
+        """Return the greatest body height from which all feet reach level ground [m]."""
+        across = np.abs(self.feet[:, 2] - self.hips[:, 2])
+        room = (REACH * self.lengths) ** 2 - across**2
+        return math.sqrt(float(room.min().clip(0.0)))
+
+    def longest_stride(self, gait: Gait, height: float) -> float:
+        """Return the longest cycle over level ground that the legs can do from `height` [m]."""
+        across = np.abs(self.feet[:, 2] - self.hips[:, 2])
+        drop = height + self.hips[:, 1]
+        room = (REACH * self.lengths) ** 2 - drop**2 - across**2
+        # Half of the ground covered in stance lies before the foot at rest, half behind it.
+        forward = np.sqrt(np.maximum(room, 0.0)) - np.abs(self.feet[:, 0] - self.hips[:, 0])
+        return max(float((2.0 * forward / (1.0 - gait.swing)).min()), 0.0)
+
+
+def _pace(number: int, member: Member, figure: Figure, legs: Spread) -> Pace:
+    """Choose what the author left open so that it suits the legs.
+
+    Raises:
+        SceneError: if the legs cannot follow the stride or the body height on level ground.
+    """
     words = member.walk or Walk()
-    if not len(lengths):
+    if not len(legs.lengths):
         return _legless(number, member, figure)
-    leg = float(lengths.mean())
+    leg = float(legs.lengths.mean())
+    gait = _gait(number, member, words, figure)
+    height = max(-float(legs.feet[:, 1].mean()), CLEARANCE * figure.belly)
+    height = height if words.body_height is None else words.body_height
+    if height >= legs.tallest():
+        message = f"the legs do not reach the ground from {height:g}; "
+        message += f"at this scale less than {legs.tallest():.3g} works"
+        raise SceneError([Problem(f"cast[{number}].walk.body_height", message)])
+    most = legs.longest_stride(gait, height)
+    cycle, stride = _timing(words, leg, EASY * most)
+    if member.walk and stride > most:
+        message = (
+            f"a stride (speed × cycle) of {stride:.3g} is more than the legs can do; at this "
+            f"body height at most {most:.3g} works: lower the speed or shorten the cycle"
+        )
+        raise SceneError([Problem(f"cast[{number}].walk", message)])
+    return Pace(
+        gait,
+        cycle,
+        stride if member.walk else 0.0,
+        height,
+        0.018 * leg if words.bounciness is None else words.bounciness,
+        0.13 * leg if words.step_height is None else words.step_height,
+    )
+
+
+def _timing(words: Walk, leg: float, easy: float) -> tuple[float, float]:
+    """Return the duration [s] and the length [m] of a cycle for legs `leg` long.
+
+    A stride that the author leaves open is no longer than `easy` [m].
+    """
     # A leg swings like a pendulum; this many of its free periods look natural.
-    cycle, stride = 2.6 * math.sqrt(leg / GRAVITY), 0.55 * leg
+    cycle, stride = 2.6 * math.sqrt(leg / GRAVITY), min(0.55 * leg, easy)
     if words.stride is not None:
         stride = words.stride
     elif words.speed is not None and words.cycle is not None:
@@ -159,15 +231,7 @@ def _pace(number: int, member: Member, figure: Figure, lengths: Array, tips: Arr
         cycle = words.cycle
     elif words.speed is not None:
         cycle = stride / words.speed
-    height = words.body_height
-    return Pace(
-        _gait(number, member, words, figure),
-        cycle,
-        stride if member.walk else 0.0,
-        float(-tips[:, 1].mean()) if height is None else height,
-        0.018 * leg if words.bounciness is None else words.bounciness,
-        0.13 * leg if words.step_height is None else words.step_height,
-    )
+    return cycle, stride
 
 
 def _legless(number: int, member: Member, figure: Figure) -> Pace:
@@ -196,28 +260,3 @@ def _gait(number: int, member: Member, words: Walk, figure: Figure) -> Gait:
     sides = [leg.side for leg in legs]
     ranks = [sides[:i].count(side) for i, side in enumerate(sides)]
     return GAITS[words.gait](sides, ranks)
-
-
-def _check_reach(
-    number: int, member: Member, pace: Pace, hips: Array, feet: Array, lengths: Array
-) -> None:
-    """Refuse a stride or a body height that the legs cannot follow on level ground."""
-    if not len(lengths):
-        return
-    drop = pace.body_height + hips[:, 1]
-    across = np.abs(feet[:, 2] - hips[:, 2])
-    room = (REACH * lengths) ** 2 - drop**2 - across**2
-    if np.any(room <= 0.0):
-        highest = math.sqrt(float(((REACH * lengths) ** 2 - across**2).min().clip(0.0)))
-        message = f"the legs do not reach the ground from {pace.body_height:g}; "
-        message += f"at this scale at most {highest:.3g} works"
-        raise SceneError([Problem(f"cast[{number}].walk.body_height", message)])
-    # Half of the ground covered in stance lies before the foot at rest, half behind it.
-    forward = np.sqrt(room) - np.abs(feet[:, 0] - hips[:, 0])
-    most = float((2.0 * forward / (1.0 - pace.gait.swing)).min())
-    if pace.stride > most:
-        message = (
-            f"a stride (speed × cycle) of {pace.stride:.3g} is more than the legs can do; at this "
-            f"body height at most {max(most, 0.0):.3g} works: lower the speed or shorten the cycle"
-        )
-        raise SceneError([Problem(f"cast[{number}].walk", message)])

@@ -31,7 +31,7 @@ def _degrees(lower: float, upper: float, preferred: float) -> Stance:
 LEG_RISE_DEG = 24.0
 """Elevation of the first link of a leg at rest."""
 
-LEG_FALL_DEG = (-46.0, -66.0)
+LEG_FALL_DEG = (-54.0, -72.0)
 """Elevations of the second and of the last link of a leg at rest: over the knee and
 steeply down, to stand on its point."""
 

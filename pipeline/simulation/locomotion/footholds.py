@@ -31,8 +31,9 @@ RINGS, SPOKES = 24, 16
 AROUND = 0.4
 """How far around it, as a part of the leg's length."""
 
-STOOP = 0.45
-"""How far a body may be lowered so that its feet reach, as a part of its height."""
+STOOP = 0.9
+"""How far a body may be lowered so that its feet reach, as a part of the room that its
+belly has over level ground."""
 
 PLANNED_REACH = 0.98 * REACH
 """How far a leg is planned to stretch, as a part of its length; the rest is kept for
@@ -111,7 +112,8 @@ class Footholds:
             R: (m, 3, 3) and
             p: (m, 3), poses of the body while the foot is there [m].
         """
-        height = float(self.herd.body_height[self.herd.owner[leg]])
+        owner = self.herd.owner[leg]
+        room = max(float(self.herd.body_height[owner] - self.herd.belly[owner]), 0.0)
         looked_at = []
         for xz in choices:
             tips = self.stand(leg, xz)
@@ -119,7 +121,7 @@ class Footholds:
             looked_at.append((tips, np.where(safe, self._stoop(leg, tips, R, p), np.inf)))
             if (looked_at[-1][1] == 0.0).any():
                 break
-        for most in (0.0, STOOP * height):
+        for most in (0.0, STOOP * room):
             for tips, stoop in looked_at:
                 if (stoop <= most).any():
                     best = int(np.argmax(stoop <= most))

@@ -201,6 +201,8 @@ def _probed(variant: str, library: str) -> Finding:
     if child.returncode == 0:
         return Finding(variant, library, True, "rendered a tiny picture", version)
     last = (child.stderr.strip().splitlines() or ["no message"])[-1]
+    if "CUDA backend hasn't been initialized" in last:
+        last = "Dr.Jit found no NVIDIA GPU with a driver"
     if child.returncode < 0:
         return Finding(variant, library, False, f"died of signal {-child.returncode}: {last}")
     return Finding(variant, library, False, last)

@@ -12,6 +12,7 @@ has to stoop is known a whole swing before.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -51,12 +52,21 @@ class Foothold:
     """Where a foot stands.
 
     Attributes:
+        place: (3,) where the sole touches the ground [m].
+        normal: (3,) of the ground there.
         tip: (3,) place of the leg's tip [m].
         stoop: how far the body has to be lowered for it [m].
     """
 
+    place: Array
+    normal: Array
     tip: Array
     stoop: float
+
+
+_ANGLES = np.arange(8) * (np.pi / 4.0)
+RIM = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=-1) * math.sqrt(0.5)
+"""Where a round sole of radius 1 is looked at, halfway up to its side."""
 
 
 class Footholds:
@@ -118,15 +128,27 @@ class Footholds:
         for xz in choices:
             tips = self.stand(leg, xz)
             safe = self.ground.steppable(xz[:, 0], xz[:, 1])
-            looked_at.append((tips, np.where(safe, self._stoop(leg, tips, R, p), np.inf)))
+            looked_at.append((xz, np.where(safe, self._stoop(leg, tips, R, p), np.inf)))
             if (looked_at[-1][1] == 0.0).any():
                 break
         for most in (0.0, STOOP * room):
-            for tips, stoop in looked_at:
+            for xz, stoop in looked_at:
                 if (stoop <= most).any():
                     best = int(np.argmax(stoop <= most))
-                    return Foothold(tips[best], float(stoop[best]))
+                    return self._foothold(leg, xz[best], float(stoop[best]))
         return None
+
+    def _foothold(self, leg: int, xz: Array, stoop: float) -> Foothold:
+        """Return the foothold at `xz` (2,), its sole clear of the slopes beside it."""
+        x, z = xz
+        normal = self.ground.normal(x, z)
+        place = np.array([float(x), float(self.ground.height(x, z)), float(z)])
+        sole = float(self.herd.sole[leg])
+        tip = place + sole * normal
+        rim = tip[[0, 2]] + sole * RIM
+        rise = self.ground.height(rim[:, 0], rim[:, 1]) - (tip[1] - sole * math.sqrt(0.5))
+        tip[1] += max(float(rise.max()), 0.0)
+        return Foothold(place, normal, tip, stoop)
 
     def stand(self, leg: int, xz: Array) -> Array:
         """Return the places (n, 3) of a tip whose sole touches the ground at `xz` (n, 2) [m]."""

@@ -19,7 +19,7 @@ from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inverse import solve
 from pipeline.simulation.locomotion.body_path import BodyPath
-from pipeline.simulation.locomotion.footholds import Footholds
+from pipeline.simulation.locomotion.footholds import Foothold, Footholds
 from pipeline.simulation.locomotion.herd import REACH, gather
 from pipeline.simulation.locomotion.idle import gather_idlers
 from pipeline.simulation.locomotion.inventory import NodeTable, describe, leg_mass
@@ -46,6 +46,7 @@ class Walkers:
         halted: (C,) whether it found no foothold.
         start, end, height: of each leg's swing, (L, 3), (L, 3), (L,) [m]; a leg that
             stands does so at `end`.
+        holds: the footholds that the legs stand on or are on their way to.
         stoop: (2, L) how far the body is lowered for each leg's foothold before the one at
             `end`, and for that one [m].
         lifted: (L,) phase at which its swing began.
@@ -72,6 +73,7 @@ class Walkers:
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
+        self.holds: list[Foothold] = []
         self.swinging = np.zeros(legs, dtype=bool)
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
@@ -128,6 +130,7 @@ class Walkers:
                 raise SimulationError(self._no_ground(leg))
             self.start[leg] = self.end[leg] = place.tip
             self.stoop[:, leg] = place.stoop
+            self.holds.append(place)
             if in_air:
                 self._lift(0, leg, -float(into[leg]))
 
@@ -184,6 +187,7 @@ class Walkers:
             return
         self.start[leg], self.end[leg] = self.end[leg], place.tip
         self.stoop[:, leg] = self.stoop[1, leg], place.stoop
+        self.holds[leg] = place
         self.height[leg] = lift_to_clear(
             self.world.ground, self.start[leg], place.tip, herd.sole[leg], herd.step_height[leg]
         )
@@ -193,11 +197,9 @@ class Walkers:
         """Put a foot down, `fraction` of a step after `step`."""
         herd, owner = self.herd, int(self.herd.owner[leg])
         self.swinging[leg] = False
-        tip = self.end[leg]
-        normal = self.world.ground.normal(tip[0], tip[2])
-        place = tip - herd.sole[leg] * normal
+        hold = self.holds[leg]
         time = herd.cycle[owner] * float(np.mod(herd.down[leg] - herd.up[leg], 1.0))
-        speed = approach_speed(self.start[leg], tip, self.height[leg], normal, time)
+        speed = approach_speed(self.start[leg], hold.tip, self.height[leg], hold.normal, time)
         self._contacts.append(
             Contact(
                 step=step,
@@ -205,8 +207,8 @@ class Walkers:
                 performer=herd.names[owner],
                 part=f"{herd.names[owner]}.{herd.leg_names[leg]}",
                 other="terrain",
-                place=_plain(place),
-                normal=_plain(normal),
+                place=_plain(hold.place),
+                normal=_plain(hold.normal),
                 speed=speed,
                 energy=0.5 * float(self._mass[leg]) * speed * speed,
                 material=self.table.foot_materials[leg],

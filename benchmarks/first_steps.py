@@ -1,0 +1,56 @@
+"""The main scene: simulation against real time, and where a warm render spends its time.
+
+Prints two ratios measured in this run: seconds of film a second of simulation, and the
+part of a warm preview render that is spent inside Mitsuba and the denoiser.
+
+    python benchmarks/first_steps.py [frames to render]
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from pipeline.production.filming import due, film_frames
+from pipeline.production.outputs import Outputs
+from pipeline.production.shooting import Shooting
+from pipeline.simulation.simulate import simulate
+from pipeline.spec import find_scene, load_scene
+from render.backend import choose
+from render.renderer import Renderer
+
+
+def main(count: int) -> None:
+    """Measure and print."""
+    scene = load_scene(find_scene("first_steps"))
+    length = scene.n_frames / float(scene.rate)
+    runs = []
+    for _ in range(5):
+        began = time.perf_counter()
+        take = simulate(scene)
+        runs.append(length / (time.perf_counter() - began))
+    print(f"simulation: {sorted(runs)[2]:.1f} times real time (median of {len(runs)} runs)")
+
+    renderer = Renderer(choose())
+    shooting = Shooting(scene, take)
+    renderer.render(shooting.shot(1))  # compiles the kernels
+    cold = renderer.split.seconds
+    with tempfile.TemporaryDirectory() as folder:
+        outputs = Outputs(Path(folder), "bench")
+        outputs.frames.mkdir()
+        began = time.perf_counter()
+        keys, _ = due(shooting, outputs, range(1, count + 1), renderer.key_extra)
+        for _ in film_frames(renderer, shooting, outputs, keys):
+            pass
+        wall = time.perf_counter() - began
+    split = renderer.split
+    inside = split.seconds - split.tone - cold
+    print(f"first frame, with build: {cold:.2f} s")
+    print(f"warm preview: {wall / count:.2f} s a frame over {count} frames")
+    print(f"inside Mitsuba and the denoiser: {100 * inside / wall:.1f}% of the wall time")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 24)

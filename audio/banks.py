@@ -68,8 +68,23 @@ def struck(
     share = 10 ** (rng.uniform(-4, 4, ratio.size) / 20)
     heard = (detuned < _HIGHEST) & (detuned > 20)
     amplitude = share * (ratio / ratio[0]) ** -tilt
+    signed = amplitude * _signs(ratio.size, rng)
+    # Modes that cancel at the onset would hide it.
+    if signed.sum() > 0.2 * amplitude.sum():
+        amplitude = signed
     decay = np.pi * detuned * friction + damping
     return Bank(detuned[heard], decay[heard], amplitude[heard])
+
+
+def _signs(modes: int, rng: np.random.Generator) -> Signal:
+    """Return which modes start downward, as a spot of a body moves with some and against others.
+
+    All upward would pile up to one spike that hides the ring: (modes,).
+    """
+    signs = np.ones(modes)
+    signs[2::3] = -1.0
+    signs[1:] = rng.permutation(signs[1:])
+    return signs
 
 
 def lasting(bank: Bank, seconds: float) -> Bank:

@@ -1,0 +1,171 @@
+"""Readers of our own for the files, and scores to write."""
+
+from __future__ import annotations
+
+import struct
+import wave
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from audio.score import Score, ScoreEvent
+from audio.words import Sound
+
+
+@dataclass
+class Smf:
+    """A MIDI file as read from its bytes.
+
+    Attributes:
+        division: ticks a beat.
+        tracks: of (tick, status, data); a meta event has status 0xFF00 + type.
+    """
+
+    division: int
+    tracks: list[list[tuple[int, int, bytes]]] = field(default_factory=list)
+
+    @property
+    def tempo(self) -> int:
+        """Microseconds a beat; a file of more than one tempo fails."""
+        (tempo,) = [data for track in self.tracks for _, kind, data in track if kind == 0xFF51]
+        return int.from_bytes(tempo)
+
+    def seconds(self, tick: int) -> Fraction:
+        """Return the exact time of a tick."""
+        return Fraction(tick * self.tempo, self.division * 1_000_000)
+
+    def texts(self, kind: int) -> list[tuple[int, str]]:
+        """Return the texts of one meta type, of all tracks."""
+        return [(t, d.decode("utf-8")) for track in self.tracks for t, k, d in track if k == kind]
+
+    def onsets(self) -> list[tuple[int, int, int, int]]:
+        """Return (tick, channel, pitch, velocity) of all onsets."""
+        return sorted(
+            (tick, status & 15, data[0], data[1])
+            for track in self.tracks
+            for tick, status, data in track
+            if status & 0xF0 == 0x90 and status < 0xFF00 and data[1] > 0
+        )
+
+    def played(self) -> list[tuple[int, int, bytes]]:
+        """Return all events in the order of a player: by tick, then by track."""
+        merged = [
+            (tick, index, place, status, data)
+            for index, track in enumerate(self.tracks)
+            for place, (tick, status, data) in enumerate(track)
+        ]
+        return [(tick, status, data) for tick, _, _, status, data in sorted(merged)]
+
+
+def _length(data: bytes, at: int) -> tuple[int, int]:
+    value = 0
+    for used in range(4):
+        byte = data[at + used]
+        value = value << 7 | byte & 0x7F
+        if byte < 0x80:
+            return value, at + used + 1
+    raise AssertionError("a length of more than four bytes")
+
+
+def _track(data: bytes) -> list[tuple[int, int, bytes]]:
+    events = []
+    at = tick = running = 0
+    while at < len(data):
+        delta, at = _length(data, at)
+        tick += delta
+        if data[at] == 0xFF:
+            kind = 0xFF00 + data[at + 1]
+            size, at = _length(data, at + 2)
+            events.append((tick, kind, data[at : at + size]))
+            at += size
+            running = 0
+            continue
+        if data[at] >= 0x80:
+            running, at = data[at], at + 1
+        assert 0x80 <= running < 0xF0, "neither a voice message nor a meta event"
+        size = 1 if running & 0xF0 in (0xC0, 0xD0) else 2
+        body = data[at : at + size]
+        assert max(body) < 0x80
+        events.append((tick, running, body))
+        at += size
+    assert at == len(data)
+    return events
+
+
+def parse_smf(data: bytes) -> Smf:
+    """Read a MIDI file of type 1 from its bytes, refusing whatever is not legal there."""
+    assert data[:4] == b"MThd"
+    size, kind, count, division = struct.unpack(">IHHH", data[4:14])
+    assert (size, kind) == (6, 1)
+    assert 0 < division < 0x8000
+    smf = Smf(division)
+    at = 14
+    for _ in range(count):
+        assert data[at : at + 4] == b"MTrk"
+        (size,) = struct.unpack(">I", data[at + 4 : at + 8])
+        smf.tracks.append(_track(data[at + 8 : at + 8 + size]))
+        at += 8 + size
+    assert at == len(data)
+    return smf
+
+
+def parse_wav(path: Path) -> Any:
+    """Return the samples of a WAV file: (N, 2) within -1 to 1."""
+    with wave.open(str(path)) as file:
+        assert (file.getnchannels(), file.getsampwidth(), file.getframerate()) == (2, 3, 48_000)
+        raw = np.frombuffer(file.readframes(file.getnframes()), np.uint8).reshape(-1, 3)
+    whole = np.zeros((raw.shape[0], 4), np.uint8)
+    whole[:, 1:] = raw
+    return (whole.view("<i4")[:, 0] / 2**31).reshape(-1, 2)
+
+
+@pytest.fixture(scope="session")
+def read_smf() -> Callable[[bytes], Smf]:
+    """Give the reader of MIDI bytes."""
+    return parse_smf
+
+
+@pytest.fixture(scope="session")
+def read_wav() -> Callable[[Path], Any]:
+    """Give the reader of WAV files."""
+    return parse_wav
+
+
+def _step(frame: int = 1, **changes: Any) -> ScoreEvent:
+    words: dict[str, Any] = {
+        "time": Fraction(0),
+        "cause": "footfall",
+        "who": "bug",
+        "part": "foot_l1",
+        "other": "terrain",
+        "material": "green chitin",
+        "surface": "dry soil",
+        "strength": 0.5,
+        "size": 0.04,
+        "distance": 4.0,
+    }
+    return ScoreEvent(frame=frame, **{**words, **changes})
+
+
+@pytest.fixture(scope="session")
+def step() -> Callable[..., ScoreEvent]:
+    """Give a maker of footfalls: frame and whatever shall differ."""
+    return _step
+
+
+def _score(
+    events: Any = (), frames: int = 24, rate: Any = 24, sound: Any = None, **rest: Any
+) -> Score:
+    words = Sound.model_validate(sound or {})
+    return Score(Fraction(rate), frames, tuple(events), words, **rest)
+
+
+@pytest.fixture(scope="session")
+def score_of() -> Callable[..., Score]:
+    """Give a maker of scores: events, frames, rate and the author's words."""
+    return _score

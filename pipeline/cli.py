@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -307,16 +308,22 @@ def main() -> Never:
         _say(error)
         sys.exit(error.exit_code)
     except KeyboardInterrupt:
-        sys.exit(_interrupted())
+        _interrupted()
     except SystemExit as end:
         # Typer turns Ctrl-C into this code and says nothing.
-        sys.exit(_interrupted() if end.code == INTERRUPTED else end.code)
+        if end.code == INTERRUPTED:
+            _interrupted()
+        sys.exit(end.code)
     raise AssertionError("typer ends every command by SystemExit")
 
 
-def _interrupted() -> int:
+def _interrupted() -> Never:
     typer.echo("stopped; the same command goes on where it was", err=True)
-    return INTERRUPTED
+    sys.stdout.flush()
+    sys.stderr.flush()
+    # Libraries whose threads were at work would end in tracebacks of their own; every
+    # output is whole already.
+    os._exit(INTERRUPTED)
 
 
 def _say(error: PronkError) -> None:

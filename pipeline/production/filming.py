@@ -1,4 +1,4 @@
-"""Filming: which frames are due, and rendering them, in this process or in several.
+"""Filming: which frames are due, and rendering them one after the other.
 
 A frame is due if the picture kept for it was made from something else than what the
 renderer would be given now: its key is a digest of the whole shot, of the backend and
@@ -8,26 +8,17 @@ of the denoiser with its thread count, and stands inside the picture's own file.
 from __future__ import annotations
 
 import hashlib
-import multiprocessing
-import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import FilmingError
 from pipeline.production.outputs import Outputs
 from pipeline.production.shooting import Shooting
-from pipeline.simulation.take_store import read_take
-from pipeline.spec.scene import Scene
-from render.backend import Backend
 from render.errors import RenderError
 from render.frame import Frame
 from render.pictures import read_key, write_exr, write_png
-from render.renderer import Renderer, Split
-
-FRAMES_A_PROCESS = 500
-"""A worker process is replaced after so many frames: Mitsuba does not give all memory back."""
+from render.renderer import Renderer
 
 
 def frame_key(shooting: Shooting, frame: int, extra: str) -> str:
@@ -84,69 +75,3 @@ def _kept(pair: tuple[int, Future[None]]) -> int:
     frame, future = pair
     future.result()
     return frame
-
-
-@dataclass(frozen=True, slots=True)
-class Share:
-    """One worker's part of the frames, and all that it needs to render them."""
-
-    scene: Scene
-    take: Path
-    outputs: Outputs
-    backend: Backend
-    keys: dict[int, str]
-
-
-def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) -> Split:
-    """Render the frames of `share` in `jobs` processes at once.
-
-    Args:
-        share: all of them.
-        jobs: number of processes.
-        progress: called with the number of frames done so far.
-
-    Returns:
-        Where their time went, summed over the processes.
-
-    Raises:
-        FilmingError: if a frame cannot be rendered or written, or a process died.
-    """
-    context = multiprocessing.get_context("spawn")
-    pieces = list(_pieces(share, jobs))
-    split, done = Split(), 0
-    # A worker is given one piece and is then replaced.
-    with context.Pool(min(jobs, len(pieces)), _ignore_interrupt, maxtasksperchild=1) as pool:
-        for part in pool.imap_unordered(_film_share, pieces):
-            if isinstance(part, str):
-                raise FilmingError(part)
-            done += part.frames
-            for name in ("frames", "build", "update", "trace", "denoise", "tone"):
-                setattr(split, name, getattr(split, name) + getattr(part, name))
-            progress(done)
-    return split
-
-
-def _pieces(share: Share, jobs: int) -> Iterator[Share]:
-    """Cut `share` into runs of neighbouring frames, small enough to show progress."""
-    frames = list(share.keys)
-    size = min(FRAMES_A_PROCESS, max(1, -(-len(frames) // (jobs * 4))))
-    for first in range(0, len(frames), size):
-        keys = {frame: share.keys[frame] for frame in frames[first : first + size]}
-        yield Share(share.scene, share.take, share.outputs, share.backend, keys)
-
-
-def _film_share(share: Share) -> Split | str:
-    """Render one share in a worker; an error comes back as its message."""
-    try:
-        shooting = Shooting(share.scene, read_take(share.take))
-        renderer = Renderer(share.backend)
-        for _ in film_frames(renderer, shooting, share.outputs, share.keys):
-            pass
-    except (FilmingError, RenderError) as error:
-        return str(error)
-    return renderer.split
-
-
-def _ignore_interrupt() -> None:
-    """Leave Ctrl-C to the parent, which ends its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

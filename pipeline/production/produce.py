@@ -20,13 +20,14 @@ from audio.modal import write_wav
 from audio.score import Score
 from pipeline.errors import FilmingError, ScoringError, StoreError
 from pipeline.production.events import event_lines
-from pipeline.production.filming import Share, due, film_frames, film_in_processes
+from pipeline.production.filming import due, film_frames
 from pipeline.production.frame_ranges import contiguous, described, parse_frames
 from pipeline.production.manifest import Manifest, packages
 from pipeline.production.outputs import PARTIAL, Outputs, opened, replace_folder
 from pipeline.production.reporting import Reporter, Stage, stage, step
 from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
+from pipeline.production.workers import Share, film_in_processes
 from pipeline.simulation.simulate import simulate, versions
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take

@@ -1,0 +1,162 @@
+"""Workers: rendering frames in several processes at once."""
+
+from __future__ import annotations
+
+import atexit
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pipeline.errors import FilmingError
+from pipeline.production.filming import film_frames
+from pipeline.production.outputs import Outputs
+from pipeline.production.shooting import Shooting
+from pipeline.simulation.take_store import read_take
+from pipeline.spec.scene import Scene
+from render.backend import Backend
+from render.errors import RenderError
+from render.renderer import Renderer, Split
+
+FRAMES_A_PROCESS = 500
+"""Workers are replaced after so many frames each: Mitsuba does not give all memory back."""
+
+FRAMES_A_PIECE = 16
+"""So many frames are given to a worker at once, at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """Frames to be rendered, and all that a worker needs for them."""
+
+    scene: Scene
+    take: Path
+    outputs: Outputs
+    backend: Backend
+    keys: dict[int, str]
+
+    def pieces(self, size: int) -> Iterator[Share]:
+        """Cut into runs of `size` neighbouring frames."""
+        frames = list(self.keys)
+        for first in range(0, len(frames), size):
+            keys = {frame: self.keys[frame] for frame in frames[first : first + size]}
+            yield replace(self, keys=keys)
+
+
+def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) -> Split:
+    """Render the frames of `share` in `jobs` processes at once.
+
+    Args:
+        share: all of them.
+        jobs: number of processes.
+        progress: called with the number of frames done so far.
+
+    Returns:
+        Where their time went, summed over the processes.
+
+    Raises:
+        FilmingError: if a frame cannot be rendered or written, or a process died.
+    """
+    split = Split()
+
+    def done(part: Split) -> None:
+        for name in ("frames", "build", "update", "trace", "denoise", "tone"):
+            setattr(split, name, getattr(split, name) + getattr(part, name))
+        progress(split.frames)
+
+    for batch in share.pieces(jobs * FRAMES_A_PROCESS):
+        size = min(FRAMES_A_PIECE, max(1, len(batch.keys) // (jobs * 4)))
+        _film_pieces(list(batch.pieces(size)), jobs, done)
+    return split
+
+
+def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], None]) -> None:
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(min(jobs, len(pieces)), context, _begin_work) as pool:
+        try:
+            with _interrupts_kept_from_children():
+                parts = [pool.submit(_film_piece, piece) for piece in pieces]
+            for future in as_completed(parts):
+                part = future.result()
+                if isinstance(part, str):
+                    raise FilmingError(part)
+                done(part)
+        except BrokenProcessPool as error:
+            raise FilmingError(
+                "a process that rendered has died; if memory was short, try fewer --jobs"
+            ) from error
+        except BaseException:
+            # The pool would wait for all that is under way.
+            for child in multiprocessing.active_children():
+                child.terminate()
+            raise
+
+
+@contextmanager
+def _interrupts_kept_from_children() -> Iterator[None]:
+    """Leave Ctrl-C to this process: those started inside never hear it.
+
+    A terminal sends it to all, also to one that is still starting and would end in a
+    traceback.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+# --- in a worker ------------------------------------------------------------------
+
+_equipment: tuple[Shooting, Renderer] | None = None
+"""What this worker renders with: made for its first piece and kept for the others."""
+
+
+def _begin_work() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # What a library prints is no result of the command.
+    os.dup2(2, 1)
+    atexit.register(_end_work)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_work() -> None:
+    # The bindings complain of whatever is still alive when Python ends.
+    global _equipment
+    _equipment = None
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that started it has been killed.
+
+    The folder of the outputs is then free for another run, which must be alone in it.
+    """
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _film_piece(piece: Share) -> Split | str:
+    """Render one piece; an error comes back as its message."""
+    global _equipment
+    try:
+        if _equipment is None:
+            shooting = Shooting(piece.scene, read_take(piece.take))
+            _equipment = shooting, Renderer(piece.backend)
+        shooting, renderer = _equipment
+        renderer.split = Split()
+        for _ in film_frames(renderer, shooting, piece.outputs, piece.keys):
+            pass
+    except (FilmingError, RenderError) as error:
+        return str(error)
+    return renderer.split

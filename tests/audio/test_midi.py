@@ -1,0 +1,292 @@
+"""The MIDI file, read by our own parser and by symusic."""
+
+from collections import Counter
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+import symusic
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from audio import midi
+from audio.errors import AudioError, ScoreError, SoundFileError
+from audio.midi import midi_bytes, write_midi
+
+RATES = [Fraction(r) for r in (10, 12, 15, 16, 24, 25, 30, 48, 50, 60, 100, 120, 240)]
+RATES += [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
+RATES += [Fraction(r) for r in (18, 72, 90, 144)]
+
+CUE, END, NAME, TITLE, SMPTE = 0xFF07, 0xFF2F, 0xFF03, 0xFF01, 0xFF54
+
+
+def check_laws(smf, frames, rate):
+    """Hold what is true of every file: lengths, no overlap, ends at the last frame."""
+    end = smf.tracks[0][-1][0]
+    assert smf.seconds(end) == frames / rate
+    for track in smf.tracks:
+        assert [tick for tick, kind, _ in track if kind == END] == [end]
+        assert track[-1][1] == END
+    sounding = {}
+    for tick, status, data in smf.played():
+        kind, key = status & 0xF0, (status & 15, data[0] if data else 0)
+        if status >= 0xFF00:
+            continue
+        if kind == 0x90:
+            assert key not in sounding, "struck while it sounds"
+            sounding[key] = tick
+        elif kind == 0x80:
+            assert tick > sounding.pop(key), "shorter than a tick"
+        else:
+            held = [key for key in sounding if key[0] == status & 15]
+            assert not held, "program or pan changed under a sounding note"
+        assert status & 15 != 9, "the channel of drums"
+    assert not sounding, "a note without an end"
+
+
+@pytest.mark.parametrize("rate", RATES, ids=str)
+def test_every_onset_stands_on_its_frame_exactly(step, score_of, read_smf, rate):
+    frames = 3000
+    shown = [1, 2, 3, 5, 47, 999, 1000, 1001, 2398, 2999, 3000]
+    data = midi_bytes(score_of([step(frame) for frame in shown], frames, rate))
+    smf = read_smf(data)
+    assert [smf.seconds(tick) for tick, *_ in smf.onsets()] == [(f - 1) / rate for f in shown]
+    assert [smf.seconds(tick) for tick, _ in smf.texts(CUE)] == [(f - 1) / rate for f in shown]
+    check_laws(smf, frames, rate)
+
+    other = symusic.Score.from_midi(data)
+    (tempo,) = other.tempos
+    beat = Fraction(tempo.mspq, 1_000_000)
+    times = sorted(
+        note.time * beat / other.ticks_per_quarter for track in other.tracks for note in track.notes
+    )
+    assert times == [(f - 1) / rate for f in shown]
+
+
+names = st.text(st.characters(exclude_categories=["Cc"]), max_size=12)
+
+
+@st.composite
+def events(draw, step, frames):
+    return step(
+        draw(st.sampled_from([1, frames]) | st.integers(1, frames)),
+        who=draw(st.sampled_from(["bug", "Käfer", "甲虫", "\ud800"]) | names),
+        part=draw(st.sampled_from(["foot_l1", "foot_r1", ""])),
+        cause=draw(st.sampled_from(["footfall", "collision", "swoosh", "boing"])),
+        material=draw(st.sampled_from(["chitin", "wood", "steel", "glass", "bone", "rock", ""])),
+        strength=draw(st.floats(-1e300, 1e300)),
+        energy=draw(st.floats(0, 1e300)),
+        size=draw(st.floats(1e-300, 1e300)),
+        distance=draw(st.floats(0, 1e300)),
+        azimuth=draw(st.floats(-7, 7)),
+        duration=draw(st.floats(0, 3)),
+    )
+
+
+@settings(max_examples=60)
+@given(data=st.data(), rate=st.sampled_from(RATES), frames=st.integers(1, 40))
+def test_any_score_gives_a_lawful_file_and_counts_what_it_lost(
+    step, score_of, read_smf, tmp_path_factory, data, rate, frames
+):
+    happened = data.draw(st.lists(events(step, frames), max_size=60))
+    path = tmp_path_factory.mktemp("midi") / "score.mid"
+    report = write_midi(score_of(happened, frames, rate), path)
+    smf = read_smf(path.read_bytes())
+    check_laws(smf, frames, rate)
+    assert len(smf.onsets()) == report.notes
+    assert report.notes + report.merged + report.dropped + report.muted == len(happened)
+    cues = Counter(tick for tick, _ in smf.texts(CUE))
+    ticks = smf.seconds(1)
+    assert cues == Counter(int((e.frame - 1) / rate / ticks) for e in happened)
+    # Every frame with a cause has an onset: what is lost is never a frame's only note.
+    assert {tick for tick, *_ in smf.onsets()} == set(cues)
+
+
+def test_thousands_at_once_merge_drop_and_never_overlap(step, score_of, read_smf, tmp_path):
+    materials = ("chitin", "wood", "steel", "glass", "bone", "rock", "rubber", "plastic")
+    crash = [
+        step(
+            12 + i % 3,
+            who=f"brick {i % 40}",
+            material=materials[i % 8],
+            size=0.02 + i % 17 / 10,
+            azimuth=i % 31 / 10 - 1.5,
+            strength=1 + i % 5,
+        )
+        for i in range(5000)
+    ]
+    path = tmp_path / "crash.mid"
+    report = write_midi(score_of(crash, 48), path)
+    smf = read_smf(path.read_bytes())
+    check_laws(smf, 48, Fraction(24))
+    assert len(smf.texts(CUE)) == 5000
+    assert report.merged > 0
+    assert report.moved > 0
+    assert report.notes == len(smf.onsets()) == 5000 - report.merged - report.dropped
+    read = symusic.Score.from_midi(path.read_bytes())
+    assert sum(len(track.notes) for track in read.tracks) == report.notes
+
+
+def test_the_order_of_events_does_not_matter(step, score_of):
+    happened = [step(1 + i % 7, part=f"foot_{i % 5}", azimuth=i / 9 - 1) for i in range(40)]
+    assert midi_bytes(score_of(happened)) == midi_bytes(score_of(happened[::-1]))
+
+
+def test_names_title_and_causes_are_utf8(step, score_of, read_smf):
+    happened = [step(3, who="Käfer", part="fuß", other="甲")]
+    smf = read_smf(midi_bytes(score_of(happened, title="Über Stock ☃")))
+    assert [text for _, text in smf.texts(NAME)] == ["Über Stock ☃", "Käfer"]
+    assert "title: Über Stock ☃" in [text for _, text in smf.texts(TITLE)]
+    assert smf.texts(CUE) == [(80, "footfall: Käfer.fuß > 甲")]
+
+
+def test_each_performer_has_one_track_and_its_notes_alone(step, score_of, read_smf):
+    happened = [step(1, who="b"), step(2, who="a"), step(3, who="b", part="foot_l2")]
+    smf = read_smf(midi_bytes(score_of(happened)))
+    named = {
+        track[0][2].decode(): sum(s & 0xF0 == 0x90 for _, s, _ in track if s < 0xFF00)
+        for track in smf.tracks
+    }
+    assert named == {"score": 0, "a": 1, "b": 2}
+
+
+def test_no_events_give_a_silent_file_of_full_length(score_of, read_smf):
+    smf = read_smf(midi_bytes(score_of(frames=48)))
+    check_laws(smf, 48, Fraction(24))
+    assert smf.onsets() == []
+
+
+@pytest.mark.parametrize(
+    ("rate", "code"), [(24, 0), (25, 1), ("30000/1001", 2), (30, 3), (48, None), (60, None)]
+)
+def test_smpte_offset_is_given_where_it_has_a_code(score_of, read_smf, rate, code):
+    smf = read_smf(midi_bytes(score_of(rate=Fraction(rate))))
+    found = [data for _, kind, data in smf.tracks[0] if kind == SMPTE]
+    assert found == ([] if code is None else [bytes([code << 5, 0, 0, 0, 0])])
+
+
+def _struck(smf):
+    """Return the (program, pan) under which each note is struck, in the order of a player."""
+    program, pan, struck = {}, {}, []
+    for _, status, data in smf.played():
+        channel = status & 15
+        if status >= 0xFF00:
+            continue
+        if status & 0xF0 == 0xC0:
+            program[channel] = data[0]
+        elif status & 0xF0 == 0xB0 and data[0] == 10:
+            pan[channel] = data[1]
+        elif status & 0xF0 == 0x90:
+            struck.append((program[channel], pan[channel]))
+    return struck
+
+
+def test_each_note_is_struck_with_its_own_program_and_pan(step, score_of, read_smf):
+    happened = [
+        step(1, who="a", material="chitin", azimuth=-1.5),
+        step(1, who="b", material="steel", azimuth=0),
+        step(1, who="c", material="glass", azimuth=1.5),
+        step(5, who="a", material="oak", azimuth=0.5),
+    ]
+    smf = read_smf(midi_bytes(score_of(happened)))
+    assert _struck(smf) == [(108, 0), (11, 64), (8, 127), (12, 96)]
+
+
+def test_pan_goes_from_left_to_right_with_the_azimuth(step, score_of, read_smf):
+    angles = (-1.57, -0.8, -0.3, 0, 0.3, 0.8, 1.57)
+    smf = read_smf(midi_bytes(score_of([step(i + 1, azimuth=a) for i, a in enumerate(angles)])))
+    pans = [pan for _, pan in _struck(smf)]
+    assert pans == sorted(set(pans))
+    assert (pans[0], pans[3], pans[-1]) == (0, 64, 127)
+
+
+@pytest.mark.parametrize(
+    ("field", "values"),
+    [("strength", (0.1, 0.5, 2.0)), ("distance", (20, 6, 2)), ("energy", (0.01, 0.1, 1))],
+)
+def test_stronger_nearer_and_heavier_are_struck_harder(step, score_of, read_smf, field, values):
+    happened = [step(i + 1, **{field: value}) for i, value in enumerate(values)]
+    hardness = [v for *_, v in read_smf(midi_bytes(score_of(happened))).onsets()]
+    assert hardness == sorted(set(hardness))
+
+
+def test_the_length_an_author_gives_is_the_notes_length(step, score_of, read_smf):
+    sound = {"voices": [{"length": 0.25}]}
+    smf = read_smf(midi_bytes(score_of([step(1)], sound=sound)))
+    ticks = [tick for tick, status, _ in smf.tracks[1] if status & 0xF0 in (0x80, 0x90)][:2]
+    assert smf.seconds(ticks[1] - ticks[0]) == Fraction(1, 4)
+
+
+def test_a_muted_event_leaves_no_trace(step, score_of, tmp_path):
+    sound = {"voices": [{"when": {"who": "b"}, "mute": True}]}
+    both = score_of([step(1, who="a"), step(2, who="b")], sound=sound)
+    report = write_midi(both, tmp_path / "both.mid")
+    assert (report.notes, report.muted) == (1, 1)
+    alone = midi_bytes(score_of([step(1, who="a")], sound=sound))
+    assert (tmp_path / "both.mid").read_bytes() == alone
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"frame": 0},
+        {"frame": 25},
+        {"strength": float("nan")},
+        {"azimuth": float("inf")},
+        {"size": 0.0},
+        {"distance": -1.0},
+    ],
+)
+def test_an_event_that_cannot_be_is_refused(step, score_of, changes):
+    with pytest.raises(ScoreError, match=r"footfall of bug\.foot_l1"):
+        midi_bytes(score_of([replace(step(), **changes)]))
+
+
+@pytest.mark.parametrize(("frames", "rate"), [(0, 24), (24, 0), (24, -24)])
+def test_a_score_without_time_is_refused(score_of, frames, rate):
+    with pytest.raises(AudioError):
+        midi_bytes(score_of(frames=frames, rate=rate))
+
+
+def test_a_gap_too_long_for_the_format_is_refused_and_the_longest_is_written(score_of, read_smf):
+    longest = (2**28 - 1) // 40
+    smf = read_smf(midi_bytes(score_of(frames=longest)))
+    assert smf.tracks[0][-1][0] == longest * 40
+    with pytest.raises(ScoreError, match="ticks without an event"):
+        midi_bytes(score_of(frames=longest + 1))
+
+
+def test_an_equal_file_is_left_alone_and_a_changed_one_is_replaced(step, score_of, tmp_path):
+    path = tmp_path / "score.mid"
+    assert write_midi(score_of([step(1)]), path).changed
+    before = path.stat()
+    assert not write_midi(score_of([step(1)]), path).changed
+    assert path.stat().st_mtime_ns == before.st_mtime_ns
+    assert path.stat().st_ino == before.st_ino
+    assert write_midi(score_of([step(2)]), path).changed
+    assert path.read_bytes() == midi_bytes(score_of([step(2)]))
+    assert [p.name for p in tmp_path.iterdir()] == ["score.mid"]
+
+
+def test_a_failure_leaves_the_earlier_file_and_nothing_beside_it(
+    step, score_of, tmp_path, monkeypatch
+):
+    path = tmp_path / "score.mid"
+    write_midi(score_of([step(1)]), path)
+    earlier = path.read_bytes()
+
+    def fail(self, target):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(midi.Path, "replace", fail)
+    with pytest.raises(SoundFileError, match="No space left"):
+        write_midi(score_of([step(2)]), path)
+    with pytest.raises(ScoreError):
+        write_midi(score_of([step(99)]), path)
+    assert path.read_bytes() == earlier
+    assert [p.name for p in tmp_path.iterdir()] == ["score.mid"]
+
+
+def test_a_folder_that_is_not_there_is_an_audio_error(score_of, tmp_path):
+    with pytest.raises(AudioError, match="nowhere"):
+        write_midi(score_of(), tmp_path / "nowhere" / "score.mid")

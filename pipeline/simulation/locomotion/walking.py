@@ -178,6 +178,8 @@ class Walkers:
     def _lift(self, step: int, leg: int, phase: float) -> None:
         """Plan the swing of a foot that lifts at `phase`; halt if it has nowhere to go."""
         herd, owner = self.herd, int(self.herd.owner[leg])
+        if self.halted[owner]:
+            return
         way = self.travelled[owner] - (self.phase[owner] - phase) * herd.stride[owner]
         place = self.footholds.next(leg, self.end[leg], float(way), phase)
         if place is None:

@@ -1,0 +1,172 @@
+"""Scenes that several tests look at, simulated once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import Array, turn
+from pipeline.simulation.take import Take
+from pipeline.spec import Scene, find_scene, load_scene, read_scene
+
+HEADER = "pronk: 1\nduration: {duration}\nseed: {seed}\nterrain: {terrain}\ncast:\n{cast}"
+
+
+def scene_of(
+    *cast: str, terrain: str = "flat", duration: float = 2, seed: int = 3, more: str = ""
+) -> Scene:
+    """Return a scene of its cast, one flow mapping each."""
+    rows = "".join(f"- {member}\n" for member in cast)
+    text = HEADER.format(duration=duration, seed=seed, terrain=terrain, cast=rows)
+    return read_scene(f"{text}{more}\n")
+
+
+@dataclass
+class Walk:
+    """A simulation with what was seen of it at every step."""
+
+    simulation: Simulation
+    swinging: list[NDArray[np.bool_]] = field(default_factory=list)
+    phases: list[Array] = field(default_factory=list)
+    lifted: list[Array] = field(default_factory=list)
+    ends: list[Array] = field(default_factory=list)
+    q: list[Array] = field(default_factory=list)
+
+    @property
+    def walkers(self) -> Walkers:
+        """Its creatures."""
+        troupe = self.simulation.troupes[0]
+        assert isinstance(troupe, Walkers)
+        return troupe
+
+    def look(self) -> None:
+        """Keep the state of this step."""
+        walkers = self.walkers
+        self.swinging.append(walkers.swinging.copy())
+        self.phases.append(walkers.phase.copy())
+        self.lifted.append(walkers.lifted.copy())
+        self.ends.append(walkers.end.copy())
+        self.q.append(walkers.limbs.q.copy())
+
+    @cached_property
+    def take(self) -> Take:
+        """What happened."""
+        return self.simulation.take()
+
+    @cached_property
+    def tips(self) -> Array:
+        """(K, L, 3) tips of the legs, by the poses of the last links alone [m]."""
+        recorder, found, first = self.simulation.recorder, [], 0
+        for figure in self.walkers.herd.figures:
+            for leg in figure.skeleton.legs:
+                node = first + leg.links[-1]
+                ends = figure.skeleton.links[leg.links[-1]].ends
+                R, p = recorder.rotations[:, node], recorder.positions[:, node]
+                found.append(p + turn(R, ends[1] - ends[0]))
+            first += len(figure.skeleton.links)
+        return np.stack(found, axis=1)
+
+    @cached_property
+    def standing(self) -> NDArray[np.bool_]:
+        """(K, L) whether a foot is down."""
+        return ~np.array(self.swinging)
+
+
+def walk_through(scene: Scene) -> Walk:
+    """Simulate `scene` and look at every step; a row stands at each."""
+    assert scene.steps == scene.samples
+    walk = Walk(Simulation(scene))
+    walk.look()
+    while not walk.simulation.finished:
+        walk.simulation.step()
+        walk.look()
+    return walk
+
+
+BEETLE = "{{figure: beetle, scale: {scale}, heading_deg: {heading}, at: {at}, walk: {walk}}}"
+
+WRITTEN = (
+    "{gait: {up: {l1: 0, l2: 0.3, l3: 0.6, r1: 0.5, r2: 0.8, r3: 0.1},"
+    " down: {l1: 0.25, l2: 0.6, l3: 0.9, r1: 0.8, r2: 0, r3: 0.4}}, cycle: 1.1, stride: 0.3}"
+)
+
+WALKS = {
+    "first steps": "",
+    "flat, quick": BEETLE.format(scale=1, heading=30, at=[0, 0], walk="{speed: 1.2, cycle: 0.6}"),
+    "hills, tripod": BEETLE.format(scale=0.5, heading=200, at=[1, 2], walk="{gait: tripod}"),
+    "hills, wave": BEETLE.format(scale=0.8, heading=-75, at=[0, 1], walk="{gait: wave}"),
+    "rough, tripod": BEETLE.format(scale=0.5, heading=0, at=[0, 0], walk="{gait: tripod}"),
+    "rough, slow wave": BEETLE.format(
+        scale=0.5, heading=200, at=[0, 0], walk="{gait: wave, speed: 0.3}"
+    ),
+    "rough, written out": BEETLE.format(scale=0.5, heading=90, at=[2, -2], walk=WRITTEN),
+    "rough, halts": BEETLE.format(
+        scale=0.5, heading=70, at=[0, 0], walk="{speed: 0.74, cycle: 0.6}"
+    ),
+}
+
+TERRAINS = {
+    "flat": "flat",
+    "hills": "{kind: hills, height: 1.4, spacing: 4}",
+    "rough": "{kind: fractal, height: 2, roughness: 0.55, size: [20, 20]}",
+}
+
+
+def scene_named(name: str) -> Scene:
+    """Return one of the scenes of `WALKS`."""
+    if name == "first steps":
+        return load_scene(find_scene("first_steps"))
+    terrain = TERRAINS[name.split(",")[0]]
+    return scene_of(WALKS[name], terrain=terrain, duration=4, seed=1)
+
+
+@pytest.fixture(name="scene_of", scope="session")
+def _scene_of() -> Callable[..., Scene]:
+    """Make scenes of their casts."""
+    return scene_of
+
+
+@pytest.fixture(name="walk_through", scope="session")
+def _walk_through() -> Callable[[Scene], Walk]:
+    """Simulate scenes and look at every step."""
+    return walk_through
+
+
+@pytest.fixture(scope="session", params=list(WALKS))
+def walk(request: pytest.FixtureRequest) -> Walk:
+    """Each of several walks in turn."""
+    return walk_through(scene_named(request.param))
+
+
+@pytest.fixture(scope="session")
+def first_steps() -> Walk:
+    """The shipped scene."""
+    return walk_through(scene_named("first steps"))
+
+
+@pytest.fixture(scope="session")
+def figure() -> Callable[..., Figure]:
+    """Build figures from flow mappings of the language."""
+
+    def build(words: str, scale: float = 1.0) -> Figure:
+        scene = read_scene(
+            f"pronk: 1\nduration: 1\nfigures: {{thing: {words}}}\ncast: [{{figure: thing}}]\n"
+        )
+        return build_figure("thing", scene.figures["thing"], scale)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def beetle() -> Figure:
+    """The shipped beetle, as it is drawn."""
+    scene = read_scene("pronk: 1\nduration: 1\ncast: [{figure: beetle}]\n")
+    return build_figure("beetle", scene.figures["beetle"], 1.0)

@@ -1,0 +1,362 @@
+"""The sound: on its sample, below the ceiling, and after its cause."""
+
+import hashlib
+import os
+import subprocess
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from audio.errors import ScoreError, SoundFileError
+from audio.grid import sample_of
+from audio.materials import FAMILIES
+from audio.modal import write_wav
+
+RATES = [10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 144, 240]
+RATES = [Fraction(r) for r in RATES] + [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
+CEILING = 10 ** (-1 / 20)
+
+
+@pytest.fixture
+def heard(tmp_path, read_wav, score_of):
+    """Give a writer and reader of scores: the samples of both sides."""
+
+    def hear(*args, **words):
+        write_wav(score_of(*args, **words), tmp_path / "heard.wav")
+        return read_wav(tmp_path / "heard.wav")
+
+    return hear
+
+
+def centroid(sound):
+    """Return the mean frequency of the power of both sides [Hz]."""
+    power = np.abs(np.fft.rfft(sound.sum(axis=1))) ** 2
+    return float((np.fft.rfftfreq(len(sound), 1 / 48_000) * power).sum() / power.sum())
+
+
+def db(level):
+    return 20 * np.log10(level)
+
+
+@pytest.mark.parametrize("rate", RATES, ids=str)
+def test_a_blow_is_heard_from_the_sample_of_its_frame_on(step, heard, rate):
+    frames = 2 * int(rate) + 3
+    for frame in (2, int(rate) + 2, frames):
+        sound = heard([step(frame)], frames, rate)
+        at = sample_of(frame, rate)
+        assert len(sound) == sample_of(frames + 1, rate)
+        assert not sound[:at].any()
+        assert np.abs(sound[at]).min() > 1e-4
+        # Within a millisecond it stands: at least a third of the whole blow's peak.
+        assert np.abs(sound[at : at + 48]).max() > np.abs(sound).max() / 3
+
+
+@pytest.mark.parametrize("material", sorted(FAMILIES))
+def test_every_material_on_every_ground_starts_at_once_and_dies_away(step, heard, material):
+    for surface in FAMILIES:
+        sound = heard([step(2, material=material, surface=surface)], 24 * 8, 24)
+        loudest = np.abs(sound).max()
+        assert not sound[:2000].any()
+        assert np.abs(sound[2000]).min() > 0.002 * loudest
+        assert not sound[-48:].any()
+        # No constant pressure: the mean is far below what is heard.
+        assert np.abs(sound.mean(axis=0)).max() < 1e-5
+
+
+def test_no_events_give_silence_of_exact_length(score_of, read_wav, tmp_path):
+    report = write_wav(score_of(frames=100, rate=Fraction(30000, 1001)), tmp_path / "a.wav")
+    sound = read_wav(tmp_path / "a.wav")
+    assert len(sound) == report.samples == 160_160
+    assert not sound.any()
+    assert (report.peak_db, report.rms_db, report.events) == (-np.inf, -np.inf, 0)
+
+
+def test_between_events_there_is_silence(step, heard):
+    sound = heard([step(1), step(49)], 72, 24)
+    assert not sound[60_000:96_000].any()
+    assert sound[96_000:].any()
+
+
+def test_a_crash_of_thousands_stays_below_the_ceiling_and_keeps_its_onset(
+    step, score_of, read_wav, tmp_path
+):
+    crash = [
+        step(3 + i % 4, who=f"brick {i}", strength=3 + i % 7, size=0.1 * (1 + i % 3), distance=1)
+        for i in range(3000)
+    ]
+    report = write_wav(score_of([step(1), *crash], 48), tmp_path / "crash.wav")
+    sound = read_wav(tmp_path / "crash.wav")
+    assert np.abs(sound).max() <= CEILING
+    assert report.limited_db > 20
+    assert np.abs(sound[4000]).min() > 1e-3
+    assert report.peak_db == pytest.approx(db(np.abs(sound).max()), abs=1e-3)
+    assert report.rms_db == pytest.approx(db(np.sqrt((sound**2).mean())), abs=0.01)
+
+
+@settings(max_examples=40, deadline=None)
+@given(data=st.data(), rate=st.sampled_from(RATES), frames=st.integers(1, 30))
+def test_any_score_gives_finite_sound_of_exact_length(
+    step, score_of, read_wav, tmp_path_factory, data, rate, frames
+):
+    happened = data.draw(
+        st.lists(
+            st.builds(
+                step,
+                st.integers(1, frames),
+                cause=st.sampled_from(["footfall", "roll", "swoosh", "boing", "squeak", "whistle"]),
+                who=st.text(max_size=4),
+                material=st.sampled_from(["", "chitin", "steel", "Käse"]),
+                surface=st.sampled_from(["", "snow", "rock"]),
+                strength=st.floats(-1e300, 1e300),
+                energy=st.floats(0, 1e300),
+                size=st.floats(1e-300, 1e300),
+                distance=st.floats(0, 1e300),
+                azimuth=st.floats(-10, 10),
+                duration=st.floats(0, 1e300),
+            ),
+            max_size=8,
+        )
+    )
+    path = tmp_path_factory.mktemp("wav") / "score.wav"
+    report = write_wav(score_of(happened, frames, rate), path)
+    sound = read_wav(path)
+    assert len(sound) == report.samples == sample_of(frames + 1, rate)
+    assert abs(len(sound) - 48_000 * frames / rate) <= Fraction(1, 2)
+    assert np.abs(sound).max() <= CEILING
+    first = min((event.frame for event in happened), default=frames + 1)
+    assert not sound[: sample_of(first, rate)].any()
+
+
+def test_the_order_of_events_does_not_matter(step, score_of, tmp_path):
+    happened = [step(1 + i % 7, part=f"foot_{i % 5}", azimuth=i / 9 - 1) for i in range(40)]
+    write_wav(score_of(happened), tmp_path / "a.wav")
+    write_wav(score_of(happened[::-1]), tmp_path / "b.wav")
+    assert (tmp_path / "a.wav").read_bytes() == (tmp_path / "b.wav").read_bytes()
+
+
+def test_an_event_sounds_the_same_whatever_else_happens(step, heard):
+    alone = heard([step(20)], 48)
+    after = heard([step(1, who="cow", material="steel", part="x"), step(20)], 48)
+    before = heard([step(1, who="cow", material="steel", part="x")], 48)
+    # Each is rounded to 24 bits by itself.
+    assert np.abs(after - before - alone).max() <= 2 / 2**23
+
+
+_PROGRAM = """
+import sys
+from fractions import Fraction
+from pathlib import Path
+from audio.midi import write_midi
+from audio.modal import write_wav
+from audio.score import Score, ScoreEvent
+from audio.words import Sound
+events = [
+    ScoreEvent(1 + i, Fraction(i, 24), cause, who, f"foot_{i % 6}", "terrain", material, "dry soil")
+    for i, (cause, who, material) in enumerate(
+        [("footfall", "bug", "chitin"), ("swoosh", "bird", ""), ("collision", "crate", "oak")] * 6
+    )
+]
+score = Score(Fraction(24), 48, tuple(events), Sound(), 7, "twice")
+write_wav(score, Path(sys.argv[1]) / "s.wav")
+write_midi(score, Path(sys.argv[1]) / "s.mid")
+"""
+
+
+def test_two_processes_write_the_same_bytes(tmp_path):
+    digests = set()
+    for run in ("1", "2"):
+        folder = tmp_path / run
+        folder.mkdir()
+        subprocess.run(
+            [sys.executable, "-c", _PROGRAM, str(folder)],
+            check=True,
+            env={**os.environ, "PYTHONHASHSEED": run, "OPENBLAS_NUM_THREADS": run},
+        )
+        whole = (folder / "s.wav").read_bytes() + (folder / "s.mid").read_bytes()
+        digests.add(hashlib.sha256(whole).hexdigest())
+    assert len(digests) == 1
+
+
+def test_the_seed_and_the_moment_vary_a_blow_but_little(step, heard):
+    def blow(frame, seed):
+        sound = heard([step(frame)], 24, seed=seed)
+        return sound[2000 * (frame - 1) :][:8000]
+
+    first, reseeded, later = blow(1, 0), blow(1, 1), blow(3, 0)
+    for other in (reseeded, later):
+        assert np.abs(first - other).max() > 0.05 * np.abs(first).max()
+        assert abs(db(np.abs(first).max() / np.abs(other).max())) < 2
+        assert 0.5 < centroid(first) / centroid(other) < 2
+
+
+def test_left_is_left_right_is_right_and_power_is_kept(step, heard):
+    def power(azimuth):
+        return (heard([step(1, azimuth=azimuth)]) ** 2).sum(axis=0)
+
+    left, ahead, right, behind = (power(a) for a in (-np.pi / 2, 0, np.pi / 2, np.pi))
+    assert left[0] > 0
+    assert left[1] == 0
+    assert right[0] == 0
+    assert ahead[0] == ahead[1]
+    for each in (ahead, right, behind, power(0.7)):
+        assert each.sum() == pytest.approx(left.sum(), rel=1e-3)
+    balance = [np.divide(*power(a)[::-1]) for a in (-1, -0.5, 0, 0.5, 1)]
+    assert balance == sorted(set(balance))
+
+
+@pytest.mark.parametrize(
+    ("field", "values"),
+    [("strength", (0.05, 0.2, 1.0)), ("distance", (24, 8, 3)), ("energy", (0.02, 0.2, 2))],
+)
+def test_stronger_nearer_and_heavier_is_louder(step, heard, field, values):
+    peaks = [np.abs(heard([step(1, **{field: value})])).max() for value in values]
+    assert peaks == sorted(set(peaks))
+
+
+def test_twice_as_far_is_six_decibels_softer(step, heard):
+    near, far = (np.abs(heard([step(1, distance=d)])).max() for d in (3, 6))
+    assert db(near / far) == pytest.approx(6.02, abs=0.01)
+
+
+def test_far_is_duller_and_small_is_brighter(step, heard):
+    def brightness(**changes):
+        return centroid(heard([step(1, surface="rock", **changes)], 48))
+
+    assert brightness(distance=200) < 0.9 * brightness(distance=4)
+    small, middle, large = (brightness(size=size) for size in (0.02, 0.1, 0.6))
+    assert small > 1.2 * middle > 1.4 * large
+
+
+@pytest.mark.parametrize(
+    ("brighter", "duller"),
+    [("rock", "dry soil"), ("sand", "snow"), ("glass", "wood"), ("gravel", "mud")],
+)
+def test_grounds_differ_in_brightness(step, heard, brighter, duller):
+    bright, dull = (
+        np.mean([centroid(heard([step(f, surface=ground)])) for f in range(1, 9)])
+        for ground in (brighter, duller)
+    )
+    assert bright > 1.25 * dull
+
+
+def test_every_pair_of_materials_has_its_own_spectrum(step, heard):
+    # Third-octave levels of falling blocks, averaged over variants.
+    edges = 100 * 2 ** (np.arange(22) / 3)
+    bands = {}
+    for name in FAMILIES:
+        power = 0
+        for frame in (1, 3, 5, 7):
+            sound = heard([step(frame, material=name, surface="concrete", size=0.1)], 96)
+            spectrum = np.abs(np.fft.rfft(sound[:, 0])) ** 2
+            power = (
+                power
+                + np.histogram(np.fft.rfftfreq(len(sound), 1 / 48_000), edges, weights=spectrum)[0]
+            )
+        bands[name] = 10 * np.log10(power / power.sum() + 1e-6)
+    names = sorted(bands)
+    distance = {
+        (a, b): np.sqrt(np.mean((bands[a] - bands[b]) ** 2))
+        for i, a in enumerate(names)
+        for b in names[i + 1 :]
+    }
+    assert min(distance.values()) > 1.0, min(distance, key=distance.get)
+
+
+def test_metal_rings_longer_than_wood_and_wood_longer_than_rubber(step, heard):
+    def ringing(material):
+        sound = heard([step(1, material=material, surface="concrete", size=0.1)], 96)
+        energy = np.cumsum((sound**2).sum(axis=1))
+        return int(np.searchsorted(energy, 0.999 * energy[-1]))
+
+    metal, wood, rubber = map(ringing, ("steel", "oak", "rubber"))
+    assert metal > 3 * wood > 3 * rubber
+
+
+def test_a_pitch_that_the_author_gives_tunes_the_ring(step, heard):
+    for pitch, hertz in ((57, 220.0), (81, 880.0)):
+        sound = heard(
+            [step(1, material="steel", surface="steel")],
+            96,
+            sound={"voices": [{"pitch": pitch}]},
+        )
+        spectrum = np.abs(np.fft.rfft(sound[:, 0]))
+        f = np.fft.rfftfreq(len(sound), 1 / 48_000)
+        near = (f > hertz / 1.3) & (f < hertz * 1.12)
+        assert f[near][spectrum[near].argmax()] == pytest.approx(hertz, rel=0.01)
+
+
+def test_a_length_that_the_author_gives_ends_the_ring(step, heard):
+    def ringing(length):
+        sound = heard(
+            [step(1, material="steel", surface="steel")],
+            24 * 8,
+            sound={"voices": [{"length": length}]},
+        )
+        return np.flatnonzero(np.abs(sound[:, 0]) > np.abs(sound).max() / 1000)[-1] / 48_000
+
+    assert 0.02 < ringing(0.1) < 0.15
+    assert 1 < ringing(3.0) < 4
+
+
+def test_mute_and_gain_are_obeyed(step, heard, score_of, tmp_path):
+    plain = np.abs(heard([step(1)])).max()
+    louder = np.abs(heard([step(1)], sound={"volume_db": -3, "voices": [{"gain_db": 9}]})).max()
+    assert db(louder / plain) == pytest.approx(6, abs=0.01)
+    report = write_wav(score_of([step(1)], sound={"voices": [{"mute": True}]}), tmp_path / "m.wav")
+    assert (report.events, report.muted, report.peak_db) == (0, 1, -np.inf)
+
+
+@pytest.mark.parametrize("cause", ["swoosh", "whistle", "squeak", "squawk", "boing", "push off"])
+def test_motions_last_as_long_as_they_do_and_begin_on_their_frame(step, heard, cause):
+    sound = heard([step(3, cause=cause, duration=0.5, strength=3.0)], 48)
+    loud = np.flatnonzero(np.abs(sound).max(axis=1) > np.abs(sound).max() / 300)
+    assert not sound[:4000].any()
+    assert sound[4000:4048].any()
+    assert 0.3 < (loud[-1] - 4000) / 48_000 <= 0.5
+    assert not sound[4000 + 24_001 :].any()
+
+
+def test_a_roll_lasts_as_long_as_it_does(step, heard):
+    sound = heard([step(3, cause="roll", duration=1.0, material="wood")], 48)
+    assert np.abs(sound[4000]).min() > 1e-6
+    middle, late = (np.sqrt((sound[a : a + 4800] ** 2).mean()) for a in (20_000, 45_000))
+    assert abs(db(middle / late)) < 3
+    assert not sound[4000 + 48_001 :].any()
+
+
+def test_a_sound_cut_by_the_end_does_not_click(step, heard):
+    sound = heard([step(23, material="steel", surface="steel")], 24)
+    body = np.abs(np.diff(sound[44_000:47_700, 0])).max()
+    assert np.abs(sound[-400:-200]).max() > 0.01 * np.abs(sound).max()
+    assert np.abs(sound[-1]).max() < 1e-6
+    assert np.abs(np.diff(sound[-240:, 0])).max() < 1.5 * body
+
+
+def test_an_equal_file_is_left_alone(step, score_of, tmp_path):
+    path = tmp_path / "score.wav"
+    assert write_wav(score_of([step(1)]), path).changed
+    before = path.stat()
+    assert not write_wav(score_of([step(1)]), path).changed
+    assert path.stat().st_mtime_ns == before.st_mtime_ns
+    assert write_wav(score_of([step(1)], seed=1), path).changed
+
+
+def test_a_failure_leaves_the_earlier_file(step, score_of, tmp_path, monkeypatch):
+    path = tmp_path / "score.wav"
+    write_wav(score_of([step(1)]), path)
+    earlier = path.read_bytes()
+
+    def fail(handle):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("audio.files.os.fsync", fail)
+    with pytest.raises(SoundFileError, match="Input/output"):
+        write_wav(score_of([step(2)]), path)
+    with pytest.raises(ScoreError, match="hours"):
+        write_wav(score_of(frames=24 * 3600 * 5), path)
+    assert path.read_bytes() == earlier
+    assert [p.name for p in tmp_path.iterdir()] == ["score.wav"]

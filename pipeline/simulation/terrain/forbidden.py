@@ -15,6 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
 
@@ -28,12 +29,25 @@ def forbidden_cells(
         unsteppable_slope: slopes at or above this angle cannot be stepped on [rad].
         foot_radius: how far downhill of them it is still forbidden [m].
     """
-    tangent, gradient = field.cell_slopes
-    steep = tangent >= math.tan(unsteppable_slope)
-    zones = steep.copy()
-    if foot_radius == 0.0 or not steep.any():
+    steep = np.linalg.norm(field.gradients, axis=-1) >= math.tan(unsteppable_slope)
+    zones: NDArray[np.bool_] = steep.any(axis=0)
+    if foot_radius == 0.0 or not zones.any():
         return zones
-    dx, dz = field.cell
+    # The two triangles of a cell may fall to different sides.
+    for gradient, source in zip(field.gradients, steep, strict=True):
+        _mark_downhill(zones, field.cell, gradient, source, foot_radius)
+    return zones
+
+
+def _mark_downhill(
+    zones: NDArray[np.bool_],
+    cell: tuple[float, float],
+    gradient: Array,
+    source: NDArray[np.bool_],
+    foot_radius: float,
+) -> None:
+    """Set `zones` within `foot_radius` downhill of where `source` is set."""
+    dx, dz = cell
     reach_x, reach_z = math.ceil(foot_radius / dx), math.ceil(foot_radius / dz)
     for j in range(-reach_z, reach_z + 1):
         for i in range(-reach_x, reach_x + 1):
@@ -44,8 +58,7 @@ def forbidden_cells(
             # Some point of that cell lies downhill of some point of this one.
             fall = -(gradient[..., 0] * i * dx + gradient[..., 1] * j * dz)
             across = np.abs(gradient[..., 0]) * dx + np.abs(gradient[..., 1]) * dz
-            _mark(zones, steep & (fall + across > 0.0), i, j)
-    return zones
+            _mark(zones, source & (fall + across > 0.0), i, j)
 
 
 def _mark(zones: NDArray[np.bool_], source: NDArray[np.bool_], i: int, j: int) -> None:

@@ -113,13 +113,11 @@ class HeightField:
         return triangles.astype(np.uint32)
 
     @cached_property
-    def cell_slopes(self) -> tuple[Array, Array]:
-        """Steepest triangle of each cell: tangent of its slope (n_z, n_x), gradient (..., 2)."""
+    def gradients(self) -> Array:
+        """(2, n_z, n_x, 2): rise along x and z of both triangles of each cell, per metre."""
         h = self.heights
         (dx, dz) = self.cell
         h00, h10, h01, h11 = h[:-1, :-1], h[:-1, 1:], h[1:, :-1], h[1:, 1:]
         first = np.stack([(h10 - h00) / dx, (h11 - h10) / dz], axis=-1)
         second = np.stack([(h11 - h01) / dx, (h01 - h00) / dz], axis=-1)
-        steep_1, steep_2 = np.linalg.norm(first, axis=-1), np.linalg.norm(second, axis=-1)
-        steeper = (steep_1 >= steep_2)[..., None]
-        return np.maximum(steep_1, steep_2), np.where(steeper, first, second)
+        return np.stack([first, second])

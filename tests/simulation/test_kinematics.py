@@ -1,0 +1,206 @@
+"""Forward and inverse kinematics against slower ways and finite differences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.inverse import solve
+from pipeline.simulation.figures.kinematics import LimbBatch, Tree
+from pipeline.simulation.figures.skeleton import BODY, Skeleton
+from pipeline.simulation.spatial import Array, rotation
+
+UNEQUAL = (
+    "{nodes: {a: [0, -1], b: [0, 1], k1: [1, -1], f1: [2, -1.2], f2: [2, 1],"
+    " k3: [-1, -1], l3: [-1.5, -1.2], f3: [-2, -1.4], k4: [-1, 1], f4: [-2, 1.1]},"
+    " chains: [[a, b], [a, k1, f1], [b, f2], [a, k3, l3, f3], [b, k4, f4]]}"
+)
+
+
+@pytest.fixture(scope="module", params=["beetle", "unequal"])
+def skeleton(
+    request: pytest.FixtureRequest, beetle: Figure, figure: Callable[..., Figure]
+) -> Skeleton:
+    return beetle.skeleton if request.param == "beetle" else figure(UNEQUAL).skeleton
+
+
+@pytest.fixture(scope="module")
+def legs(skeleton: Skeleton) -> LimbBatch:
+    return LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
+
+
+def _random(skeleton: Skeleton, n: int, seed: int = 1) -> Array:
+    share = np.random.default_rng(seed).random((n, len(skeleton.lower)))
+    return skeleton.lower + share * (skeleton.upper - skeleton.lower)
+
+
+def _of_legs(skeleton: Skeleton, legs: LimbBatch, q: Array) -> Array:
+    """Return the legs' joint values (L, n) out of the skeleton's (J,), padded."""
+    result = np.zeros_like(legs.lower)
+    for row, leg in enumerate(skeleton.legs):
+        result[row, : len(leg.joints)] = q[list(leg.joints)]
+    return result
+
+
+def _slowly(skeleton: Skeleton, q: Array, joint: int) -> tuple[Array, Array]:
+    """Return a joint's pose by walking up to the body, one rotation at a time."""
+    if joint == BODY:
+        return np.eye(3), np.zeros(3)
+    parent = int(skeleton.parents[joint])
+    R, p = _slowly(skeleton, q, parent)
+    origin = skeleton.places[parent] if parent != BODY else np.zeros(3)
+    p = p + R @ (skeleton.places[joint] - origin)
+    return R @ rotation(skeleton.axes[joint], q[joint]), p
+
+
+def test_a_tree_places_its_joints_as_recursion_does(skeleton: Skeleton) -> None:
+    tree = Tree(skeleton.parents, skeleton.axes, skeleton.places)
+    many = _random(skeleton, 5)
+    R, p = tree.joint_poses(many)
+    for row, q in enumerate(many):
+        for joint in range(len(q)):
+            R_slow, p_slow = _slowly(skeleton, q, joint)
+            assert np.allclose(R[row, joint], R_slow, atol=1e-12)
+            assert np.allclose(p[row, joint], p_slow, atol=1e-12)
+
+
+def test_at_zero_a_figure_lies_as_it_was_drawn(skeleton: Skeleton, legs: LimbBatch) -> None:
+    tree = Tree(skeleton.parents, skeleton.axes, skeleton.places)
+    R, p = tree.joint_poses(np.zeros(len(skeleton.parents)))
+    assert np.allclose(R, np.eye(3))
+    assert np.allclose(p, skeleton.places)
+    assert np.allclose(legs.pose(np.zeros_like(legs.lower)).tips, legs.tips)
+
+
+def test_limbs_and_trees_agree(skeleton: Skeleton, legs: LimbBatch) -> None:
+    tree = Tree(skeleton.parents, skeleton.axes, skeleton.places)
+    for q in _random(skeleton, 10):
+        R, p = tree.joint_poses(q)
+        pose = legs.pose(_of_legs(skeleton, legs, q))
+        for row, leg in enumerate(skeleton.legs):
+            joints = list(leg.joints)
+            assert np.allclose(pose.X_BJ[row, : len(joints), :3, :3], R[joints], atol=1e-12)
+            assert np.allclose(pose.X_BJ[row, : len(joints), :3, 3], p[joints], atol=1e-12)
+            last = joints[-1]
+            tip = p[last] + R[last] @ (leg.tip - skeleton.places[last])
+            assert np.allclose(pose.tips[row], tip, atol=1e-12)
+
+
+def test_jacobians_are_finite_differences(skeleton: Skeleton, legs: LimbBatch) -> None:
+    h = 1e-6
+    for values in _random(skeleton, 20):
+        q = _of_legs(skeleton, legs, values)
+        J = legs.pose(q).jacobian
+        for k in range(q.shape[1]):
+            step = np.zeros_like(q)
+            step[:, k] = h
+            numeric = (legs.pose(q + step).tips - legs.pose(q - step).tips) / (2 * h)
+            assert np.abs(J[..., k] - numeric).max() < 1e-6 * legs.lengths.max()
+
+
+def test_padding_moves_nothing(skeleton: Skeleton, legs: LimbBatch) -> None:
+    counts = np.array([len(leg.joints) for leg in skeleton.legs])
+    padding = np.arange(legs.lower.shape[1]) >= counts[:, None]
+    q = _of_legs(skeleton, legs, _random(skeleton, 1)[0])
+    pose = legs.pose(q)
+    assert not pose.jacobian.transpose(0, 2, 1)[padding].any()
+    assert np.allclose(legs.pose(np.where(padding, 0.7, q)).tips, pose.tips)
+
+
+def test_legs_alone_and_together_are_the_same(skeleton: Skeleton, legs: LimbBatch) -> None:
+    q = _of_legs(skeleton, legs, _random(skeleton, 1)[0])
+    for row, leg in enumerate(skeleton.legs):
+        alone = LimbBatch.of([(skeleton, leg)])
+        n = len(leg.joints)
+        assert np.allclose(alone.pose(q[row : row + 1, :n]).tips[0], legs.pose(q).tips[row])
+
+
+def test_reachable_goals_are_reached(beetle: Figure) -> None:
+    """From the preferred pose; what is left over is what a restart is for."""
+    skeleton = beetle.skeleton
+    legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
+    start = legs.pose(legs.preferred)
+    reached = []
+    for values in _random(skeleton, 300, seed=5):
+        goals = legs.pose(_of_legs(skeleton, legs, values)).tips
+        solution = solve(legs, start, goals)
+        reached.append(solution.residual <= 1e-6 * legs.lengths)
+        assert (solution.pose.q >= legs.lower).all()
+        assert (solution.pose.q <= legs.upper).all()
+        assert np.allclose(solution.residual, np.linalg.norm(goals - solution.pose.tips, axis=-1))
+    assert np.mean(reached) >= 0.95
+
+
+def test_goals_near_the_rest_are_always_reached(skeleton: Skeleton, legs: LimbBatch) -> None:
+    bent = np.array([len(leg.links) > 1 for leg in skeleton.legs])
+    start = legs.pose(legs.preferred)
+    chance = np.random.default_rng(3)
+    for _ in range(50):
+        shift = chance.normal(size=start.tips.shape)
+        shift *= (0.2 * legs.lengths / np.linalg.norm(shift, axis=-1))[:, None]
+        solution = solve(legs, start, start.tips + shift)
+        assert (solution.residual <= 1e-6 * legs.lengths)[bent].all()
+
+
+def test_a_goal_out_of_reach_is_approached(beetle: Figure) -> None:
+    skeleton = beetle.skeleton
+    legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
+    start = legs.pose(legs.preferred)
+    hips = legs.places[:, 0]
+    for factor in (1.05, 1.5, 4.0):
+        # Legs are drawn a little crooked in the plane that they do not bend in.
+        span = np.linalg.norm(legs.tips - hips, axis=-1)
+        goals = hips + factor * (legs.lengths / span)[:, None] * (legs.tips - hips)
+        solution = solve(legs, start, goals, most=200)
+        distance = np.linalg.norm(goals - hips, axis=-1)
+        assert (solution.residual >= distance - legs.lengths - 1e-9).all()
+        assert (solution.residual <= distance - span + 0.04 * legs.lengths).all()
+        assert np.isfinite(solution.pose.q).all()
+
+
+def test_what_is_left_over_moves_no_tip(legs: LimbBatch) -> None:
+    """J (I - J⁺ J) z = 0 for the undamped pseudo-inverse."""
+    J = legs.pose(legs.preferred).jacobian
+    z = np.random.default_rng(0).normal(size=legs.preferred.shape)[..., None]
+    rank = np.linalg.matrix_rank(J)
+    plus = np.linalg.pinv(J)
+    moved = J @ (z - plus @ (J @ z))
+    assert np.abs(moved[rank == 3]).max() < 1e-12
+    assert (rank == 3).any()
+
+
+def test_redundancy_goes_towards_the_preferred_values(beetle: Figure) -> None:
+    skeleton = beetle.skeleton
+    legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
+    q = np.clip(legs.preferred + 0.2, legs.lower, legs.upper)
+    pose = legs.pose(q)
+    goals, before = pose.tips.copy(), np.linalg.norm(q - legs.preferred, axis=-1)
+    aside = 0.05 * np.array([0.0, 1.0, 0.0])
+    for _ in range(40):
+        pose = solve(legs, pose, goals + aside).pose
+        pose = solve(legs, pose, goals).pose
+    assert np.abs(pose.tips - goals).max() < 1e-6
+    assert (np.linalg.norm(pose.q - legs.preferred, axis=-1) < before).all()
+
+
+def test_along_a_motion_joints_never_jump_and_knees_never_flip(beetle: Figure) -> None:
+    skeleton = beetle.skeleton
+    legs = LimbBatch.of([(skeleton, leg) for leg in skeleton.legs])
+    pose = legs.pose(legs.preferred)
+    centre = pose.tips.copy()
+    bends = np.array(
+        [[skeleton.joint_names[j].endswith("bend") for j in leg.joints] for leg in skeleton.legs]
+    )
+    previous = pose.q
+    for t in np.linspace(0, 4 * np.pi, 400):
+        way = np.array([np.sin(t), 0.4 * np.sin(2 * t + 0.3), 0.6 * np.cos(1.5 * t)])
+        ramp = min(1.0, t)
+        solution = solve(legs, pose, centre + 0.16 * ramp * legs.lengths[:, None] * way)
+        pose = solution.pose
+        assert (solution.residual <= 1e-6 * legs.lengths).all()
+        assert np.abs(pose.q - previous).max() < 0.12
+        assert (pose.q[bends] < 0.0).all()
+        previous = pose.q

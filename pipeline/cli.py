@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Never
 import typer
 
 from pipeline.errors import Problem, PronkError, SceneError
+from pipeline.production.interrupts import listen
 
 if TYPE_CHECKING:
     from pipeline.production.produce import Order
@@ -302,28 +303,37 @@ def _order(
 
 def main() -> Never:
     """Run the command line; every error is one message and an exit code."""
+    listen()
+    code = _ended()
+    if code == INTERRUPTED:
+        typer.echo("stopped; the same command goes on where it was", err=True)
+        # Libraries whose threads were at work would add tracebacks of their own.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    sys.exit(code)
+
+
+def _ended() -> str | int | None:
+    """Run the command and return the code it ends with."""
     try:
         app()
     except PronkError as error:
         _say(error)
-        sys.exit(error.exit_code)
-    except KeyboardInterrupt:
-        _interrupted()
+        return error.exit_code
     except SystemExit as end:
-        # Typer turns Ctrl-C into this code and says nothing.
-        if end.code == INTERRUPTED:
-            _interrupted()
-        sys.exit(end.code)
+        # Typer turns Ctrl-C into a code of its own and says nothing.
+        return end.code
+    except BaseException as error:
+        if not _is_interrupt(error):
+            raise
+        return INTERRUPTED
     raise AssertionError("typer ends every command by SystemExit")
 
 
-def _interrupted() -> Never:
-    typer.echo("stopped; the same command goes on where it was", err=True)
-    sys.stdout.flush()
-    sys.stderr.flush()
-    # Libraries whose threads were at work would end in tracebacks of their own; every
-    # output is whole already.
-    os._exit(INTERRUPTED)
+def _is_interrupt(error: BaseException | None) -> bool:
+    """Say whether Ctrl-C is behind an error; compiled modules wrap it in one of their own."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def _say(error: PronkError) -> None:

@@ -13,6 +13,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from pipeline.errors import FilmingError
+from pipeline.production.interrupts import held_back
 from pipeline.production.outputs import Outputs
 from pipeline.production.shooting import Shooting
 from render.errors import RenderError
@@ -51,7 +52,8 @@ def film_frames(
     with ThreadPoolExecutor(max_workers=1) as writer:
         try:
             for frame, key in keys.items():
-                picture = renderer.render(shooting.shot(frame))
+                with held_back():
+                    picture = renderer.render(shooting.shot(frame))
                 path = outputs.frame(frame, shooting.film.format)
                 waiting.append((frame, writer.submit(write_frame, path, picture, key)))
                 # At most one picture waits, so that memory stays flat.

@@ -22,6 +22,7 @@ from pipeline.errors import FilmingError, ScoringError, StoreError
 from pipeline.production.events import event_lines
 from pipeline.production.filming import due, film_frames
 from pipeline.production.frame_ranges import contiguous, described, parse_frames
+from pipeline.production.interrupts import held_back
 from pipeline.production.manifest import Manifest, packages
 from pipeline.production.outputs import PARTIAL, Outputs, opened, replace_folder
 from pipeline.production.reporting import Reporter, Stage, stage, step
@@ -212,7 +213,8 @@ def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dic
         backend = choose(order.backend)
         for line in backend.describe():
             run.reporter.note(line, detail=True)
-        renderer = Renderer(backend)
+        with held_back():
+            renderer = Renderer(backend)
         keys, missing = due(shooting, outputs, frames, renderer.key_extra)
         kept = len(frames) - len(missing)
         run.manifest.words["renderer"] = renderer.key_extra

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import FilmingError, UsageError
 from pipeline.production.filming import due, write_frame
+from pipeline.production.interrupts import held_back
 from pipeline.production.produce import Order, take_of, working
 from pipeline.production.reporting import Reporter, stage, step
 from pipeline.production.shooting import Shooting
@@ -87,10 +88,14 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
         shooting = Shooting(order.scene, take_of(run))
         files = {f: run.outputs.frame(f, shooting.film.format) for f in frames}
         with stage(reporter, "render", len(frames)) as current:
-            renderer = Renderer(choose(order.backend))
+            backend = choose(order.backend)
+            with held_back():
+                renderer = Renderer(backend)
             keys, missing = due(shooting, run.outputs, frames, renderer.key_extra)
             for i, frame in enumerate(missing, start=1):
-                write_frame(files[frame], renderer.render(shooting.shot(frame)), keys[frame])
+                with held_back():
+                    picture = renderer.render(shooting.shot(frame))
+                write_frame(files[frame], picture, keys[frame])
                 step(reporter, current, len(frames) - len(missing) + i)
             kept = len(frames) - len(missing)
             current.result = f"{len(missing)} frames" + (f", {kept} kept" if kept else "")

@@ -10,7 +10,6 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -80,8 +79,7 @@ def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], Non
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(pieces)), context, _begin_work) as pool:
         try:
-            with _interrupts_kept_from_children():
-                parts = [pool.submit(_film_piece, piece) for piece in pieces]
+            parts = [pool.submit(_film_piece, piece) for piece in pieces]
             for future in as_completed(parts):
                 part = future.result()
                 if isinstance(part, str):
@@ -98,23 +96,6 @@ def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], Non
             raise
 
 
-@contextmanager
-def _interrupts_kept_from_children() -> Iterator[None]:
-    """Leave Ctrl-C to this process: those started inside never hear it.
-
-    A terminal sends it to all, also to one that is still starting and would end in a
-    traceback.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
 # --- in a worker ------------------------------------------------------------------
 
 _equipment: tuple[Shooting, Renderer] | None = None
@@ -122,6 +103,7 @@ _equipment: tuple[Shooting, Renderer] | None = None
 
 
 def _begin_work() -> None:
+    # The parent answers Ctrl-C, and ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # What a library prints is no result of the command.
     os.dup2(2, 1)

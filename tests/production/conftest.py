@@ -1,0 +1,212 @@
+"""A tiny film that is rendered once, and ways to run the command line on copies of it."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline import cli
+from pipeline.production.produce import Order, render
+from pipeline.production.reporting import Quiet
+from pipeline.simulation.simulate import simulate
+from pipeline.simulation.take import Take
+from pipeline.spec import Scene, load_scene
+
+FRAMES = 8
+MANIFEST = "manifest.json"
+
+TINY = f"""\
+pronk: 1
+title: Tiny
+fps: 24
+frames: {FRAMES}
+seed: 3
+terrain: {{kind: flat, size: [8, 8], cells: [8, 8], material: ground}}
+cast:
+  - name: bug
+    figure: beetle
+    scale: 0.6
+    walk: {{gait: tripod, cycle: 0.3, speed: 0.6}}
+materials:
+  ground: {{preset: dry soil}}
+camera: {{follow: bug}}
+light: studio
+film: {{size: [64, 36], samples: 1, depth: 2, denoise: "off"}}
+"""
+
+ROOT = Path(cli.__file__).parents[1]
+
+State = dict[str, tuple[int, str]]
+
+
+@dataclass(frozen=True)
+class Studio:
+    """A folder with the scene tiny.yaml and an out folder.
+
+    Attributes:
+        folder: that holds both.
+    """
+
+    folder: Path
+
+    @property
+    def scene(self) -> Path:
+        """The scene."""
+        return self.folder / "tiny.yaml"
+
+    @property
+    def made(self) -> Path:
+        """The folder of its outputs."""
+        return self.folder / "out" / "tiny"
+
+    def frame(self, number: int) -> Path:
+        """Return the file of a frame."""
+        return self.made / "frames" / f"{number:04d}.png"
+
+    def load(self, *sets: str) -> Scene:
+        """Return the scene with changed words."""
+        return load_scene(self.scene, sets)
+
+    def order(self, *sets: str, **more: Any) -> Order:
+        """Return what the command line asks of production."""
+        return Order(self.load(*sets), "tiny", self.folder / "out", **more)
+
+    def render(self, *sets: str, **more: Any) -> None:
+        """Make the film."""
+        render(self.order(*sets, **more), Quiet())
+
+    def state(self) -> State:
+        """Return time stamp and digest of every file in the output."""
+        return {
+            str(path.relative_to(self.made)): (
+                path.stat().st_mtime_ns,
+                hashlib.blake2b(path.read_bytes()).hexdigest(),
+            )
+            for path in sorted(self.made.rglob("*"))
+            if path.is_file()
+        }
+
+    def contents(self) -> dict[str, str]:
+        """Return the digest of every file but the manifest, whose seconds never repeat."""
+        return {name: digest for name, (_, digest) in self.state().items() if name != MANIFEST}
+
+    def changes(self, before: State) -> set[str]:
+        """Return what came, went or was written since `before`, the take's files as one."""
+        after = self.state()
+        names = {n for n in before.keys() | after.keys() if before.get(n) != after.get(n)}
+        return {"take.zarr" if name.startswith("take.zarr/") else name for name in names}
+
+    def copied(self, place: Path) -> Studio:
+        """Copy it all to `place`."""
+        shutil.copytree(self.folder, place)
+        return Studio(place)
+
+
+@pytest.fixture(scope="session")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Studio:
+    """Return a finished tiny film, which nobody may change."""
+    studio = Studio(tmp_path_factory.mktemp("film"))
+    studio.scene.write_text(TINY, encoding="utf-8")
+    studio.render()
+    return studio
+
+
+@pytest.fixture
+def studio(film: Studio, tmp_path: Path) -> Studio:
+    """Return a copy of the finished film, time stamps and all."""
+    return film.copied(tmp_path / "studio")
+
+
+@pytest.fixture(scope="session")
+def take(film: Studio) -> Take:
+    return simulate(film.load())
+
+
+@pytest.fixture(scope="session")
+def hills() -> tuple[Scene, Take]:
+    """Return a scene on steep hills, and its take."""
+    scene = load_scene(
+        ROOT / "scenes" / "first_steps.yaml",
+        ["frames=60", "terrain.cells=[96,96]", "terrain.size=[16,16]"],
+    )
+    return scene, simulate(scene)
+
+
+@pytest.fixture
+def pronk(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> Callable[..., tuple[int, str, str]]:
+    """Return a function that runs a command in this process: exit code, output, errors."""
+
+    def run(*words: str | Path, cwd: Path | None = None) -> tuple[int, str, str]:
+        capfd.readouterr()
+        monkeypatch.setattr(sys, "argv", ["pronk", *map(str, words)])
+        monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+        # The test runner listens to Ctrl-C itself.
+        monkeypatch.setattr(cli, "listen", lambda: None)
+        if cwd is not None:
+            monkeypatch.chdir(cwd)
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        said = capfd.readouterr()
+        code = end.value.code
+        return (code if isinstance(code, int) else 0 if code is None else 1), said.out, said.err
+
+    return run
+
+
+class Running:
+    """A command in a process of its own, which Ctrl-C and kill can be tried on."""
+
+    def __init__(self, words: tuple[str | Path, ...], cwd: Path) -> None:
+        paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", "from pipeline.cli import main; main()", *map(str, words)],
+            cwd=cwd,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            # A group of its own, as a terminal gives it: Ctrl-C reaches the workers too.
+            start_new_session=True,
+        )
+
+    def interrupt(self) -> None:
+        """Press Ctrl-C."""
+        os.killpg(self.process.pid, signal.SIGINT)
+
+    def kill(self) -> None:
+        """Kill this process alone, as the system does when memory is short."""
+        self.process.kill()
+
+    def end(self) -> tuple[int, str, str]:
+        """Wait for the end; return exit code, output and errors."""
+        out, err = self.process.communicate()
+        return self.process.returncode, out, err
+
+
+@pytest.fixture
+def start() -> Iterator[Callable[..., Running]]:
+    """Return a function that starts a command; whatever still runs is killed at the end."""
+    running: list[Running] = []
+
+    def begin(*words: str | Path, cwd: Path) -> Running:
+        running.append(Running(words, cwd))
+        return running[-1]
+
+    yield begin
+    for one in running:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(one.process.pid, signal.SIGKILL)
+        one.end()

@@ -1,0 +1,225 @@
+"""Stopped at any moment, a run can go on, and what comes of it is the same film."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import random
+import shutil
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from pipeline.production.outputs import Outputs, opened
+
+if TYPE_CHECKING:
+    from tests.production.conftest import Running, Studio
+
+Start = Callable[..., "Running"]
+
+
+def _whole(studio: Studio, film: Studio) -> None:
+    """Check that a film is there, byte for byte, and nothing else."""
+    assert studio.contents() == film.contents()
+
+
+def _fresh(film: Studio, place: Path) -> Studio:
+    studio = film.copied(place)
+    shutil.rmtree(studio.made)
+    return studio
+
+
+def _watched(studio: Studio, wanted: Callable[[], bool], running: Running) -> None:
+    """Wait until something is there, or the run is at its end."""
+    while running.process.poll() is None and not wanted():
+        time.sleep(0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_interrupted_run_says_so_and_goes_on(
+    film: Studio, tmp_path: Path, start: Start, jobs: int
+) -> None:
+    studio = _fresh(film, tmp_path / "studio")
+    running = start("render", "tiny", "--jobs", str(jobs), cwd=studio.folder)
+    _watched(studio, studio.frame(2).exists, running)
+    running.interrupt()
+    code, out, err = running.end()
+    assert (code, out) == (130, "")
+    assert "Traceback" not in err
+    assert err.rstrip().endswith("stopped; the same command goes on where it was")
+    assert not (studio.made / "tiny.mp4").exists()
+    assert start("render", "tiny", "--jobs", str(jobs), cwd=studio.folder).end()[0] == 0
+    _whole(studio, film)
+
+
+@pytest.mark.slow
+def test_interrupted_at_any_moment_there_is_no_traceback(
+    film: Studio, tmp_path: Path, start: Start
+) -> None:
+    studio = _fresh(film, tmp_path / "studio")
+    for delay in (0.4, 0.8, 1.2, 1.6, 2.0, 2.6, 3.2):
+        running = start("render", "tiny", "--jobs", "2", cwd=studio.folder)
+        time.sleep(delay)
+        running.interrupt()
+        code, _, err = running.end()
+        assert "Traceback" not in err, delay
+        assert code in (0, 130), delay
+
+
+def _killed_often(
+    film: Studio, place: Path, start: Start, times: int, jobs: int, seed: int
+) -> None:
+    """Kill runs at random moments spread over the length of a run, then let one finish."""
+    studio = _fresh(film, place)
+    began = time.monotonic()
+    words = ("render", "tiny", "--jobs", str(jobs))
+    assert start(*words, cwd=studio.folder).end()[0] == 0
+    length = time.monotonic() - began
+    _whole(studio, film)
+    shutil.rmtree(studio.made)
+    delays = random.Random(seed)
+    killed = 0
+    for i in range(times):
+        running = start(*words, cwd=studio.folder)
+        time.sleep(length * (i + delays.random()) / times)
+        killed += running.process.poll() is None
+        running.kill()
+        running.end()
+        if i % 3 == 2:
+            # Else the later moments would find nothing left to do.
+            shutil.rmtree(studio.made / "frames")
+            (studio.made / "tiny.mp4").unlink(missing_ok=True)
+    assert killed >= times // 2
+    code, _, err = start(*words, cwd=studio.folder).end()
+    assert (code, "Traceback" in err) == (0, False)
+    _whole(studio, film)
+
+
+@pytest.mark.slow
+def test_killed_thrice_the_film_is_the_same(film: Studio, tmp_path: Path, start: Start) -> None:
+    _killed_often(film, tmp_path / "studio", start, 3, 1, seed=1)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("jobs", "seed"), [(1, 2), (2, 3)])
+def test_killed_ten_times_the_film_is_the_same(
+    film: Studio, tmp_path: Path, start: Start, jobs: int, seed: int
+) -> None:
+    _killed_often(film, tmp_path / "studio", start, 10, jobs, seed)
+
+
+@pytest.mark.slow
+def test_workers_end_with_a_run_that_is_killed(film: Studio, tmp_path: Path, start: Start) -> None:
+    studio = _fresh(film, tmp_path / "studio")
+    sets = ("--set", "frames=200", "--jobs", "2")
+    running = start("render", "tiny", *sets, cwd=studio.folder)
+    _watched(studio, studio.frame(1).exists, running)
+    running.kill()
+    seen = len(list((studio.made / "frames").iterdir()))
+    # The pipes close when the last process that holds them has ended.
+    running.end()
+    # Each of the two may have been about to rename one and to write another.
+    assert len(list((studio.made / "frames").iterdir())) <= seen + 4
+    assert seen < 100
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_ends_the_run(film: Studio, tmp_path: Path, start: Start) -> None:
+    studio = _fresh(film, tmp_path / "studio")
+    running = start("render", "tiny", "--set", "frames=200", "--jobs", "2", cwd=studio.folder)
+    _watched(studio, studio.frame(1).exists, running)
+    children = Path(f"/proc/{running.process.pid}/task/{running.process.pid}/children")
+    for child in children.read_text().split():
+        command = Path(f"/proc/{child}/cmdline").read_bytes()
+        if b"spawn_main" in command:
+            os.kill(int(child), signal.SIGKILL)
+            break
+    code, out, err = running.end()
+    assert (code, out) == (4, "")
+    assert err.splitlines()[-1] == (
+        "error: a process that rendered has died; if memory was short, try fewer --jobs"
+    )
+    assert "Traceback" not in err
+
+
+LEFT = [
+    "frames/.0003.4711.png",
+    ".tiny.4711.mp4",
+    ".tiny_1-3.4711.mp4",
+    ".tiny.mid.x4k2_9ab",
+    ".tiny.wav.x4k2_9ab",
+    ".events.jsonl.x4k2_9ab",
+    ".manifest.json.x4k2_9ab",
+    ".take.zarr.partial/zarr.json",
+    ".take.zarr.old.partial/positions/zarr.json",
+]
+
+
+def test_what_a_killed_run_left_is_cleared_away(studio: Studio, film: Studio) -> None:
+    for name in LEFT:
+        (studio.made / name).parent.mkdir(parents=True, exist_ok=True)
+        (studio.made / name).write_bytes(b"torn")
+    studio.render()
+    _whole(studio, film)
+
+
+@pytest.mark.parametrize("name", ["l", "lock", "take", "x" * 80])
+def test_clearing_leaves_what_is_not_ours(tmp_path: Path, name: str) -> None:
+    outputs = Outputs(tmp_path / name, name)
+    kept = [".lock", ".git", ".notes.txt", "take.txt", f"{name}.mid", "frames/0001.png"]
+    outputs.frames.mkdir(parents=True)
+    for each in kept:
+        (outputs.folder / each).write_bytes(b"mine")
+    with opened(outputs):
+        pass
+    assert [(outputs.folder / each).read_bytes() for each in kept] == [b"mine"] * len(kept)
+
+
+@pytest.fixture
+def occupied(studio: Studio) -> Iterator[Studio]:
+    """Keep the folder of the outputs as a run at work does."""
+    with (studio.made / ".lock").open("a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield studio
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("render",), ("simulate",), ("midi",), ("frame", "2"), ("sheet",)],
+    ids=lambda words: words[0],
+)
+def test_a_second_run_in_the_same_folder_is_refused(
+    occupied: Studio, pronk: Callable[..., tuple[int, str, str]], words: tuple[str, ...]
+) -> None:
+    before = occupied.state()
+    command, *more = words
+    code, out, err = pronk(command, "tiny", *more, "--set", "seed=9", cwd=occupied.folder)
+    assert (code, out) == (4, "")
+    assert err.splitlines() == ["error: out/tiny: another run is at work here; wait for its end"]
+    assert occupied.changes(before) == set()
+
+
+@pytest.mark.slow
+def test_of_two_runs_at_once_one_makes_the_film(film: Studio, tmp_path: Path, start: Start) -> None:
+    studio = _fresh(film, tmp_path / "studio")
+    both = [start("render", "tiny", cwd=studio.folder) for _ in range(2)]
+    ends = [running.end() for running in both]
+    assert sorted(code for code, _, _ in ends) == [0, 4]
+    refused = next(err for code, _, err in ends if code == 4)
+    assert refused.splitlines() == [
+        "error: out/tiny: another run is at work here; wait for its end"
+    ]
+    _whole(studio, film)
+
+
+@pytest.mark.slow
+def test_two_processes_render_the_same_bytes_as_one(studio: Studio, film: Studio) -> None:
+    shutil.rmtree(studio.made / "frames")
+    (studio.made / "tiny.mp4").unlink()
+    studio.render(jobs=2)
+    _whole(studio, film)

@@ -20,6 +20,9 @@ Signal = NDArray[np.float64]
 _HIGHEST = 18_000.0
 # Samples that one complex power steps over: long steps and short ones then cost the same.
 _BLOCK = 256
+# Multiplications below which BLAS keeps to one thread. Products are cut to this size: threads that
+# wait for one another cost more than they bring, and bits must not hang on how many there are.
+_SMALL = 2**17
 # -60 dB, as an exponent.
 _SILENT = float(np.log(1000.0))
 
@@ -106,13 +109,15 @@ def ring(bank: Bank, samples: int) -> Signal:
     exponent = (-bank.decay + 2j * np.pi * bank.frequency) / SAMPLE_RATE
     rotor = 1j * np.exp(1j * np.angle(1 - np.exp(exponent)))
     rotor = np.where(rotor.real < 0, -rotor, rotor)
-    blocks = -(-samples // _BLOCK)
+    rows = max(_SMALL // (2 * exponent.size * _BLOCK), 1)
+    blocks = -(-samples // (_BLOCK * rows)) * rows
     # e^{x n} = e^{x B q} e^{x r}: a product of two small tables instead of M × N exponentials.
     coarse = np.exp(np.outer(np.arange(blocks) * _BLOCK, exponent)) * (bank.amplitude * rotor)
     fine = np.exp(np.outer(exponent, np.arange(_BLOCK)))
     left = np.concatenate((coarse.real, -coarse.imag), axis=1)
     right = np.concatenate((fine.real, fine.imag), axis=0)
-    whole: Signal = (left @ right).reshape(-1)[:samples]
+    stacked = left.reshape(-1, rows, left.shape[1])
+    whole: Signal = np.matmul(stacked, right).reshape(-1)[:samples]
     return whole
 
 

@@ -18,7 +18,8 @@ from audio.voices import Note
 # Each kind of blow exists in this many variants, so that no two steps in a row are alike
 # and yet a thousand steps cost sixteen syntheses.
 _VARIANTS = 16
-# Attenuation in air [dB per m and Hz²]; 0.16 dB/m at 10 kHz. Source: ISO 9613-1 at 20 °C, 50 %.
+# Attenuation in air [dB per m and Hz²], a square law through 0.16 dB/m at 10 kHz.
+# Source: ISO 9613-1:1993, at 20 °C and 50 % humidity.
 _AIR = 1.6e-9
 _LONGEST = 6.0
 _FADE = int(0.005 * SAMPLE_RATE)

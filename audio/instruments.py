@@ -1,6 +1,6 @@
 """The melodic instruments of General MIDI by name.
 
-Source: General MIDI 1, MIDI Manufacturers Association 1991, table 1.
+Source: MMA General MIDI 1991, table 1.
 """
 
 from __future__ import annotations

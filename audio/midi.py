@@ -32,7 +32,7 @@ _SMPTE_CODES = {
 # Directions are told apart in steps of 16 of 127: finer ones would need more channels.
 _PAN_STEP = 16
 # The peak that full velocity stands for [dBFS]; a synthesiser's loudness follows
-# 40 log10(velocity / 127). Source: General MIDI 2, DLS velocity curve.
+# 40 log10(velocity / 127). Source: MMA DLS 1999.
 _FULL_VELOCITY_DB = -4.0
 _TAIL_SECONDS = 0.4
 

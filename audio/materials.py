@@ -1,7 +1,7 @@
 """Families of materials that sound alike, found by the words in a material's name.
 
 The numbers are chosen by ear and by measurement of the result. Internal friction follows
-Source: van den Doel and Pai 1998, section 4 (a material is heard by tan φ, d = π f tan φ).
+Source: van den Doel and Pai 1998 (a material is heard by tan φ, d = π f tan φ).
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from audio.names import folded
 
-# Frequency ratios of modes. Source: Fletcher and Rossing 1998, ch. 2, 3 and 21.
+# Frequency ratios of modes. Bar, membrane and bell follow Source: Fletcher and Rossing 1998; plate
+# and shell are chosen by ear, denser and without harmony.
 BAR = (1.0, 2.756, 5.404, 8.933, 13.34, 18.64)
 PLATE = (1.0, 1.73, 2.33, 2.91, 4.10, 4.61, 5.99, 7.42, 8.90, 10.4)
 BELL = (0.5, 1.0, 1.2, 1.5, 2.0, 2.5, 2.67, 3.0, 4.0, 5.33, 6.67, 8.0)

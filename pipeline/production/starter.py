@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 from pipeline.errors import StoreError, UsageError
@@ -11,11 +12,11 @@ TEXT = """\
 # (write that file with: pronk schema > scene.schema.json; editors then complete every word)
 #
 # {title}: a scene for pronk. Lengths are metres, times seconds.
-#   pronk check {name}.yaml                          is it right?
-#   pronk render {name}.yaml --preset draft          a quick film, in out/{name}/
-#   pronk render {name}.yaml --set fps=30            any word can be changed from outside
+#   pronk check {file}                          is it right?
+#   pronk render {file} --preset draft          a quick film, in out/{name}/
+#   pronk render {file} --set fps=30            any word can be changed from outside
 pronk: 1                       # version of the language
-title: {title}
+title: "{title}"
 fps: 24                        # or 25, 30, 60, "30000/1001"
 duration: 4                    # or frames: 96
 seed: 1                        # another number, another ground
@@ -44,6 +45,10 @@ film: {{preset: preview}}        # draft, preview, final
 """
 
 
+NEVER = '/\\:*?"<>|{}#'
+"""Signs that no scene's name has: somewhere they mean something to a system or to YAML."""
+
+
 def write_starter(name: str, folder: Path) -> Path:
     """Write a starter scene called `name` into `folder`.
 
@@ -55,12 +60,14 @@ def write_starter(name: str, folder: Path) -> Path:
         StoreError: if it cannot be written.
     """
     stem = name.removesuffix(".yaml")
-    if not stem or stem.startswith(".") or any(c in stem for c in '/\\\\:*?"<>|{}#'):
+    odd = not stem.isprintable() or set(stem) & set(NEVER)
+    if odd or stem != stem.strip() or not stem or stem.startswith(("-", ".")):
         raise UsageError(f"'{name}' is no name for a scene; letters, digits, - and _ are")
     path = folder / f"{stem}.yaml"
     try:
         with path.open("x", encoding="utf-8") as file:
-            file.write(TEXT.format(name=stem, title=stem.replace("_", " ").capitalize()))
+            title = stem.replace("_", " ").capitalize()
+            file.write(TEXT.format(name=stem, file=shlex.quote(path.name), title=title))
     except FileExistsError:
         raise UsageError(f"{path.name}: is there already; choose another name") from None
     except OSError as error:

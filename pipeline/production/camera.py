@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,7 +68,9 @@ def camera_poses(take: Take, cuts: Sequence[Camera], aspect: float) -> tuple[Cam
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     ground = _ground(take)
-    starts = [min(1 + math.ceil(cut.start * float(header.rate)), header.frames) for cut in cuts]
+    # A time is the decimal number that was written, which lies on a frame or does not.
+    starts = [1 + math.ceil(Fraction(repr(cut.start)) * header.rate) for cut in cuts]
+    starts = [min(start, header.frames + 1) for start in starts]
     ends = [*starts[1:], header.frames + 1]
     poses: list[CameraPose] = []
     for cut, first, end in zip(cuts, starts, ends, strict=True):

@@ -15,9 +15,8 @@ from pipeline.errors import Problem, PronkError, SceneError
 from pipeline.production.interrupts import listen
 
 if TYPE_CHECKING:
-    from pipeline.production.produce import Order
+    from pipeline.production.order import Order
     from pipeline.production.reporting import Reporter
-    from pipeline.spec import Scene
 
 INTERRUPTED = 130
 
@@ -127,13 +126,16 @@ def render(
     What is there and still right is kept; a run that was stopped goes on where it was.
     """
     from pipeline.production import produce
+    from pipeline.production.order import refuse_clashes
 
     reporter = _flags(json_lines, quiet, verbose)
-    loaded = [(name, _loaded(name, sets, preset)) for name in scenes]
-    for name, scene in loaded:
-        order = _order(name, scene, out, backend, frames=frames, jobs=jobs, sound=not no_sound)
-        outputs = produce.render(order, reporter)
-        reporter.note(f"{outputs.folder}")
+    orders = [
+        _order(name, sets, out, preset, backend, frames=frames, jobs=jobs, sound=not no_sound)
+        for name in scenes
+    ]
+    refuse_clashes(orders)
+    for order in orders:
+        reporter.result(f"{produce.render(order, reporter).folder}")
 
 
 @app.command()
@@ -146,13 +148,14 @@ def check(
 ) -> None:
     """Say whether scenes are right; every mistake at once, with its line."""
     from pipeline.production.checking import check_scene
+    from pipeline.spec import find_scene, load_scene
 
     reporter = _flags(json_lines, quiet, verbose)
     problems: list[Problem] = []
     for name in scenes:
         try:
-            scene = _loaded(name, sets)
-            reporter.note(f"{name}: {check_scene(scene)}")
+            scene = load_scene(find_scene(name), sets or [])
+            reporter.result(f"{name}: {check_scene(scene)}")
         except SceneError as error:
             problems.extend(error.problems)
     if problems:
@@ -186,8 +189,8 @@ def simulate(
     from pipeline.production import produce
 
     reporter = _flags(json_lines, quiet, verbose)
-    outputs, take = produce.simulate_only(_order(scene, _loaded(scene, sets), out), reporter)
-    reporter.note(f"{outputs.take}: digest {take.digest}")
+    outputs, take = produce.simulate_only(_order(scene, sets, out), reporter)
+    reporter.result(f"{outputs.take}: digest {take.digest}")
 
 
 @app.command()
@@ -203,8 +206,8 @@ def midi(
     from pipeline.production import produce
 
     reporter = _flags(json_lines, quiet, verbose)
-    outputs = produce.score_only(_order(scene, _loaded(scene, sets), out), reporter)
-    reporter.note(f"{outputs.midi}")
+    outputs = produce.score_only(_order(scene, sets, out), reporter)
+    reporter.result(f"{outputs.midi}")
 
 
 @app.command()
@@ -223,8 +226,8 @@ def frame(
     from pipeline.production.stills import still
 
     reporter = _flags(json_lines, quiet, verbose)
-    order = _order(scene, _loaded(scene, sets, preset), out, backend)
-    reporter.note(f"{still(order, number, reporter)}")
+    order = _order(scene, sets, out, preset, backend)
+    reporter.result(f"{still(order, number, reporter)}")
 
 
 @app.command()
@@ -244,8 +247,8 @@ def sheet(
     from pipeline.production.stills import sheet as contact_sheet
 
     reporter = _flags(json_lines, quiet, verbose)
-    order = _order(scene, _loaded(scene, sets, preset), out, backend)
-    reporter.note(f"{contact_sheet(order, count, columns, reporter)}")
+    order = _order(scene, sets, out, preset, backend)
+    reporter.result(f"{contact_sheet(order, count, columns, reporter)}")
 
 
 @app.command()
@@ -253,10 +256,12 @@ def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")],
 ) -> None:
     """Write a commented starter scene, NAME.yaml, into this folder."""
+    import shlex
+
     from pipeline.production.starter import write_starter
 
     path = write_starter(name, Path())
-    typer.echo(f"{path}: written; try: pronk render {path} --preset draft")
+    typer.echo(f"{path}: written; try: pronk render {shlex.quote(str(path))} --preset draft")
 
 
 @app.command()
@@ -286,19 +291,20 @@ def _flags(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:
     return FLAGS.reporter()
 
 
-def _loaded(name: str, sets: list[str] | None, preset: Preset | None = None) -> Scene:
+def _order(
+    name: str,
+    sets: list[str] | None,
+    out: Path,
+    preset: Preset | None = None,
+    backend: BackendName = BackendName.auto,
+    **more: Any,
+) -> Order:
+    from pipeline.production.order import Order
     from pipeline.spec import find_scene, load_scene
 
+    file = find_scene(name)
     changes = [*([f"film.preset={preset.value}"] if preset else []), *(sets or [])]
-    return load_scene(find_scene(name), changes)
-
-
-def _order(
-    name: str, scene: Scene, out: Path, backend: BackendName = BackendName.auto, **more: Any
-) -> Order:
-    from pipeline.production.produce import Order
-
-    return Order(scene, Path(name).stem, out, backend=backend.value, **more)
+    return Order(load_scene(file, changes), file.stem, out, backend=backend.value, **more)
 
 
 def main() -> Never:

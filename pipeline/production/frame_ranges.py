@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
+
 from fileseq import FrameSet
 from fileseq.exceptions import FileSeqException
 
 from pipeline.errors import UsageError
+
+LONGEST = 80
+"""Of what stands in a file's name; systems allow no more than 255 bytes in all."""
 
 ALLOWED = "a frame, a range, every n-th of a range, separated by commas, such as 1-48,60-90x5"
 
@@ -23,20 +28,27 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
     if text is None:
         return tuple(range(1, last + 1))
     try:
-        frames = sorted({int(frame) for frame in FrameSet(text)})
+        named = FrameSet(text)
     except (FileSeqException, ValueError):
-        raise UsageError(f"--frames {text}: cannot be read; what works is {ALLOWED}") from None
-    if not frames:
-        raise UsageError(f"--frames: names no frame; what works is {ALLOWED}")
+        raise UsageError(f"--frames '{text}': cannot be read; what works is {ALLOWED}") from None
+    if not named:
+        raise UsageError(f"--frames '{text}': names no frame; what works is {ALLOWED}")
+    if any(frame != int(frame) for frame in named):
+        raise UsageError(f"--frames '{text}': frames are whole; what works is {ALLOWED}")
+    frames = sorted({int(frame) for frame in named})
     outside = [frame for frame in frames if not 1 <= frame <= last]
     if outside:
-        raise UsageError(f"--frames {text}: the scene has frames 1-{last}, no {outside[0]}")
+        raise UsageError(f"--frames '{text}': the scene has frames 1-{last}, no {outside[0]}")
     return tuple(frames)
 
 
 def described(frames: tuple[int, ...]) -> str:
     """Return the shortest notation for ascending `frames`, fit for a file's name."""
-    return str(FrameSet(frames)).replace(",", "_")
+    text = str(FrameSet(frames)).replace(",", "_")
+    if len(text) <= LONGEST:
+        return text
+    digest = hashlib.blake2b(text.encode(), digest_size=6).hexdigest()
+    return f"{frames[0]}-{frames[-1]}_{digest}"
 
 
 def contiguous(frames: tuple[int, ...]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -24,6 +25,7 @@ from pipeline.production.filming import due, film_frames
 from pipeline.production.frame_ranges import contiguous, described, parse_frames
 from pipeline.production.interrupts import held_back
 from pipeline.production.manifest import Manifest, packages
+from pipeline.production.order import Order
 from pipeline.production.outputs import PARTIAL, Outputs, opened, replace_folder
 from pipeline.production.reporting import Reporter, Stage, stage, step
 from pipeline.production.scoring import score_of
@@ -33,34 +35,11 @@ from pipeline.simulation.simulate import simulate, versions
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
 from pipeline.spec import Scene, simulation_key
-from render.backend import Choice, choose
+from render.backend import choose
 from render.errors import RenderError
 from render.film import film_key, write_film
 from render.pictures import read_png
 from render.renderer import Renderer, Split
-
-
-@dataclass(frozen=True, slots=True)
-class Order:
-    """What is asked of a run.
-
-    Attributes:
-        scene: what to make.
-        name: of the scene; its folder and files are called so.
-        out: folder that holds the scenes' folders.
-        frames: ranges such as "1-48,60-90x5"; None for all.
-        jobs: processes that render at once.
-        sound: whether the film has sound, and MIDI and WAV are written.
-        backend: which variant of Mitsuba.
-    """
-
-    scene: Scene
-    name: str
-    out: Path
-    frames: str | None = None
-    jobs: int = 1
-    sound: bool = True
-    backend: Choice = "auto"
 
 
 @dataclass(slots=True)
@@ -161,8 +140,8 @@ def take_of(run: Production) -> Take:
         new = place.with_name(f".{place.name}{PARTIAL}")
         write_take(take, new)
         replace_folder(new, place)
-        faster = scene.n_frames / float(scene.rate) / max(run.seconds["simulate"], 1e-3)
-        current.result = f"{scene.n_frames} frames, {faster:.0f} times faster than they play"
+        plays = scene.n_frames / float(scene.rate)
+        current.result = f"{scene.n_frames} frames, which play for {plays:.1f} s"
     for note in take.notes:
         run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
     return take
@@ -196,8 +175,10 @@ def _write_score(run: Production, take: Take, shooting: Shooting) -> Score:
         wav = write_wav(score, run.outputs.wav)
         if changed or midi.changed or wav.changed:
             run.timed("score", began)
-        heard = f"{len(score.events)} events, peak {wav.peak_db:.1f} dB"
-        current.result = heard + (f", {late} after the last frame" if late else "")
+        loud = f"peak {wav.peak_db:.1f} dB" if wav.peak_db > -math.inf else "silent"
+        current.result = f"{len(score.events)} events, {loud}" + (
+            f", {late} after the last frame" if late else ""
+        )
     run.manifest.words["events"] = {"written": len(score.events), "after_the_last_frame": late}
     return score
 

@@ -1,8 +1,8 @@
 """Reporting: what a run says while it works, to a terminal, a log or a machine.
 
 Work is told in stages. A stage has a name and a number of things to do; its end says
-how long it took and what came of it. All of it goes to standard error, so that what
-a command prints as its result can be piped.
+how long it took and what came of it. All of it goes to standard error, and the result
+of the command, such as the file it made, to standard output, so that it can be piped.
 """
 
 from __future__ import annotations
@@ -74,6 +74,9 @@ class Reporter(Protocol):
     def note(self, text: str, detail: bool = False) -> None:
         """Say something by the way; details only where they were asked for."""
 
+    def result(self, text: str) -> None:
+        """Say what the command was called for, such as the file that it made."""
+
 
 @contextmanager
 def stage(reporter: Reporter, name: str, total: int) -> Iterator[Stage]:
@@ -108,6 +111,9 @@ class Quiet:
     def note(self, text: str, detail: bool = False) -> None:
         """Say nothing."""
 
+    def result(self, text: str) -> None:
+        """Say nothing."""
+
 
 class Plain:
     """Lines of text, for logs."""
@@ -139,6 +145,11 @@ class Plain:
         """Write a line."""
         if self._verbose or not detail:
             self._say(text)
+
+    def result(self, text: str) -> None:
+        """Write a line to standard output."""
+        sys.stdout.write(f"{text}\n")
+        sys.stdout.flush()
 
     def _say(self, text: str) -> None:
         print(text, file=self._stream, flush=True)
@@ -223,6 +234,10 @@ class Machine:
     def note(self, text: str, detail: bool = False) -> None:
         """Write a `note` object."""
         self.say({"event": "note", "text": text, "detail": detail})
+
+    def result(self, text: str) -> None:
+        """Write a `result` object."""
+        self.say({"event": "result", "text": text})
 
     def say(self, words: dict[str, object]) -> None:
         """Write one object."""

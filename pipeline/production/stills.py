@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from pipeline.errors import FilmingError, UsageError
 from pipeline.production.filming import due, write_frame
 from pipeline.production.interrupts import held_back
-from pipeline.production.produce import Order, take_of, working
+from pipeline.production.order import Order
+from pipeline.production.produce import take_of, working
 from pipeline.production.reporting import Reporter, stage, step
 from pipeline.production.shooting import Shooting
 from render.backend import choose

@@ -17,7 +17,8 @@ from typing import Any
 import pytest
 
 from pipeline import cli
-from pipeline.production.produce import Order, render
+from pipeline.production.order import Order
+from pipeline.production.produce import render
 from pipeline.production.reporting import Quiet
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take

@@ -32,7 +32,7 @@ NEAR = 1e-2
 """Once a tip is this near its goal, as a part of the limb's length, the redundancy is
 left alone after the first iteration: what it stirs up would have to be settled again."""
 
-TOLERANCE = 1e-7
+TOLERANCE = 1e-6
 """Accepted distance of tip from goal, as a part of the limb's length."""
 
 
@@ -68,7 +68,7 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> So
     enough = TOLERANCE * batch.lengths
     longest = batch.lengths * SEGMENT
     iteration = 0
-    while iteration < most and (distance > enough).any():
+    while iteration < most and (far := distance > enough).any():
         iteration += 1
         part = np.minimum(1.0, longest / np.maximum(distance, 1e-300))
         gain = np.where((iteration == 1) | (distance > NEAR * batch.lengths), ALPHA, 0.0)
@@ -77,6 +77,8 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> So
         # A segment after which the tip is further away was too long: take it back and
         # shorten it. One that went well may be longer next time (Sims 1987, figure 6.3).
         good = distance_then < distance + enough
+        # A limb that has arrived stays as it is: what it does must not depend on others.
+        good &= far
         longest = np.where(good, np.minimum(longest * 2.0, batch.lengths), longest * 0.25)
         pose = candidate.where(good, pose)
         error = goals - pose.tips
@@ -99,8 +101,8 @@ def _iterate(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array) -> Array:
         return wanted
     free = ~held
     moved = np.where(held, bounded - q, 0.0)
-    rest = dx - (jacobian @ moved[..., None])[..., 0]
-    again = _pseudo_inverse_step(batch, jacobian * free[:, None], rest, z * free)
+    rest = dx - _times(jacobian, moved)
+    again = _pseudo_inverse_step(batch, jacobian * free[..., None], rest, z * free)
     return np.clip(q + np.where(held, moved, again), batch.lower, batch.upper)
 
 
@@ -112,11 +114,20 @@ def _pseudo_inverse_step(batch: LimbBatch, jacobian: Array, dx: Array, z: Array)
     Source: Sims 1987, eq. B.4 and B.7, with z = preferred - q (B.2 has the sign the
     other way round); damping after Wampler 1986.
     """
-    transposed = jacobian.transpose(0, 2, 1)
+    square = np.sum(jacobian[..., None] * jacobian[..., None, :], axis=1)
     damping = (DAMPING * batch.lengths[:, None, None]) ** 2 * ONE
-    rest = dx[..., None] - jacobian @ z[..., None]
-    y = np.linalg.solve(jacobian @ transposed + damping, rest)
-    result: Array = z + (transposed @ y)[..., 0]
+    rest = dx - _times(jacobian, z)
+    y = np.linalg.solve(square + damping, rest[..., None])[..., 0]
+    result: Array = z + (jacobian @ y[..., None])[..., 0]
+    return result
+
+
+def _times(jacobian: Array, q: Array) -> Array:
+    """Return J q (L, 3) for Jᵀ (L, n, 3) and q (L, n).
+
+    Summed joint after joint, as a BLAS would not: padding then leaves the last bit alone.
+    """
+    result: Array = np.sum(jacobian * q[..., None], axis=1)
     return result
 
 

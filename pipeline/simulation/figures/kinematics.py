@@ -22,25 +22,39 @@ ONE = np.eye(3)
 
 
 @dataclass(frozen=True, eq=False)
-class Turns:
-    """Rotations about constant axes, prepared so that a value costs two sines.
+class Hinges:
+    """Joints with constant axes and offsets, prepared so that a value costs two sines.
 
-    R = 1 + sin θ K + (1 - cos θ) K², K being the cross-product matrix of the axis.
-    It stands for the stored Q of Sims 1987, A.3.
+    The frame of a joint in its parent's is a translation by its offset, then a rotation
+    R = 1 + sin θ K + (1 - cos θ) K², K being the cross-product matrix of the axis: linear
+    in sin θ and cos θ. It stands for the stored Q of Sims 1987, A.3.
+
+    Attributes:
+        axes: (..., n, 3) unit axes in the creation frame; zero for joints that do not turn.
+        offsets: (..., n, 3) from the joint before [m].
     """
 
     axes: Array
+    offsets: Array
 
     @cached_property
-    def _k(self) -> tuple[Array, Array]:
+    def _terms(self) -> tuple[Array, Array, Array]:
+        """Constant term, and those of sine and cosine, (..., n, 4, 4) each."""
+        constant, sine, cosine = np.zeros((3, *self.axes.shape[:-1], 4, 4))
         K = cross_matrix(self.axes)
-        return K, K @ K
+        constant[..., :3, :3] = ONE + K @ K
+        constant[..., :3, 3] = self.offsets
+        constant[..., 3, 3] = 1.0
+        sine[..., :3, :3] = K
+        cosine[..., :3, :3] = -K @ K
+        return constant, sine, cosine
 
     def __call__(self, values: Array) -> Array:
-        """Return the rotations (..., n, 3, 3) for joint values (..., n) [rad]."""
-        k, kk = self._k
-        s, c = np.sin(values)[..., None, None], np.cos(values)[..., None, None]
-        result: Array = ONE + s * k + (1.0 - c) * kk
+        """Return the frames (..., n, 4, 4) in those before, for joint values (..., n) [rad]."""
+        constant, sine, cosine = self._terms
+        result: Array = np.sin(values)[..., None, None] * sine
+        result += np.cos(values)[..., None, None] * cosine
+        result += constant
         return result
 
 
@@ -59,44 +73,30 @@ class Tree:
     places: Array
 
     @cached_property
-    def turns(self) -> Turns:
-        """The joints' rotations."""
-        return Turns(self.axes)
+    def hinges(self) -> Hinges:
+        """The joints, each in the frame of its parent."""
+        origins = np.where((self.parents == BODY)[:, None], 0.0, self.places[self.parents])
+        return Hinges(self.axes, self.places - origins)
 
     @cached_property
-    def levels(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Array]]:
-        """Joints by distance from the body: their numbers, parents, and offsets (n, 3)."""
-        parents, places = self.parents, self.places
-        depth = np.zeros(len(parents), dtype=np.int64)
-        for j, parent in enumerate(parents):
+    def levels(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Joints that hang on joints, by distance from the body: their numbers and parents."""
+        depth = np.zeros(len(self.parents), dtype=np.int64)
+        for j, parent in enumerate(self.parents):
             depth[j] = 0 if parent == BODY else depth[parent] + 1
-        found = []
-        for level in range(int(depth.max(initial=-1)) + 1):
-            here = np.flatnonzero(depth == level)
-            above = parents[here]
-            origin = np.where((above == BODY)[:, None], 0.0, places[above])
-            found.append((here, above, places[here] - origin))
-        return found
+        numbers = [np.flatnonzero(depth == d) for d in range(1, int(depth.max(initial=0)) + 1)]
+        return [(here, self.parents[here]) for here in numbers]
 
-    def joint_poses(self, q: Array) -> tuple[Array, Array]:
-        """Return the poses of all joint frames relative to the body.
+    def pose(self, q: Array) -> Array:
+        """Return the frames X_BJ (..., J, 4, 4) of all joints relative to the body.
 
         Args:
             q: (..., J) joint values [rad].
-
-        Returns:
-            R_BJ (..., J, 3, 3) and p_BJ (..., J, 3) [m].
         """
-        R = self.turns(q)
-        p = np.empty((*q.shape, 3))
-        for level, (here, above, offset) in enumerate(self.levels):
-            if level == 0:
-                p[..., here, :] = offset
-                continue
-            R_above = R[..., above, :, :]
-            p[..., here, :] = p[..., above, :] + turn(R_above, offset)
-            R[..., here, :, :] = R_above @ R[..., here, :, :]
-        return R, p
+        X = self.hinges(q)
+        for here, above in self.levels:
+            X[..., here, :, :] = X[..., above, :, :] @ X[..., here, :, :]
+        return X
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class LimbPose:
         q: (L, n) joint values [rad].
         X_BJ: (L, n, 4, 4) frames of the joints relative to the body.
         tips: (L, 3) p_BF [m].
-        jacobian: (L, 3, n), how the tips move with the joints [m/rad].
+        jacobian: (L, n, 3) Jᵀ, how the tips move with each joint [m/rad].
     """
 
     q: Array
@@ -141,6 +141,7 @@ class LimbBatch:
         tips: (L, 3) in the creation frame [m].
         lower, upper, preferred: (L, n) [rad].
         lengths: (L,) of the stretched limbs [m].
+        is_joint: (L, n) false for padding.
     """
 
     places: Array
@@ -150,6 +151,7 @@ class LimbBatch:
     upper: Array
     preferred: Array
     lengths: Array
+    is_joint: NDArray[np.bool_]
 
     @staticmethod
     def of(limbs: list[tuple[Skeleton, Limb]]) -> LimbBatch:
@@ -176,20 +178,15 @@ class LimbBatch:
             upper=rows(taken("upper"), zero),
             preferred=rows(taken("preferred"), zero),
             lengths=np.array([limb.length for _, limb in limbs]),
+            is_joint=np.array([np.arange(n) < len(limb.joints) for _, limb in limbs]).reshape(
+                -1, n
+            ),
         )
 
     @cached_property
-    def turns(self) -> Turns:
-        """The joints' rotations."""
-        return Turns(self.axes)
-
-    @cached_property
-    def _offsets(self) -> Array:
-        """(L, n + 1, 3) from each joint to the next, and from the last to the tip [m]."""
-        points = np.concatenate(
-            [np.zeros_like(self.places[:, :1]), self.places, self.tips[:, None]], axis=1
-        )
-        return np.diff(points, axis=1)
+    def _hinges(self) -> Hinges:
+        origins = np.concatenate([np.zeros_like(self.places[:, :1]), self.places[:, :-1]], axis=1)
+        return Hinges(self.axes, self.places - origins)
 
     def pose(self, q: Array) -> LimbPose:
         """Return frames, tips and Jacobians at joint values `q` (L, n) [rad].
@@ -199,16 +196,11 @@ class LimbBatch:
 
         Source: Sims 1987, 5.4, eq. 5.2.
         """
-        X = np.zeros((*q.shape, 4, 4))
-        X[..., :3, :3] = self.turns(q)
-        X[..., :3, 3] = self._offsets[:, :-1]
-        X[..., 3, 3] = 1.0
+        X = self._hinges(q)
         for j in range(1, q.shape[1]):
-            np.matmul(X[:, j - 1], X[:, j], out=X[:, j])
+            X[:, j] = X[:, j - 1] @ X[:, j]
         R, places = X[..., :3, :3], X[..., :3, 3]
         # An axis is not moved by its own turn, so the frame after it will do.
-        axes = (R @ self.axes[..., None])[..., 0]
-        p = places[:, -1] + (R[:, -1] @ self._offsets[:, -1, :, None])[..., 0]
-        arm = p[:, None] - places
-        columns = cross(axes, arm).transpose(0, 2, 1)
-        return LimbPose(q, X, p, columns)
+        axes = turn(R, self.axes)
+        tips = places[:, -1] + turn(R[:, -1], self.tips - self.places[:, -1])
+        return LimbPose(q, X, tips, cross(axes, tips[:, None] - places))

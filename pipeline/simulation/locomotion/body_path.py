@@ -45,14 +45,21 @@ class BodyPath:
         self.R_heading = heading(herd.headings)
 
     @cached_property
-    def _samples(self) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Places under a body (C, 63, 2) relative to it, weights (63,), middle (63,)."""
+    def _samples(self) -> tuple[Array, Array, NDArray[np.int64]]:
+        """Places under a body (C, 63, 2), weights (63,), and which of them are in the middle."""
         u, v = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 7))
         unit = np.stack([u.ravel(), v.ravel()], axis=-1)
         weights = np.exp(-1.2 * (unit**2).sum(axis=-1))
         offsets = unit * self.herd.footprint[:, None]
-        middle = np.abs(unit[:, 1]) < 0.4
+        middle = np.flatnonzero(np.abs(unit[:, 1]) < 0.4)
         return offsets, weights / weights.sum(), middle
+
+    @cached_property
+    def _spread(self) -> Array:
+        """(C, 2) weighted mean square of the places along and across [m²]."""
+        offsets, weights, _ = self._samples
+        result: Array = (weights[:, None] * offsets**2).sum(axis=1)
+        return result
 
     def pose(
         self, creature: NDArray[np.int64], travelled: Array, phase: Array
@@ -102,11 +109,12 @@ class BodyPath:
         x = xz[:, 0, None] + own[..., 0] * c - own[..., 1] * s
         z = xz[:, 1, None] + own[..., 0] * s + own[..., 1] * c
         h = self.ground.height(x, z)
-        height = h @ weights
-        slope = ((h * weights)[:, None] @ own)[:, 0] / (weights @ own**2)
+        # Sums by rows, not by a BLAS, whose last bit depends on how many rows there are.
+        height = (h * weights).sum(axis=-1)
+        slope = ((h * weights)[..., None] * own).sum(axis=1) / self._spread[creature]
         tilted = slope * [PITCH_FOLLOWS, ROLL_FOLLOWS]
-        plane = height[:, None] + (own @ tilted[..., None])[..., 0]
-        rise = (h - plane)[:, middle]
+        plane = height[:, None] + (own * tilted[:, None]).sum(axis=-1)
+        rise = np.take(h - plane, middle, axis=1)
         highest = rise.max(axis=-1, keepdims=True)
         blunt = BLUNT * self.herd.body_height[creature, None]
         # A maximum without corners, by log-mean-exp.

@@ -30,6 +30,9 @@ CLEARANCE = 1.25
 EASY = 0.85
 """A stride that nobody asked for, as a part of the longest that the legs can do."""
 
+WALKS_AT, STANDS_AT = 0.94, 0.99
+"""Greatest body height that is chosen by itself, as a part of the tallest possible."""
+
 GRAVITY = 9.81
 
 
@@ -169,7 +172,7 @@ class Spread:
         """Return the greatest body height from which all feet reach level ground [m]."""
         across = np.abs(self.feet[:, 2] - self.hips[:, 2])
         room = (REACH * self.lengths) ** 2 - across**2
-        return math.sqrt(float(room.min().clip(0.0)))
+        return float((np.sqrt(np.maximum(room, 0.0)) - self.hips[:, 1]).min())
 
     def longest_stride(self, gait: Gait, height: float) -> float:
         """Return the longest cycle over level ground that the legs can do from `height` [m]."""
@@ -193,6 +196,8 @@ def _pace(number: int, member: Member, figure: Figure, legs: Spread) -> Pace:
     leg = float(legs.lengths.mean())
     gait = _gait(number, member, words, figure)
     height = max(-float(legs.feet[:, 1].mean()), CLEARANCE * figure.belly)
+    # Straight legs have no room for a stride: who walks stands a little lower.
+    height = min(height, (WALKS_AT if member.walk else STANDS_AT) * legs.tallest())
     height = height if words.body_height is None else words.body_height
     if height >= legs.tallest():
         message = f"the legs do not reach the ground from {height:g}; "

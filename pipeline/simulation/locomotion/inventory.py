@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.flesh import flesh
 from pipeline.simulation.figures.kinematics import LimbPose
 from pipeline.simulation.figures.skeleton import BODY, volume
@@ -20,97 +21,80 @@ from pipeline.simulation.troupe import Inventory
 DENSITY = 1000.0
 """Of flesh [kg/m³]."""
 
-BODY_NODE, LEG_NODE, IDLE_NODE = 0, 1, 2
-
 
 @dataclass(frozen=True, eq=False)
 class NodeTable:
     """For each node of the herd, creature by creature and link by link: what moves it.
 
     Attributes:
-        owner: (J,) creature.
         names: of the nodes.
-        source: (J,) body, a leg's joint or an idle joint.
-        leg, column: (J,) which leg, and which of its joints.
-        idle: (J,) which idle joint.
+        owner: (J,) creature.
+        frame: (J,) which of `frames` is its own.
         rest: (J, 3) place in the creation frame [m].
         parent: (J,) node it hangs on, -1 for bodies.
-        foot_materials: (L,) own material of the last link of each leg, may be empty.
-        leg_channels: (L, n) joints of legs that are not padding.
     """
 
-    owner: NDArray[np.int64]
     names: tuple[str, ...]
-    source: NDArray[np.int64]
-    leg: NDArray[np.int64]
-    column: NDArray[np.int64]
-    idle: NDArray[np.int64]
+    owner: NDArray[np.int64]
+    frame: NDArray[np.int64]
     rest: Array
     parent: NDArray[np.int64]
-    foot_materials: list[str]
-    leg_channels: NDArray[np.bool_]
 
     @staticmethod
     def of(herd: Herd, idlers: Idlers) -> NodeTable:
         """Number the nodes of a herd."""
-        idle_of = {
-            (int(c), int(j)): i
-            for i, (c, j) in enumerate(zip(idlers.owner, idlers.number, strict=True))
-        }
-        rows: list[tuple[int, str, int, int, int, int, Array, int]] = []
-        first_leg, columns, materials = 0, [], []
+        frame_of = _frame_numbers(herd, idlers)
+        names, owner, frame = list[str](), list[int](), list[int]()
+        rest, parent = list[Array](), list[int]()
         for c, figure in enumerate(herd.figures):
-            skeleton, base = figure.skeleton, len(rows)
-            leg_of = {
-                j: (first_leg + i, k)
-                for i, limb in enumerate(skeleton.legs)
-                for k, j in enumerate(limb.joints)
-            }
-            node_of_joint = {BODY: base}
-            for i, link in enumerate(skeleton.links):
-                j = link.joint
-                node_of_joint[j] = base + i
-                leg, column = leg_of.get(j, (0, 0))
-                source = BODY_NODE if j == BODY else LEG_NODE if j in leg_of else IDLE_NODE
-                rest = np.zeros(3) if j == BODY else link.ends[0]
-                parent = -1
-                if j != BODY:
-                    # Joints of one ball move no link of their own: go up to one that does.
-                    above = int(skeleton.parents[j])
-                    while above not in node_of_joint:
-                        above = int(skeleton.parents[above])
-                    parent = node_of_joint[above]
-                idle = idle_of.get((c, j), 0)
-                name = f"{herd.names[c]}.{link.name}"
-                rows.append((c, name, source, leg, column, idle, rest, parent))
-            for limb in skeleton.legs:
-                columns.append(len(limb.joints))
-                materials.append(skeleton.links[limb.links[-1]].material)
-            first_leg += len(skeleton.legs)
-        width = herd.legs.places.shape[1] if columns else 0
-        owners, names, sources, leg_, column_, idle_, rest_, parent_ = zip(*rows, strict=True)
+            first = len(names)
+            for link, above in zip(figure.skeleton.links, _links_above(figure), strict=True):
+                names.append(f"{herd.names[c]}.{link.name}")
+                owner.append(c)
+                frame.append(frame_of[c, link.joint])
+                rest.append(np.zeros(3) if link.joint == BODY else link.ends[0])
+                parent.append(-1 if above is None else first + above)
         return NodeTable(
-            np.array(owners),
-            tuple(names),
-            np.array(sources),
-            np.array(leg_),
-            np.array(column_),
-            np.array(idle_),
-            np.array(rest_),
-            np.array(parent_),
-            materials,
-            np.arange(width) < np.array(columns, dtype=np.int64)[:, None],
+            tuple(names), np.array(owner), np.array(frame), np.array(rest), np.array(parent)
         )
 
-    def poses(self, limbs: LimbPose, R_idle: Array, p_idle: Array) -> tuple[Array, Array]:
-        """Return R_BN (J, 3, 3) and p_BN (J, 3) of all nodes relative to their bodies."""
-        R = np.tile(np.eye(3), (len(self.owner), 1, 1))
-        p = np.zeros((len(self.owner), 3))
-        legs, idle = self.source == LEG_NODE, self.source == IDLE_NODE
-        X = limbs.X_BJ[self.leg[legs], self.column[legs]]
-        R[legs], p[legs] = X[:, :3, :3], X[:, :3, 3]
-        R[idle], p[idle] = R_idle[self.idle[idle]], p_idle[self.idle[idle]]
-        return R, p
+    def poses(self, limbs: LimbPose, X_idle: Array) -> Array:
+        """Return X_BN (J, 4, 4), the poses of all nodes relative to their bodies."""
+        return frames(limbs, X_idle)[self.frame]
+
+
+def frames(limbs: LimbPose, X_idle: Array) -> Array:
+    """Return the frames (n, 4, 4) of the body, of all joints of legs, and of all others."""
+    return np.concatenate([np.eye(4)[None], limbs.X_BJ.reshape(-1, 4, 4), X_idle])
+
+
+def _frame_numbers(herd: Herd, idlers: Idlers) -> dict[tuple[int, int], int]:
+    """Return creature and joint -> number in `frames`; see there."""
+    numbers = {(c, BODY): 0 for c in range(len(herd.names))}
+    width, leg = herd.legs.is_joint.shape[1], 0
+    for c, figure in enumerate(herd.figures):
+        for limb in figure.skeleton.legs:
+            for column, joint in enumerate(limb.joints):
+                numbers[c, joint] = 1 + leg * width + column
+            leg += 1
+    first = 1 + leg * width
+    for i, (c, joint) in enumerate(zip(idlers.owner, idlers.number, strict=True)):
+        numbers[int(c), int(joint)] = first + i
+    return numbers
+
+
+def _links_above(figure: Figure) -> list[int | None]:
+    """Return for each link the one that it hangs on, None for the body."""
+    skeleton = figure.skeleton
+    link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
+    above = list[int | None]()
+    for link in skeleton.links:
+        joint = link.joint
+        # Joints of one ball move no link of their own: go up to one that does.
+        while joint != BODY and (joint == link.joint or joint not in link_of):
+            joint = int(skeleton.parents[joint])
+        above.append(None if link.joint == BODY else link_of[joint])
+    return above
 
 
 def describe(
@@ -132,8 +116,10 @@ def describe(
         )
     )
     leg_joints = [
-        f"{herd.names[herd.owner[leg]]}.{_joint_name(herd, int(leg), int(k))}"
-        for leg, k in np.argwhere(table.leg_channels)
+        f"{name}.{figure.skeleton.joint_names[joint]}"
+        for name, figure in zip(herd.names, herd.figures, strict=True)
+        for limb in figure.skeleton.legs
+        for joint in limb.joints
     ]
     channels = (
         *(Channel(f"{name}.gait_phase", "1") for name in herd.names),
@@ -158,16 +144,21 @@ def describe(
             parts.append(
                 Part(name, herd.names[c], len(meshes) - 1, material, piece.size, (0, rows))
             )
-    for leg, c in enumerate(herd.owner):
-        table.foot_materials[leg] = table.foot_materials[leg] or materials[c]
     return Inventory(nodes, channels, tuple(meshes), tuple(parts))
 
 
-def _joint_name(herd: Herd, leg: int, column: int) -> str:
-    c = int(herd.owner[leg])
-    skeleton = herd.figures[c].skeleton
-    limb = skeleton.legs[leg - int(np.argmax(herd.owner == c))]
-    return skeleton.joint_names[limb.joints[column]]
+def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:
+    """Return the material of the last link of each leg.
+
+    Args:
+        herd: the creatures.
+        materials: of each creature, for links that name none.
+    """
+    return [
+        figure.skeleton.links[limb.links[-1]].material or material
+        for figure, material in zip(herd.figures, materials, strict=True)
+        for limb in figure.skeleton.legs
+    ]
 
 
 def leg_mass(herd: Herd) -> Array:

@@ -22,7 +22,12 @@ from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.footholds import Foothold, Footholds
 from pipeline.simulation.locomotion.herd import REACH, gather
 from pipeline.simulation.locomotion.idle import gather_idlers
-from pipeline.simulation.locomotion.inventory import NodeTable, describe, leg_mass
+from pipeline.simulation.locomotion.inventory import (
+    NodeTable,
+    describe,
+    foot_materials,
+    leg_mass,
+)
 from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear, swing
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.take import Contact, Note
@@ -61,10 +66,10 @@ class Walkers:
         self.path = BodyPath(herd, world.ground)
         self.footholds = Footholds(herd, world.ground, self.path)
         self.idlers = gather_idlers(herd.names, herd.figures, world.seed)
-        self.materials = tuple(materials)
         self.table = NodeTable.of(herd, self.idlers)
-        self.inventory = describe(herd, self.idlers, self.table, self.materials, world.clock.rows)
+        self.inventory = describe(herd, self.idlers, self.table, materials, world.clock.rows)
         self._mass = leg_mass(herd)
+        self._foot_materials = foot_materials(herd, materials)
         creatures, legs = len(herd.names), len(herd.owner)
         self.phase = np.zeros(creatures)
         self.travelled = np.zeros(creatures)
@@ -99,13 +104,13 @@ class Walkers:
         time = self.travel_time
         pitch = np.arcsin(np.clip(self.R_WB[:, 1, 0], -1.0, 1.0))
         q_idle = self.idlers.values(self.phase, pitch, time)
-        R_BN, p_BN = self.table.poses(self.limbs, *self.idlers.tree.joint_poses(q_idle))
-        owner = self.table.owner
-        rows.positions[:] = self.p_WB[owner] + turn(self.R_WB[owner], p_BN)
-        rows.rotations[:] = self.R_WB[owner] @ R_BN
+        X_BN = self.table.poses(self.limbs, self.idlers.tree.pose(q_idle))
+        R_WB = self.R_WB[self.table.owner]
+        rows.positions[:] = self.p_WB[self.table.owner] + turn(R_WB, X_BN[:, :3, 3])
+        rows.rotations[:] = R_WB @ X_BN[:, :3, :3]
         rows.alive[:] = True
         speed = self.herd.stride / self.herd.cycle * self.drive
-        legs = self.limbs.q[self.table.leg_channels]
+        legs = self.limbs.q[self.herd.legs.is_joint]
         rows.values[:] = np.concatenate([np.mod(self.phase, 1.0), speed, legs, q_idle])
 
     def facts(self) -> Facts:
@@ -213,7 +218,7 @@ class Walkers:
                 normal=_plain(hold.normal),
                 speed=speed,
                 energy=0.5 * float(self._mass[leg]) * speed * speed,
-                material=self.table.foot_materials[leg],
+                material=self._foot_materials[leg],
                 surface=self.world.ground.material,
                 size=float(herd.legs.lengths[leg]),
             )

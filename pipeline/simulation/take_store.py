@@ -98,7 +98,8 @@ def read_take(path: Path) -> Take:
         group = zarr.open_group(path, mode="r")
         plain: dict[str, Any] = group.attrs.asdict()
         take = _assemble(group, plain)
-    except (OSError, KeyError, TypeError, ValueError) as error:
+    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
+        # A RuntimeError is how the decoder of chunks says that one is cut short.
         raise StoreError(f"{path}: is no take that can be read ({error})") from error
     if take.digest != plain["digest"]:
         raise StoreError(f"{path}: the take is damaged: its digest does not fit")

@@ -110,7 +110,7 @@ def test_contacts_keep_the_phases_of_the_gait(walk: Walk) -> None:
 
 def test_every_footfall_is_heard_once(walk: Walk) -> None:
     """The poses alone say when a foot came to rest."""
-    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1) > 1e-7
+    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1) > 5e-6
     stopped = (moved[:-1] & ~moved[1:]).sum()
     # Feet that come down within the last step have no row in which they rest.
     late = sum(c.step >= len(walk.tips) - 2 for c in walk.take.contacts)

@@ -1,0 +1,156 @@
+"""Takes on disk: what was written is read again, what is damaged is refused."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+import zarr
+
+from pipeline.errors import StoreError
+from pipeline.simulation.simulate import simulate
+from pipeline.simulation.take import Header, Take
+from pipeline.simulation.take_store import read_key, read_take, write_take
+
+if TYPE_CHECKING:
+    from pipeline.spec import Scene
+
+
+@pytest.fixture(scope="module")
+def take(scene_of: Callable[..., Scene]) -> Take:
+    member = "{figure: beetle, scale: 0.5, walk: {gait: tripod}}"
+    scene = scene_of(member, terrain="{kind: hills, cells: [40, 40]}", more="fps: '30000/1001'")
+    return simulate(scene, key="a key")
+
+
+@pytest.fixture
+def stored(take: Take, tmp_path: Path) -> Path:
+    write_take(take, tmp_path / "take")
+    return tmp_path / "take"
+
+
+def test_what_was_written_is_read_again(take: Take, stored: Path) -> None:
+    read = read_take(stored)
+    assert read.digest == take.digest
+    assert read.header == take.header
+    assert read.header.rate == take.header.rate
+    for name in ("nodes", "channels", "parts", "contacts", "events", "notes"):
+        assert getattr(read, name) == getattr(take, name)
+    for (name, one), (other_name, two) in zip(take.arrays(), read.arrays(), strict=True):
+        assert name == other_name
+        assert one.dtype == two.dtype
+        assert one.tobytes() == two.tobytes()
+    assert read_key(stored) == "a key"
+
+
+def test_a_digest_sees_every_part(take: Take) -> None:
+    positions = take.positions.copy()
+    positions[3, 2, 1] = np.nextafter(positions[3, 2, 1], 9.0)
+    others = [
+        replace(take, positions=positions),
+        replace(take, events=take.events[:-1]),
+        replace(take, header=replace(take.header, seed=99)),
+        replace(take, terrain=replace(take.terrain, material="grass")),
+        replace(take, alive=~take.alive),
+    ]
+    digests = {take.digest, *(other.digest for other in others)}
+    assert len(digests) == 1 + len(others)
+
+
+def test_headers_survive_json(take: Take) -> None:
+    assert Header.from_dict(json.loads(json.dumps(take.header.as_dict()))) == take.header
+
+
+def test_a_new_take_replaces_an_old_one(take: Take, stored: Path) -> None:
+    other = replace(take, header=replace(take.header, key="another"))
+    write_take(other, stored)
+    assert read_key(stored) == "another"
+    assert read_take(stored).digest == other.digest
+
+
+def _chunks(stored: Path, array: str) -> list[Path]:
+    return sorted(p for p in (stored / array / "c").rglob("*") if p.is_file())
+
+
+@pytest.mark.parametrize("array", ["positions", "rotations", "terrain/vertices", "meshes/0/faces"])
+def test_a_lost_chunk_is_noticed(stored: Path, array: str) -> None:
+    _chunks(stored, array)[-1].unlink()
+    with pytest.raises(StoreError, match="take"):
+        read_take(stored)
+
+
+@pytest.mark.parametrize("keep", [0, 0.5])
+def test_a_chunk_cut_short_is_noticed(stored: Path, keep: float) -> None:
+    chunk = _chunks(stored, "positions")[0]
+    content = chunk.read_bytes()
+    chunk.write_bytes(content[: int(len(content) * keep)])
+    with pytest.raises(StoreError, match=str(stored)):
+        read_take(stored)
+
+
+def test_a_changed_byte_is_noticed(stored: Path) -> None:
+    chunk = _chunks(stored, "positions")[0]
+    content = bytearray(chunk.read_bytes())
+    content[len(content) // 2] ^= 0x10
+    chunk.write_bytes(bytes(content))
+    with pytest.raises(StoreError):
+        read_take(stored)
+
+
+def test_a_lost_array_is_noticed(stored: Path) -> None:
+    shutil.rmtree(stored / "values")
+    with pytest.raises(StoreError):
+        read_take(stored)
+
+
+def test_a_writer_killed_half_way_left_no_take(
+    take: Take, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every array is there and the attributes are not yet."""
+
+    class Killed(BaseException):
+        pass
+
+    def kill(self: object, words: object) -> None:
+        raise Killed
+
+    monkeypatch.setattr(type(zarr.open_group(tmp_path / "x").attrs), "update", kill)
+    with pytest.raises(Killed):
+        write_take(take, tmp_path / "take")
+    assert read_key(tmp_path / "take") is None
+    with pytest.raises(StoreError):
+        read_take(tmp_path / "take")
+
+
+def test_a_take_of_another_format_is_none(take: Take, stored: Path) -> None:
+    attributes = zarr.open_group(stored).attrs
+    attributes["header"] = {**take.header.as_dict(), "format": 999}
+    assert read_key(stored) is None
+
+
+@pytest.mark.parametrize("kind", ["nothing", "empty", "file", "garbage", "list"])
+def test_what_is_no_take_has_no_key(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "take"
+    if kind in ("empty", "garbage", "list"):
+        path.mkdir()
+    if kind == "file":
+        path.write_text("no take")
+    if kind == "garbage":
+        (path / "zarr.json").write_text("{ no json")
+    if kind == "list":
+        (path / "zarr.json").write_text("[]")
+    assert read_key(path) is None
+    with pytest.raises(StoreError):
+        read_take(path)
+
+
+def test_a_place_that_cannot_be_written_is_an_error(take: Take, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(StoreError):
+        write_take(take, tmp_path / "file" / "take")

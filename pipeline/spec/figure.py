@@ -6,7 +6,7 @@ x points right and y towards the tail, so that the head has negative y [m].
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.annotated_handlers import GetJsonSchemaHandler
@@ -14,9 +14,10 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from pipeline.spec.faults import Fault, refuse
+from pipeline.spec.joints import JointWords
 from pipeline.spec.mirror import Mirror, faults_of_mirror, mirrored
 from pipeline.spec.nearest import hint
-from pipeline.spec.values import Length, Name, Point, Words
+from pipeline.spec.values import Length, Name, Number, Point, Words
 
 PartKind = Literal["leg", "head", "tail", "feeler"]
 Operation = Mirror
@@ -49,8 +50,14 @@ class Node(Words):
 class Figure(Words):
     """A drawing: nodes, the chains that connect them, and operations on both."""
 
-    style: Literal["insect"] = Field(
-        "insect", description="Default joint axes; insect: perpendicular to the links."
+    style: Literal["insect", "mammal"] = Field(
+        "insect",
+        description="Default joint axes; insect: legs spread, knees up; mammal: legs folded down.",
+    )
+    pitch_deg: Annotated[Number, Field(ge=-90, le=90)] = Field(
+        0.0,
+        description="How far a mammal's body is raised at its front: 0 as a horse's, 90 as a "
+        "person's [degrees].",
     )
     nodes: dict[Name, Node] = Field(
         min_length=1,
@@ -66,6 +73,11 @@ class Figure(Words):
     )
     radius: Length | None = Field(
         None, description="Radius of links whose nodes give none [m]; chosen if left out."
+    )
+    joints: dict[Name, dict[Name, JointWords]] = Field(
+        {},
+        description="Joints that are not as their style makes them: by limb, such as l1 or head, "
+        "and by joint, such as base_pitch or joint1_bend.",
     )
     material: Name | None = Field(None, description="Material of parts that name none, by name.")
 

@@ -22,6 +22,14 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "bone": {"color": "#ddd0b4", "roughness": 0.45, "clearcoat": 0.2},
     "skin": {"color": "#c98f73", "roughness": 0.5, "clearcoat": 0.1},
     "fur": {"color": "#8a6542", "roughness": 0.9},
+    "chestnut fur": {"color": "#6e3a1c", "roughness": 0.62, "clearcoat": 0.1},
+    "sand fur": {"color": "#b88d58", "roughness": 0.85},
+    "grey fur": {"color": "#77716a", "roughness": 0.85},
+    "black fur": {"color": "#1d1917", "roughness": 0.7},
+    "feathers": {"color": "#2b2725", "roughness": 0.8},
+    "horn": {"color": "#3a322a", "roughness": 0.45, "clearcoat": 0.2},
+    "red cloth": {"color": "#9c2f2b", "roughness": 0.95},
+    "blue cloth": {"color": "#2c4a73", "roughness": 0.95},
     "eye": {"color": "#08080a", "roughness": 0.08, "clearcoat": 1.0},
     # Things.
     "wood": {

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pipeline.errors import Problem, SceneError
+from pipeline.simulation.figures.creation import create
 from pipeline.simulation.figures.drawing import Drawing, draw
 from pipeline.simulation.figures.network import Anatomy, analyse
 from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton
-from pipeline.simulation.figures.solids import Solid, body_solid
+from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, body_solid
+from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import Figure as Words
 
 
@@ -23,6 +25,8 @@ class Figure:
         scale: factor from the drawing to the world.
         drawing: the flat network, unscaled.
         anatomy: its parts.
+        points: (n, 3) the nodes in the creation frame [m].
+        style: insect or mammal.
         skeleton: joints and links, scaled.
     """
 
@@ -31,18 +35,20 @@ class Figure:
     scale: float
     drawing: Drawing
     anatomy: Anatomy
+    points: Array
+    style: str
     skeleton: Skeleton
 
     @cached_property
     def body(self) -> Solid:
-        """The body's surface, in the creation frame moved to the middle of the body."""
+        """The body's surface, in the creation frame."""
         nodes = list(self.anatomy.body)
-        points = self.drawing.creation()[nodes] * self.scale
-        # The skeleton stands the body's frame in the middle of its bases.
-        points = points + self.skeleton.links[0].ends[0] - points.mean(axis=0)
         number = {node: i for i, node in enumerate(nodes)}
         bones = [(number[a], number[b]) for a, b in self.anatomy.bones]
-        return body_solid(points, self.drawing.radii[nodes] * self.scale, bones)
+        flatness = BODY_FLATNESS if self.style == "insect" else 1.0
+        return body_solid(
+            self.points[nodes], self.drawing.radii[nodes] * self.scale, bones, flatness
+        )
 
     @property
     def belly(self) -> float:
@@ -59,9 +65,11 @@ def build_figure(name: str, words: Words, scale: float) -> Figure:
     drawing = draw(words)
     try:
         anatomy = analyse(drawing, words.parts)
+        points = create(words, drawing, anatomy, scale)
+        skeleton = build_skeleton(words, drawing, anatomy, points, scale)
     except SceneError as error:
         raise SceneError(
             [Problem(f"figures.{name}.{p.path}", p.message) for p in error.problems]
         ) from None
-    skeleton = build_skeleton(drawing, anatomy, scale)
-    return Figure(name, words.material or "", scale, drawing, anatomy, skeleton)
+    material = words.material or ""
+    return Figure(name, material, scale, drawing, anatomy, points, words.style, skeleton)

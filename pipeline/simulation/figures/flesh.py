@@ -60,13 +60,20 @@ def _body(figure: Figure) -> Piece:
 
 
 def _eyes(number: int, link: Link) -> list[Piece]:
-    """Return two eyes at the tip of the head, looking forward and to the sides."""
-    radius = link.radii[1]
+    """Return two eyes on the last link of a head, looking forward and to the sides.
+
+    A round head has them at its tip; a long one, which ends in a muzzle, nearer its root.
+    """
+    span = link.ends[1] - link.ends[0]
+    length = float(np.linalg.norm(span))
+    part = 1.0 if length < 1.6 * sum(link.radii) else 0.3
+    girth = link.radii[0] + (link.radii[1] - link.radii[0]) * part
+    middle = link.ends[0] + part * span
+    ahead = 0.50 if part == 1.0 else 0.0
     pieces = []
     for side, sign in (("l", -1.0), ("r", 1.0)):
-        direction: Array = np.array([0.50, 0.42, sign * 0.74])
-        centre = link.ends[1] + direction * radius
-        pieces.append(
-            Piece(f"head.eye_{side}", number, ball(centre, 0.36 * radius), EYE_MATERIAL, radius)
-        )
+        direction: Array = np.array([ahead, 0.42, sign * 0.74]) / np.hypot(0.42, 0.74)
+        centre = middle + 0.92 * girth * direction
+        radius = (0.36 if part == 1.0 else 0.2) * girth
+        pieces.append(Piece(f"head.eye_{side}", number, ball(centre, radius), EYE_MATERIAL, girth))
     return pieces

@@ -11,15 +11,20 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.adjust import adjusted_joints
+from pipeline.simulation.figures.creation import FOLDED, SIDEWAYS
 from pipeline.simulation.figures.drawing import Drawing
 from pipeline.simulation.figures.network import FEELER, LEG, Anatomy, Appendage
-from pipeline.simulation.figures.stance import Stance, stance_of
+from pipeline.simulation.figures.stance import Stance, insect_stance, mammal_stance
 from pipeline.simulation.spatial import UP, Array, normalized
+from pipeline.spec.figure import Figure as Words
+
+FORWARD = np.array([1.0, 0.0, 0.0])
 
 BODY = -1
 """In place of a joint: the body, which no joint moves."""
@@ -31,7 +36,7 @@ class Link:
 
     Attributes:
         name: such as "l1.2", the second link of the first left leg.
-        kind: body, leg, head, tail or feeler.
+        kind: body, leg, arm, head, tail or feeler.
         joint: the joint that moves it; `BODY` for the body.
         ends: (2, 3) its nodes in the creation frame [m].
         radii: of the solid at both ends [m].
@@ -54,7 +59,7 @@ class Limb:
 
     Attributes:
         name: "l1", "r2", "head", ...
-        kind: leg, head, tail or feeler.
+        kind: leg, arm, head, tail or feeler.
         side: "l", "r" or "m".
         joints: joint numbers from base to tip.
         links: link numbers from base to tip.
@@ -82,8 +87,10 @@ class Skeleton:
         parents: (J,) joint before each, `BODY` for joints on the body.
         axes: (J, 3) unit axes in the creation frame.
         places: (J, 3) positions in the creation frame [m].
-        lower, upper: (J,) limits [rad].
-        preferred: (J,) values at rest [rad].
+        prismatic: (J,) whether a joint slides along its axis instead of turning about it.
+        lower, upper: (J,) limits [rad or m].
+        preferred: (J,) values at rest [rad or m].
+        extended: (J,) values at which limbs are as straight as can be [rad or m].
         links: the body first.
         limbs: legs first, left before right, front to back.
     """
@@ -92,9 +99,11 @@ class Skeleton:
     parents: NDArray[np.int64]
     axes: Array
     places: Array
+    prismatic: NDArray[np.bool_]
     lower: Array
     upper: Array
     preferred: Array
+    extended: Array
     links: tuple[Link, ...]
     limbs: tuple[Limb, ...]
 
@@ -108,43 +117,47 @@ class Skeleton:
 class _Builder:
     """Collects joints and links while the appendages are gone through."""
 
-    names: list[str]
-    parents: list[int]
-    axes: list[Array]
-    places: list[Array]
-    ranges: list[Stance]
-    links: list[Link]
-    limbs: list[Limb]
+    style: str
     carrier: dict[int, int]  # node -> joint that moves the link it belongs to
+    names: list[str] = field(default_factory=list)
+    parents: list[int] = field(default_factory=list)
+    axes: list[Array] = field(default_factory=list)
+    places: list[Array] = field(default_factory=list)
+    stances: list[Stance] = field(default_factory=list)
+    links: list[Link] = field(default_factory=list)
+    limbs: list[Limb] = field(default_factory=list)
 
     def joint(self, name: str, parent: int, axis: Array, place: Array, stance: Stance) -> int:
         self.names.append(name)
         self.parents.append(parent)
         self.axes.append(axis)
         self.places.append(place)
-        self.ranges.append(stance)
+        self.stances.append(stance)
         return len(self.names) - 1
 
 
-def build_skeleton(drawing: Drawing, anatomy: Anatomy, scale: float) -> Skeleton:
-    """Build the joints and links of an "insect".
+def build_skeleton(
+    words: Words, drawing: Drawing, anatomy: Anatomy, points: Array, scale: float
+) -> Skeleton:
+    """Build the joints and links of a figure.
 
-    Legs lie in the drawing's plane. The axes of their inner joints lie in that plane
-    too, across the limb, so that they bend up and down; hips, necks and roots are ball
-    joints. (The thesis puts axes "perpendicular to the two links", which is undefined
-    for straight legs and vertical for bent ones.)
+    Axes of an insect's inner joints lie in the plane of the drawing, across the limb, so
+    that its legs bend up and down; those of a mammal's legs point to the side. Hips,
+    necks and roots are ball joints. (The thesis puts insect axes "perpendicular to the
+    two links", which is undefined for straight legs and vertical for bent ones.)
 
     Args:
+        words: the figure's, for its style and its joints.
         drawing: the flat network.
         anatomy: its parts.
+        points: (n, 3) nodes in the creation frame [m].
         scale: factor from the drawing to the world.
+
+    Raises:
+        SceneError: if `joints` names what the figure does not have; its path begins there.
     """
-    points = drawing.creation() * scale
-    # The body's frame stands at the middle of what carries it, or of itself.
-    carried = [a.nodes[0] for a in anatomy.of_kind(LEG)] or list(anatomy.body)
-    points = points - points[sorted(set(carried))].mean(axis=0)
     radii = drawing.radii * scale
-    builder = _Builder([], [], [], [], [], [], [], dict.fromkeys(anatomy.body, BODY))
+    builder = _Builder(words.style, dict.fromkeys(anatomy.body, BODY))
     middle = points[list(anatomy.body)].mean(axis=0)
     girth = max((float(radii[n]) for n in anatomy.body), default=0.0)
     builder.links.append(
@@ -152,14 +165,23 @@ def build_skeleton(drawing: Drawing, anatomy: Anatomy, scale: float) -> Skeleton
     )
     for name, side, appendage in _named(anatomy, points):
         _add_limb(builder, name, side, appendage, points, radii, drawing.materials)
+    joints = adjusted_joints(words.joints, builder.names, builder.stances, scale)
+    stances = joints.stances
+    axes = np.array(builder.axes).reshape(-1, 3)
+    for j in np.flatnonzero(joints.prismatic):
+        # What slides does so along its link, not about the axis it would have turned on.
+        link = next(link for link in builder.links if link.joint == j)
+        axes[j] = normalized(link.ends[1] - link.ends[0])
     return Skeleton(
         joint_names=tuple(builder.names),
         parents=np.array(builder.parents, dtype=np.int64),
-        axes=np.array(builder.axes).reshape(-1, 3),
+        axes=axes,
         places=np.array(builder.places).reshape(-1, 3),
-        lower=np.array([r.lower for r in builder.ranges]),
-        upper=np.array([r.upper for r in builder.ranges]),
-        preferred=np.array([r.preferred for r in builder.ranges]),
+        prismatic=joints.prismatic,
+        lower=np.array([s.lower for s in stances]),
+        upper=np.array([s.upper for s in stances]),
+        preferred=np.array([s.preferred for s in stances]),
+        extended=np.array([s.extended for s in stances]),
         links=tuple(builder.links),
         limbs=tuple(builder.limbs),
     )
@@ -199,12 +221,18 @@ def _add_limb(
     directions = normalized(steps)
     parent = builder.carrier[nodes[0]]
     joints, links = list[int](), list[int]()
-    stances = stance_of(appendage.kind, len(steps))
+    folded = builder.style == "mammal" and appendage.kind in FOLDED
+    if builder.style == "mammal":
+        stances = mammal_stance(appendage.kind, _bends(directions))
+    else:
+        stances = insect_stance(appendage.kind, len(steps))
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis stands across the mean of the two links it joins.
         along = directions[i] if i == 0 else normalized(directions[i - 1] + directions[i])
         across = normalized(np.cross(along, UP))
         axes = {"yaw": UP, "pitch": across, "roll": along, "bend": across}
+        if folded:
+            axes = {"yaw": UP, "pitch": SIDEWAYS, "roll": FORWARD, "bend": SIDEWAYS}
         for turn, stance in stances[i].items():
             joint_name = f"{name}.{'base' if i == 0 else f'joint{i}'}_{turn}"
             parent = builder.joint(joint_name, parent, axes[turn], points[node], stance)
@@ -238,6 +266,14 @@ def _add_limb(
             length,
         )
     )
+
+
+def _bends(directions: Array) -> list[float]:
+    """Return how far each link of a folded limb turns forward from the one before [rad]."""
+    before, after = directions[:-1], directions[1:]
+    sines = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    cosines = (before * after).sum(axis=-1)
+    return [math.atan2(s, c) for s, c in zip(sines, cosines, strict=True)]
 
 
 def volume(link: Link) -> float:

@@ -99,23 +99,29 @@ def ball(centre: Array, radius: float) -> Solid:
     return Solid(solid.vertices + centre, solid.faces)
 
 
-def body_solid(points: Array, radii: Array, bones: list[tuple[int, int]]) -> Solid:
+def body_solid(
+    points: Array, radii: Array, bones: list[tuple[int, int]], flatness: float = 1.0
+) -> Solid:
     """Return the smooth union of round cones along `bones`.
 
     Args:
         points: (n, 3) nodes in the creation frame [m].
         radii: (n,) of the solid at the nodes [m].
         bones: pairs of nodes; a body of a single node is a ball.
+        flatness: height as a part of the width.
     """
     bones = bones or [(0, 0)]
-    margin = float(radii.max()) * 1.3
+    blend = float(np.median(radii)) * 0.35
+    # A union of n solids swells by up to blend ln n where all of them meet.
+    margin = float(radii.max()) * 1.1 + blend * (1.0 + np.log(len(bones)))
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     cell = float((high - low).max()) / BODY_CELLS
     counts = np.ceil((high - low) / cell).astype(int) + 1
     axes = [low[k] + cell * np.arange(counts[k]) for k in range(3)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    grid[..., 1] /= BODY_FLATNESS
-    blend = float(np.median(radii)) * 0.35
+    # Flattened about the body's own middle, which stays where it is.
+    middle = points[:, 1].mean()
+    grid[..., 1] = middle + (grid[..., 1] - middle) / flatness
     # Smooth minimum by log-sum-exp: the order of the bones does not matter.
     total = np.zeros(grid.shape[:3])
     for a, b in bones:

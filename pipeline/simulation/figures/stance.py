@@ -1,79 +1,102 @@
 """Stance: limits and preferred values of the joints of each kind of appendage.
 
-A figure is created flat, fully extended. The preferred value of a joint so near its
+An insect is created flat, fully extended. The preferred value of a joint so near its
 full extension is altered, so that a limb at rest is bent and away from the
-singularity (Sims 1987, 5.2 and 6.3.1). Positive pitch raises a limb, negative bends
-turn it down; an inner joint of a leg bends one way only, as a knee does.
+singularity (Sims 1987, 5.2 and 6.3.1). A mammal's limbs keep the bends that they were
+drawn with, and those drawn straight are bent a little. Positive pitch raises a limb or
+swings it forward; an inner joint of a leg bends one way only, as a knee does.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.simulation.figures.network import FEELER, HEAD, LEG, TAIL
 
+ARM = "arm"
+
 
 @dataclass(frozen=True, slots=True)
 class Stance:
-    """Limits and value at rest of one joint [rad]."""
+    """Limits and values of one joint; zero is how it was created [rad].
+
+    Attributes:
+        lower, upper: limits.
+        preferred: value at rest.
+        extended: value at which the links that it joins are as straight as can be.
+    """
 
     lower: float
     upper: float
     preferred: float
+    extended: float = 0.0
 
 
-def _degrees(lower: float, upper: float, preferred: float) -> Stance:
-    return Stance(math.radians(lower), math.radians(upper), math.radians(preferred))
+def degrees(lower: float, upper: float, preferred: float, extended: float = 0.0) -> Stance:
+    """Return a stance given in degrees."""
+    return Stance(*(math.radians(angle) for angle in (lower, upper, preferred, extended)))
 
 
 LEG_RISE_DEG = 24.0
-"""Elevation of the first link of a leg at rest."""
+"""Elevation of the first link of an insect's leg at rest."""
 
 LEG_FALL_DEG = (-54.0, -72.0)
 """Elevations of the second and of the last link of a leg at rest: over the knee and
 steeply down, to stand on its point."""
 
-NECK = {
-    HEAD: (_degrees(-60, 60, 0), _degrees(-50, 50, -8), _degrees(-40, 40, 0)),
-    TAIL: (_degrees(-60, 60, 0), _degrees(-40, 70, 6), _degrees(-40, 40, 0)),
-    FEELER: (_degrees(-40, 40, 0), _degrees(-30, 80, 34), _degrees(-40, 40, 0)),
+ROOTS = {
+    HEAD: (degrees(-60, 60, 0), degrees(-50, 50, -8), degrees(-40, 40, 0)),
+    TAIL: (degrees(-60, 60, 0), degrees(-40, 70, 6), degrees(-40, 40, 0)),
+    FEELER: (degrees(-40, 40, 0), degrees(-30, 80, 34), degrees(-40, 40, 0)),
+    ARM: (degrees(-80, 80, 0), degrees(-80, 80, 20), degrees(-60, 60, 0)),
 }
 """Yaw, pitch and roll at the root of what is no leg."""
 
-BEND = {
-    HEAD: _degrees(-50, 50, 0),
-    TAIL: _degrees(-60, 60, 4),
-    FEELER: _degrees(-70, 40, -24),
+BENDS = {
+    HEAD: degrees(-50, 50, 0),
+    TAIL: degrees(-60, 60, 4),
+    FEELER: degrees(-70, 40, -24),
+    ARM: degrees(-150, 0, -35),
 }
 """Inner joints of what is no leg."""
 
+STRAIGHT_DEG = 8.0
+"""A joint drawn with less of a bend than this is taken to be drawn straight."""
 
-def stance_of(kind: str, links: int) -> list[dict[str, Stance]]:
-    """Return, for each node of an appendage but its tip, its joints in their order.
+SLACK_DEG = {LEG: -22.0, ARM: 26.0}
+"""How a limb that is drawn straight is bent at rest: a knee backward, an elbow forward."""
+
+
+def insect_stance(kind: str, links: int) -> list[dict[str, Stance]]:
+    """Return, for each node of an insect's appendage but its tip, its joints in their order.
 
     Args:
-        kind: leg, head, tail or feeler.
+        kind: leg, arm, head, tail or feeler.
         links: number of links of the appendage.
     """
     if kind != LEG:
-        yaw, pitch, roll = NECK[kind]
-        return [{"yaw": yaw, "pitch": pitch, "roll": roll}] + [
-            {"bend": BEND[kind]} for _ in range(links - 1)
-        ]
+        return _spread(kind, links)
     elevations = leg_elevations(links)
     base = {
-        "yaw": _degrees(-75, 75, 0),
-        "pitch": _degrees(-85, 88, elevations[0]),
-        "roll": _degrees(-55, 55, 0),
+        "yaw": degrees(-75, 75, 0),
+        "pitch": degrees(-85, 88, elevations[0]),
+        "roll": degrees(-55, 55, 0),
     }
     bends = (after - before for before, after in itertools.pairwise(elevations))
-    return [base] + [{"bend": _degrees(-165, 0, bend)} for bend in bends]
+    return [base] + [{"bend": degrees(-165, 0, bend)} for bend in bends]
+
+
+def _spread(kind: str, links: int) -> list[dict[str, Stance]]:
+    yaw, pitch, roll = ROOTS[kind]
+    bends = [{"bend": BENDS[kind]} for _ in range(links - 1)]
+    return [{"yaw": yaw, "pitch": pitch, "roll": roll}, *bends]
 
 
 def leg_elevations(links: int) -> list[float]:
-    """Return the elevations of a leg's links at rest [degrees], from hip to foot.
+    """Return the elevations of an insect's leg at rest [degrees], from hip to foot.
 
     A leg of one link leans outward.
     """
@@ -84,3 +107,35 @@ def leg_elevations(links: int) -> list[float]:
     second, last = LEG_FALL_DEG
     step = (last - second) / (links - 2)
     return [LEG_RISE_DEG] + [second + step * i for i in range(links - 1)]
+
+
+def mammal_stance(kind: str, bends: Sequence[float]) -> list[dict[str, Stance]]:
+    """Return, for each node of a mammal's appendage but its tip, its joints in their order.
+
+    Args:
+        kind: leg, arm, head, tail or feeler.
+        bends: of its inner joints as drawn, positive where the limb turns forward [rad].
+    """
+    if kind not in SLACK_DEG:
+        return _spread(kind, len(bends) + 1)
+    base = {
+        "pitch": degrees(-75, 75, 0) if kind == LEG else degrees(-80, 170, 4),
+        "roll": degrees(-40, 40, 0) if kind == LEG else degrees(-100, 100, 0),
+        "yaw": degrees(-45, 45, 0) if kind == LEG else degrees(-80, 80, 0),
+    }
+    inner = [{"bend": _drawn_bend(kind, math.degrees(bend))} for bend in bends]
+    if inner and all(abs(math.degrees(bend)) < STRAIGHT_DEG for bend in bends):
+        # The bend of the first joint is half taken back at the root, so that the foot
+        # stays under the hip.
+        base["pitch"] = degrees(-75, 75, -SLACK_DEG[kind] / 2)
+    return [base, *inner]
+
+
+def _drawn_bend(kind: str, bend: float) -> Stance:
+    """Return the stance of an inner joint drawn with `bend` [degrees]."""
+    rest = 0.0
+    if abs(bend) < STRAIGHT_DEG:
+        rest = SLACK_DEG[kind]
+    way = math.copysign(1.0, rest or bend)
+    far = -bend + way * 160.0
+    return degrees(min(-bend, far), max(-bend, far), rest, -bend)

@@ -195,8 +195,8 @@ ONE_MISTAKE = [
      "no node is called 'foot_x', did you mean 'foot_r'?"),
     ("foot_l]}]", "foot_l]}]\n    parts: {foot_r: §leag}", "figures.bug.parts.foot_r",
      "must be 'leg', 'head', 'tail' or 'feeler', is the text 'leag'; did you mean 'leg'?"),
-    ("  bug:\n", "  bug:\n    style: §mammal\n", "figures.bug.style",
-     "must be 'insect', is the text 'mammal'"),
+    ("  bug:\n", "  bug:\n    style: §reptile\n", "figures.bug.style",
+     "must be 'insect' or 'mammal', is the text 'reptile'"),
     # Words that contradict each other.
     ("duration: 2", "duration: 2\n§frames: 48", "frames",
      "give either duration or frames, not both"),

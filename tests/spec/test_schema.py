@@ -127,7 +127,7 @@ def test_figure_files_are_accepted_by_their_schema_alone(path):
         (["figures", "ant", "nodes", "head"], [0]),
         (["figures", "ant", "nodes", "head"], [0, 1, 2]),
         (["figures", "ant", "nodes", "a.b"], [0, 0]),
-        (["figures", "ant", "style"], "mammal"),
+        (["figures", "ant", "style"], "reptile"),
         (["figures", "ant", "then", 0, "mirror"], "z"),
         (["cast"], []),
         (["cast", 0, "figure"], 3),

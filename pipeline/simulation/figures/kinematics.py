@@ -156,31 +156,27 @@ class LimbBatch:
     @staticmethod
     def of(limbs: list[tuple[Skeleton, Limb]]) -> LimbBatch:
         """Collect limbs, of several skeletons if need be, whose bases are on the body."""
-        n = max((len(limb.joints) for _, limb in limbs), default=0)
-
-        def rows(values: list[Array], fill: list[Array]) -> Array:
-            padded = [
-                np.concatenate([v, np.repeat(f[None], n - len(v), axis=0)])
-                for v, f in zip(values, fill, strict=True)
-            ]
-            return np.array(padded)
-
-        def taken(name: str) -> list[Array]:
-            return [getattr(skeleton, name)[list(limb.joints)] for skeleton, limb in limbs]
-
-        nothing = [np.zeros(3) for _ in limbs]
-        zero = [np.zeros(()) for _ in limbs]
+        shape = len(limbs), max((len(limb.joints) for _, limb in limbs), default=1)
+        places = np.empty((*shape, 3))
+        axes = np.zeros((*shape, 3))
+        lower, upper, preferred = np.zeros((3, *shape))
+        is_joint = np.zeros(shape, dtype=bool)
+        for row, (skeleton, limb) in enumerate(limbs):
+            joints, here = list(limb.joints), (row, slice(len(limb.joints)))
+            places[row] = limb.tip
+            places[here], axes[here] = skeleton.places[joints], skeleton.axes[joints]
+            lower[here], upper[here] = skeleton.lower[joints], skeleton.upper[joints]
+            preferred[here] = skeleton.preferred[joints]
+            is_joint[here] = True
         return LimbBatch(
-            places=rows(taken("places"), [limb.tip for _, limb in limbs]),
-            axes=rows(taken("axes"), nothing),
-            tips=np.array([limb.tip for _, limb in limbs]),
-            lower=rows(taken("lower"), zero),
-            upper=rows(taken("upper"), zero),
-            preferred=rows(taken("preferred"), zero),
+            places,
+            axes,
+            tips=np.array([limb.tip for _, limb in limbs]).reshape(-1, 3),
+            lower=lower,
+            upper=upper,
+            preferred=preferred,
             lengths=np.array([limb.length for _, limb in limbs]),
-            is_joint=np.array([np.arange(n) < len(limb.joints) for _, limb in limbs]).reshape(
-                -1, n
-            ),
+            is_joint=is_joint,
         )
 
     @cached_property

@@ -1,0 +1,123 @@
+"""What cannot be done is refused before it begins, with the place in the scene and a way out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError, SimulationError
+from pipeline.simulation.simulate import Simulation, simulate
+
+if TYPE_CHECKING:
+    from pipeline.spec import Scene
+
+    SceneOf = Callable[..., Scene]
+
+FOUR = (
+    "figures: {dog: {nodes: {a: [0, -1], b: [0, 1], k1: [1, -1], f1: [2, -1], k2: [1, 1],"
+    " f2: [2, 1]}, chains: [[a, b], [a, k1, f1], [b, k2, f2]], then: [{mirror: x}]},"
+    " worm: {nodes: {a: [0, 0], b: [0, 1]}, chains: [[a, b]]}}"
+)
+STANDS = "{figure: beetle, name: other, at: [5, 5]}"
+
+
+@pytest.mark.parametrize(
+    ("member", "path", "says"),
+    [
+        ("{figure: beetle, walk: {speed: 9, cycle: 2}}", "walk", ["stride", "18", "at most"]),
+        ("{figure: beetle, walk: {stride: 3}}", "walk", ["stride", "at most"]),
+        ("{figure: beetle, walk: {body_height: 2.5}}", "walk.body_height", ["2.5", "less than"]),
+        ("{figure: dog, walk: {gait: tripod}}", "walk.gait", ["6 legs", "'dog' has 4", "trot"]),
+        (
+            "{figure: dog, walk: {gait: {up: {l1: 0, x: 0.5}, down: {l1: 0.5, x: 0}}}}",
+            "walk.gait.up",
+            ["l1, l2, r1, r2", "at fault: l2, r1, r2, x"],
+        ),
+        ("{figure: worm, walk: {}}", "walk", ["no legs", "'worm'"]),
+    ],
+)
+@pytest.mark.parametrize("number", [0, 1])
+def test_what_a_figure_cannot_do(
+    scene_of: SceneOf, member: str, path: str, says: list[str], number: int
+) -> None:
+    cast = [STANDS] * number + [member]
+    with pytest.raises(SceneError) as caught:
+        Simulation(scene_of(*cast, more=FOUR))
+    (problem,) = caught.value.problems
+    assert problem.path == f"cast[{number}].{path}"
+    for words in says:
+        assert words in problem.message
+
+
+def test_the_greatest_stride_and_height_that_a_message_names_work(scene_of: SceneOf) -> None:
+    with pytest.raises(SceneError) as caught:
+        Simulation(scene_of("{figure: beetle, walk: {stride: 3}}"))
+    most = float(caught.value.problems[0].message.split("at most ")[1].split(" ")[0])
+    member = f"{{figure: beetle, walk: {{stride: {0.995 * most}}}}}"
+    take = simulate(scene_of(member, duration=3))
+    assert not take.notes
+    with pytest.raises(SceneError) as caught:
+        Simulation(scene_of("{figure: beetle, walk: {body_height: 2.5}}"))
+    highest = float(caught.value.problems[0].message.split("less than ")[1].split(" ")[0])
+    Simulation(
+        scene_of(f"{{figure: beetle, walk: {{body_height: {0.9 * highest}, stride: 0.05}}}}")
+    )
+
+
+@pytest.mark.parametrize(
+    ("at", "terrain"),
+    [
+        ([50, 50], "{kind: flat, size: [10, 10]}"),
+        ([0, 0], "{kind: fractal, height: 8, roughness: 0.7, size: [20, 20]}"),
+    ],
+)
+def test_a_start_without_a_foothold(scene_of: SceneOf, at: list[float], terrain: str) -> None:
+    scene = scene_of(f"{{figure: beetle, name: bug, at: {at}}}", terrain=terrain)
+    with pytest.raises(SimulationError) as caught:
+        Simulation(scene)
+    message = str(caught.value)
+    assert "bug: leg " in message
+    assert f"[{at[0]}, {at[1]}]" in message
+    assert "`at`" in message
+
+
+def test_a_simulation_that_diverges_says_where(
+    scene_of: SceneOf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    simulation = Simulation(scene_of("{figure: beetle, name: bug, walk: {}}"))
+    for _ in range(3):
+        simulation.step()
+    troupe = simulation.troupes[0]
+    write = troupe.write
+
+    def spoil(rows: object) -> None:
+        write(rows)  # type: ignore[arg-type]
+        rows.positions[4] = np.nan  # type: ignore[attr-defined]
+
+    monkeypatch.setattr(troupe, "write", spoil)
+    with pytest.raises(SimulationError, match=r"step 4 .*bug\.l2\.1"):
+        simulation.step()
+
+
+def test_a_legless_figure_lies_still(scene_of: SceneOf) -> None:
+    take = simulate(scene_of("{figure: worm}", more=FOUR))
+    assert np.ptp(take.positions, axis=0).max() == 0.0
+    assert not take.contacts
+
+
+def test_figures_of_all_kinds_walk_together(scene_of: SceneOf) -> None:
+    take = simulate(
+        scene_of(
+            "{figure: worm, at: [6, 6]}",
+            "{figure: dog, walk: {gait: wave}}",
+            "{figure: beetle, at: [-6, 0], walk: {gait: tripod}}",
+            "{figure: dog, at: [0, 7], scale: 0.5, walk: {gait: trot}}",
+            more=FOUR,
+        )
+    )
+    assert not take.notes
+    assert {c.performer for c in take.contacts} == {"dog", "beetle", "dog_2"}
+    assert len({n.name for n in take.nodes}) == len(take.nodes)

@@ -1,0 +1,332 @@
+"""The command line as a stranger meets it: help, and one clear message for every slip."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from pipeline import cli
+
+Pronk = Callable[..., tuple[int, str, str]]
+
+SCENE = """\
+pronk: 1
+title: Tiny
+frames: 8
+terrain: {kind: flat, size: [8, 8], cells: [8, 8]}
+cast:
+  - {name: bug, figure: beetle, scale: 0.6, walk: {gait: tripod, cycle: 0.3, speed: 0.6}}
+light: studio
+film: {size: [64, 36], samples: 1, depth: 2, denoise: "off"}
+"""
+
+# Every command that reads a scene, with what else it needs.
+COMMANDS = {
+    "render": (),
+    "check": (),
+    "simulate": (),
+    "midi": (),
+    "frame": ("1",),
+    "sheet": (),
+}
+MAKERS = [name for name in COMMANDS if name != "check"]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the current folder: a scene, and what an earlier run may have made of it."""
+    (tmp_path / "tiny.yaml").write_text(SCENE, encoding="utf-8")
+    frames = tmp_path / "out" / "tiny" / "frames"
+    frames.mkdir(parents=True)
+    (frames / "0001.png").write_bytes(b"earlier")
+    (frames.parent / "tiny.mp4").write_bytes(b"earlier")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def pronk(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Pronk:
+    """Return a function that runs a command: exit code, standard output, standard error."""
+
+    def run(*words: str) -> tuple[int, str, str]:
+        capfd.readouterr()
+        monkeypatch.setattr(sys, "argv", ["pronk", *words])
+        monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+        # The test runner listens to Ctrl-C itself.
+        monkeypatch.setattr(cli, "listen", lambda: None)
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        said = capfd.readouterr()
+        return int(end.value.code or 0), said.out, said.err
+
+    return run
+
+
+@pytest.fixture
+def refused(pronk: Pronk, folder: Path) -> Callable[..., str]:
+    """Return a function that runs a command which must fail and harm nothing: its message."""
+
+    def files() -> dict[str, bytes]:
+        return {str(p): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+    def run(code: int, *words: str) -> str:
+        before = files()
+        found, out, err = pronk(*words)
+        assert found == code, err
+        assert out == ""
+        assert "Traceback" not in err
+        after = files()
+        after.pop(str(folder / "out" / "tiny" / ".lock"), None)
+        assert after == before
+        return err
+
+    return run
+
+
+_MODULES = """
+import sys
+sys.argv = ["pronk", *sys.argv[1:]]
+from pipeline.cli import main
+try:
+    main()
+finally:
+    sys.stderr.write(" ".join(sorted(sys.modules)))
+"""
+
+
+def test_help_is_instant_for_it_imports_nothing_heavy() -> None:
+    root = str(Path(cli.__file__).parents[1])
+    words = [sys.executable, "-c", _MODULES, "--help"]
+    env = {**os.environ, "PYTHONPATH": root}
+    end = subprocess.run(words, capture_output=True, text=True, env=env, check=True)
+    modules = set(end.stderr.split())
+    assert "typer" in modules
+    heavy = {"numpy", "pydantic", "mitsuba", "drjit", "zarr", "yaml", "av", "mido", "PIL"}
+    assert modules & heavy == set()
+    for command in ("render", "check", "schema", "simulate", "midi", "frame", "sheet", "new"):
+        assert f" {command} " in end.stdout
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "schema", "new", "doctor"])
+def test_every_command_has_help(pronk: Pronk, command: str) -> None:
+    code, out, _ = pronk(command, "--help")
+    assert code == 0
+    assert f"pronk {command}" in out
+
+
+def test_the_version_is_said(pronk: Pronk) -> None:
+    import pipeline
+
+    assert pronk("--version") == (0, f"pronk {pipeline.__version__}\n", "")
+
+
+@pytest.mark.parametrize("flag", [(), ("--figure",)])
+def test_schemas_are_of_draft_07(pronk: Pronk, flag: tuple[str, ...]) -> None:
+    code, out, _ = pronk("schema", *flag)
+    words = json.loads(out)
+    assert code == 0
+    assert words["$schema"] == "http://json-schema.org/draft-07/schema#"
+    jsonschema.Draft7Validator.check_schema(words)
+
+
+def test_check_says_what_is_right(pronk: Pronk, folder: Path) -> None:
+    code, out, err = pronk("check", "tiny", "tiny.yaml")
+    assert (code, err) == (0, "")
+    assert len(out.splitlines()) == 2
+    assert out.startswith("tiny: right: 8 frames at 24 a second, 64x36; bug (beetle); 0%")
+
+
+def test_quiet_is_silent(pronk: Pronk, folder: Path) -> None:
+    assert pronk("check", "tiny", "-q") == (0, "", "")
+
+
+def test_doctor_says_what_is_found(pronk: Pronk) -> None:
+    code, out, _ = pronk("doctor", "--json")
+    findings = [json.loads(line) for line in out.splitlines()]
+    named = {finding["what"]: finding for finding in findings}
+    assert code == 0
+    assert named["backend"]["ok"]
+    assert named["scenes"]["ok"]
+    assert {"Python", "pronk", "mitsuba", "machine"} <= named.keys()
+
+
+def _with(command: str, scene: str, *more: str) -> tuple[str, ...]:
+    return (command, scene, *COMMANDS[command], *more)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_unknown_scene_is_answered_by_the_nearest(
+    refused: Callable[..., str], command: str
+) -> None:
+    near = refused(2, *_with(command, "tinny"))
+    assert near.startswith("error: no scene is called 'tinny'")
+    assert "'tiny'" in near
+    assert "first_steps" in refused(2, *_with(command, "firststeps"))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_typo_is_shown_at_its_place(
+    refused: Callable[..., str], folder: Path, command: str
+) -> None:
+    wrong = SCENE.replace("speed:", "strde:")
+    (folder / "wrong.yaml").write_text(wrong, encoding="utf-8")
+    column = wrong.splitlines()[5].index("strde") + 1
+    message = refused(3, *_with(command, "wrong.yaml"))
+    assert f"wrong.yaml:6:{column}: cast[0].walk.strde: " in message
+    assert "stride" in message
+    assert message.splitlines()[2] == " " * (4 + column - 1) + "^"
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("word", "told"),
+    [
+        ("cast.bug.walk.strde=1", "stride"),
+        ("camra.view=top", "camera"),
+        ("speed", "path=value"),
+        ("fps=fast", "fps"),
+        ("cast.bgu.scale=2", "'bug'"),
+        ("=", "path"),
+    ],
+)
+def test_a_wrong_set_is_told(
+    refused: Callable[..., str], command: str, word: str, told: str
+) -> None:
+    message = refused(3, *_with(command, "tiny", "--set", word))
+    assert f"--set {word}" in message
+    assert told in message
+
+
+@pytest.mark.parametrize(
+    ("frames", "told"),
+    [
+        ("abc", "cannot be read"),
+        ("1-", "cannot be read"),
+        ("0-3", "the scene has frames 1-8, no 0"),
+        ("1-9999", "the scene has frames 1-8, no 9"),
+        ("1-99999999999", "cannot be read"),
+        ("-2", "the scene has frames 1-8, no -2"),
+        ("1-3x0.5", "frames are whole"),
+        ("", "names no frame"),
+    ],
+)
+def test_wrong_frames_are_told(refused: Callable[..., str], frames: str, told: str) -> None:
+    message = refused(2, "render", "tiny", "--frames", frames)
+    assert message.startswith(f"error: --frames '{frames}': ")
+    assert told in message
+
+
+@pytest.mark.parametrize("number", ["0", "9", "-1"])
+def test_a_frame_that_is_none_is_told(refused: Callable[..., str], number: str) -> None:
+    message = refused(2, "frame", "tiny", "--", number)
+    assert message == f"error: frame {number}: the scene has frames 1-8\n"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("render",),
+        ("render", "tiny", "--preset", "best"),
+        ("render", "tiny", "--jobs", "0"),
+        ("render", "tiny", "--jobs", "two"),
+        ("render", "tiny", "--backend", "opencl"),
+        ("frame", "tiny"),
+        ("frame", "tiny", "one"),
+        ("sheet", "tiny", "--count", "0"),
+        ("sheet", "tiny", "--preset", "best"),
+        ("check", "tiny", "--frames", "1"),
+        ("dance", "tiny"),
+    ],
+    ids=" ".join,
+)
+def test_a_command_that_cannot_be_read_is_told(
+    refused: Callable[..., str], words: tuple[str, ...]
+) -> None:
+    assert "Usage: pronk" in refused(2, *words)
+
+
+@pytest.mark.parametrize("command", MAKERS)
+def test_an_out_folder_that_is_a_file_is_told(
+    refused: Callable[..., str], folder: Path, command: str
+) -> None:
+    (folder / "note.txt").write_text("mine", encoding="utf-8")
+    message = refused(4, *_with(command, "tiny", "--out", "note.txt"))
+    assert message == (
+        "error: note.txt/tiny: cannot be written to (Not a directory); "
+        "choose another place with --out\n"
+    )
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+@pytest.mark.parametrize("command", MAKERS)
+def test_an_out_folder_that_cannot_be_written_is_told(
+    refused: Callable[..., str], folder: Path, command: str
+) -> None:
+    (folder / "locked").mkdir(mode=0o500)
+    assert "cannot be written to" in refused(4, *_with(command, "tiny", "--out", "locked"))
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_scene_that_cannot_begin_is_told(refused: Callable[..., str], command: str) -> None:
+    words = ("terrain.kind=fractal", "terrain.height=40", "terrain.unsteppable_slope_deg=1")
+    sets = [piece for word in words for piece in ("--set", word)]
+    message = refused(4, *_with(command, "tiny", *sets))
+    assert "error: bug: leg " in message
+    assert "no foothold" in message
+
+
+def test_all_scenes_are_refused_before_anything_is_made(
+    refused: Callable[..., str], folder: Path
+) -> None:
+    (folder / "wrong.yaml").write_text("pronk: 1\n", encoding="utf-8")
+    (folder / "short.yaml").write_text(SCENE.replace("frames: 8", "frames: 2"), encoding="utf-8")
+    refused(3, "render", "tiny", "wrong")
+    refused(2, "render", "tiny", "nowhere")
+    assert "no 3" in refused(2, "render", "tiny", "short", "--frames", "1-4")
+
+
+def test_scenes_of_one_name_would_write_to_one_place(
+    refused: Callable[..., str], folder: Path
+) -> None:
+    (folder / "other").mkdir()
+    (folder / "other" / "tiny.yaml").write_text(SCENE, encoding="utf-8")
+    message = refused(2, "render", "tiny", "other/tiny.yaml")
+    assert message.startswith("error: two scenes are called 'tiny', and both would write to ")
+
+
+def test_check_tells_the_mistakes_of_all_scenes(pronk: Pronk, folder: Path) -> None:
+    for name in ("one", "two"):
+        wrong = SCENE.replace("frames: 8", "frmes: 8")
+        (folder / f"{name}.yaml").write_text(wrong, encoding="utf-8")
+    code, out, err = pronk("check", "one", "tiny", "two")
+    assert code == 3
+    assert out.startswith("tiny: right: ")
+    assert "one.yaml:3:1: frmes: " in err
+    assert "two.yaml:3:1: frmes: " in err
+
+
+def test_errors_in_json_are_lines_of_json(pronk: Pronk, folder: Path) -> None:
+    code, out, err = pronk("check", "tiny", "--json", "--set", "cast.bug.walk.strde=1")
+    (line,) = out.splitlines()
+    words = json.loads(line)
+    assert (code, err) == (3, "")
+    assert (words["event"], words["exit_code"]) == ("error", 3)
+    assert words["problems"][0]["path"] == "cast[0].walk.strde"
+    assert json.loads(pronk("check", "nowhere", "--json")[1])["exit_code"] == 2
+
+
+def test_a_starter_is_right_and_is_not_overwritten(pronk: Pronk, folder: Path) -> None:
+    assert pronk("new", "hello")[0] == 0
+    text = (folder / "hello.yaml").read_bytes()
+    assert pronk("check", "hello")[0] == 0
+    code, out, err = pronk("new", "hello.yaml")
+    assert (code, out) == (2, "")
+    assert err == "error: hello.yaml: is there already; choose another name\n"
+    assert (folder / "hello.yaml").read_bytes() == text

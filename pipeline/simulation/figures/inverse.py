@@ -62,27 +62,29 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> So
             pose that the iterations find, with its residual.
         most: bound on the iterations.
     """
-    pose = start
-    error = goals - pose.tips
+    pose, error = start, goals - start.tips
     distance = _norm(error)
-    enough = TOLERANCE * batch.lengths
+    enough, near = TOLERANCE * batch.lengths, NEAR * batch.lengths
     longest = batch.lengths * SEGMENT
     iteration = 0
     while iteration < most and (far := distance > enough).any():
-        iteration += 1
-        part = np.minimum(1.0, longest / np.maximum(distance, 1e-300))
-        gain = np.where((iteration == 1) | (distance > NEAR * batch.lengths), ALPHA, 0.0)
+        # A limb that has arrived stays as it is: what it does must not depend on others.
+        part = far * np.minimum(1.0, longest / np.maximum(distance, enough))
+        gain = np.where(far if iteration == 0 else distance > near, ALPHA, 0.0)
         candidate = batch.pose(_iterate(batch, pose, error * part[:, None], gain))
-        distance_then = _norm(goals - candidate.tips)
+        error_then = goals - candidate.tips
+        distance_then = _norm(error_then)
+        iteration += 1
         # A segment after which the tip is further away was too long: take it back and
         # shorten it. One that went well may be longer next time (Sims 1987, figure 6.3).
         good = distance_then < distance + enough
-        # A limb that has arrived stays as it is: what it does must not depend on others.
-        good &= far
         longest = np.where(good, np.minimum(longest * 2.0, batch.lengths), longest * 0.25)
-        pose = candidate.where(good, pose)
-        error = goals - pose.tips
-        distance = np.where(good, distance_then, distance)
+        if good.all():
+            pose, error, distance = candidate, error_then, distance_then
+        else:
+            pose = candidate.where(good, pose)
+            error = np.where(good[:, None], error_then, error)
+            distance = np.where(good, distance_then, distance)
     return Solution(pose, distance, iteration)
 
 
@@ -103,7 +105,9 @@ def _iterate(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array) -> Array:
     moved = np.where(held, bounded - q, 0.0)
     rest = dx - _times(jacobian, moved)
     again = _pseudo_inverse_step(batch, jacobian * free[..., None], rest, z * free)
-    return np.clip(q + np.where(held, moved, again), batch.lower, batch.upper)
+    again = q + np.where(held, moved, again)
+    result: Array = np.minimum(np.maximum(again, batch.lower), batch.upper)
+    return result
 
 
 def _pseudo_inverse_step(batch: LimbBatch, jacobian: Array, dx: Array, z: Array) -> Array:
@@ -114,10 +118,10 @@ def _pseudo_inverse_step(batch: LimbBatch, jacobian: Array, dx: Array, z: Array)
     Source: Sims 1987, eq. B.4 and B.7, with z = preferred - q (B.2 has the sign the
     other way round); damping after Wampler 1986.
     """
-    square = np.sum(jacobian[..., None] * jacobian[..., None, :], axis=1)
-    damping = (DAMPING * batch.lengths[:, None, None]) ** 2 * ONE
-    rest = dx - _times(jacobian, z)
-    y = np.linalg.solve(square + damping, rest[..., None])[..., 0]
+    square = np.add.reduce(jacobian[..., None] * jacobian[..., None, :], axis=1)
+    damping = (DAMPING * batch.lengths) ** 2
+    square += damping[:, None, None] * ONE
+    y = np.linalg.solve(square, (dx - _times(jacobian, z))[..., None])[..., 0]
     result: Array = z + (jacobian @ y[..., None])[..., 0]
     return result
 
@@ -127,7 +131,7 @@ def _times(jacobian: Array, q: Array) -> Array:
 
     Summed joint after joint, as a BLAS would not: padding then leaves the last bit alone.
     """
-    result: Array = np.sum(jacobian * q[..., None], axis=1)
+    result: Array = np.add.reduce(jacobian * q[..., None], axis=1)
     return result
 
 

@@ -9,6 +9,7 @@ Source: Sims 1987, 5.4.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -73,19 +74,33 @@ class Tree:
     places: Array
 
     @cached_property
-    def hinges(self) -> Hinges:
-        """The joints, each in the frame of its parent."""
-        origins = np.where((self.parents == BODY)[:, None], 0.0, self.places[self.parents])
-        return Hinges(self.axes, self.places - origins)
-
-    @cached_property
-    def levels(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Joints that hang on joints, by distance from the body: their numbers and parents."""
+    def _depth(self) -> NDArray[np.int64]:
         depth = np.zeros(len(self.parents), dtype=np.int64)
         for j, parent in enumerate(self.parents):
             depth[j] = 0 if parent == BODY else depth[parent] + 1
-        numbers = [np.flatnonzero(depth == d) for d in range(1, int(depth.max(initial=0)) + 1)]
-        return [(here, self.parents[here]) for here in numbers]
+        return depth
+
+    @cached_property
+    def _order(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Joints by distance from the body, and the place of each in that order."""
+        order = np.argsort(self._depth, kind="stable")
+        return order, np.argsort(order)
+
+    @cached_property
+    def _hinges(self) -> Hinges:
+        """The joints by distance from the body, each in the frame of its parent."""
+        origins = np.where((self.parents == BODY)[:, None], 0.0, self.places[self.parents])
+        order, _ = self._order
+        return Hinges(self.axes[order], (self.places - origins)[order])
+
+    @cached_property
+    def _levels(self) -> list[tuple[slice, NDArray[np.int64]]]:
+        """In that order: joints that are equally far from the body, and their parents."""
+        order, place = self._order
+        counts = np.bincount(self._depth, minlength=1)
+        ends = np.cumsum(counts)
+        levels = [slice(a, b) for a, b in itertools.pairwise(ends)]
+        return [(level, place[self.parents[order[level]]]) for level in levels]
 
     def pose(self, q: Array) -> Array:
         """Return the frames X_BJ (..., J, 4, 4) of all joints relative to the body.
@@ -93,10 +108,12 @@ class Tree:
         Args:
             q: (..., J) joint values [rad].
         """
-        X = self.hinges(q)
-        for here, above in self.levels:
-            X[..., here, :, :] = X[..., above, :, :] @ X[..., here, :, :]
-        return X
+        order, place = self._order
+        X = self._hinges(q[..., order])
+        for level, above in self._levels:
+            X[..., level, :, :] = X[..., above, :, :] @ X[..., level, :, :]
+        result: Array = X[..., place, :, :]
+        return result
 
 
 @dataclass(frozen=True, eq=False)

@@ -159,7 +159,7 @@ class Footholds:
 
     def _times(self, leg: int) -> tuple[float, float]:
         """Return the parts of a cycle that a leg swings and stands."""
-        swing = float(np.mod(self.herd.down[leg] - self.herd.up[leg], 1.0))
+        swing = float(self.herd.swings[leg])
         return swing, 1.0 - swing
 
     def _rest(self, leg: int) -> Array:

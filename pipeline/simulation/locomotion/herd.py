@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +100,12 @@ class Herd:
     down: Array
     step_height: Array
     sole: Array
+
+    @cached_property
+    def swings(self) -> Array:
+        """(L,) parts of a cycle that the feet are in the air."""
+        result: Array = np.mod(self.down - self.up, 1.0)
+        return result
 
     @property
     def hips(self) -> Array:

@@ -18,7 +18,7 @@ from pipeline.errors import SimulationError
 from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inverse import solve
-from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.body_path import Ahead, BodyPath
 from pipeline.simulation.locomotion.footholds import Foothold, Footholds
 from pipeline.simulation.locomotion.herd import REACH, gather
 from pipeline.simulation.locomotion.idle import gather_idlers
@@ -45,8 +45,8 @@ class Walkers:
     """All creatures on legs: their state, and how it advances.
 
     Attributes of the state:
-        phase: (C,) of the gait, whole cycles counted.
-        travelled: (C,) way gone [m].
+        gone: (2, C) way gone [m], and phase of the gait, whole cycles counted.
+        going: (2, C) by how much both grew in the last step.
         drive: (C,) part of the asked speed at which it goes; 0 once halted.
         halted: (C,) whether it found no foothold.
         start, end, height: of each leg's swing, (L, 3), (L, 3), (L,) [m]; a leg that
@@ -63,16 +63,16 @@ class Walkers:
     ) -> None:
         self.world = world
         self.herd = herd = gather(cast)
-        self.path = BodyPath(herd, world.ground)
-        self.footholds = Footholds(herd, world.ground, self.path)
+        path = BodyPath(herd, world.ground)
+        self.ahead = Ahead(path)
+        self.footholds = Footholds(herd, world.ground, path)
         self.idlers = gather_idlers(herd.names, herd.figures, world.seed)
         self.table = NodeTable.of(herd, self.idlers)
         self.inventory = describe(herd, self.idlers, self.table, materials, world.clock.rows)
         self._mass = leg_mass(herd)
         self._foot_materials = foot_materials(herd, materials)
         creatures, legs = len(herd.names), len(herd.owner)
-        self.phase = np.zeros(creatures)
-        self.travelled = np.zeros(creatures)
+        self.gone, self.going = np.zeros((2, creatures)), np.zeros((2, creatures))
         self.drive = np.where(herd.walks, 1.0, 0.0)
         self.halted = np.zeros(creatures, dtype=bool)
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
@@ -87,13 +87,25 @@ class Walkers:
         self._place_bodies()
         self._place_legs(0, most=200)
 
+    @property
+    def travelled(self) -> Array:
+        """(C,) way gone since the start [m]."""
+        result: Array = self.gone[0]
+        return result
+
+    @property
+    def phase(self) -> Array:
+        """(C,) phases of the gaits, whole cycles counted."""
+        result: Array = self.gone[1]
+        return result
+
     # --- the passes of the step -------------------------------------------------
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         self._contacts.clear()
         self._notes.clear()
-        before = self.phase.copy()
+        before = self.phase
         self._go_on(step)
         self._take_steps(step, before)
         self._place_bodies()
@@ -123,14 +135,13 @@ class Walkers:
         """Put every foot where it would be if the creature had come walking."""
         self.travel_time = 0.0
         herd = self.herd
-        swings = np.mod(herd.down - herd.up, 1.0)
         into = np.mod(-herd.up, 1.0)  # how far the cycle has gone since its last foot-up
         for leg in range(len(herd.owner)):
             walks = herd.walks[herd.owner[leg]]
-            in_air = walks and into[leg] < swings[leg]
+            in_air = walks and into[leg] < herd.swings[leg]
             # Where it stands now, or stood before the swing that it is in.
-            down = -into[leg] + swings[leg] - (1.0 if in_air else 0.0)
-            place = self.footholds.first(leg, down if walks else -0.5 * (1.0 - swings[leg]))
+            down = -into[leg] + herd.swings[leg] - (1.0 if in_air else 0.0)
+            place = self.footholds.first(leg, down if walks else -0.5 * (1.0 - herd.swings[leg]))
             if place is None:
                 raise SimulationError(self._no_ground(leg))
             self.start[leg] = self.end[leg] = place.tip
@@ -162,15 +173,15 @@ class Walkers:
         # The phase of a halted creature goes on until its last foot is down.
         airborne = np.bincount(herd.owner[self.swinging], minlength=len(herd.names)) > 0
         stepping = herd.walks & (~self.halted | airborne)
-        advance = np.where(stepping, dt / herd.cycle, 0.0)
-        self.phase = self.phase + advance
-        self.travelled = self.travelled + dt / herd.cycle * herd.stride * self.drive
+        cycles = dt / herd.cycle
+        self.going = np.stack([cycles * herd.stride * self.drive, np.where(stepping, cycles, 0.0)])
+        self.gone = self.gone + self.going
 
     def _take_steps(self, step: int, before: Array) -> None:
         """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""
         herd = self.herd
         phase, base = self.phase[herd.owner], before[herd.owner]
-        down_at = self.lifted + np.mod(herd.down - herd.up, 1.0)
+        down_at = self.lifted + herd.swings
         for leg in np.flatnonzero(self.swinging & (down_at <= phase)):
             span = phase[leg] - base[leg]
             self._touch(step, int(leg), float((down_at[leg] - base[leg]) / span))
@@ -205,7 +216,7 @@ class Walkers:
         herd, owner = self.herd, int(self.herd.owner[leg])
         self.swinging[leg] = False
         hold = self.holds[leg]
-        time = herd.cycle[owner] * float(np.mod(herd.down[leg] - herd.up[leg], 1.0))
+        time = herd.cycle[owner] * float(herd.swings[leg])
         speed = approach_speed(self.start[leg], hold.tip, self.height[leg], hold.normal, time)
         self._contacts.append(
             Contact(
@@ -227,8 +238,8 @@ class Walkers:
     def _place_bodies(self) -> None:
         """Bring the bodies to their poses, as low as their feet need them."""
         herd = self.herd
-        everyone = np.arange(len(herd.names))
-        self.R_WB, self.p_WB = self.path.pose(everyone, self.travelled, self.phase)
+        self.R_WB, p_WB = self.ahead.poses(self.gone, self.going)
+        self.p_WB = p_WB.copy()
         s = self._swung()
         self.tips = swing(self.start, self.end, self.height, s)
         self.p_WB[:, 1] -= self._stooped(s)
@@ -245,9 +256,8 @@ class Walkers:
     def _swung(self) -> Array:
         """Return the part of its swing that each foot has done (L,); 1 where it stands."""
         herd = self.herd
-        part = np.mod(herd.down - herd.up, 1.0)
-        s = np.clip((self.phase[herd.owner] - self.lifted) / part, 0.0, 1.0)
-        return np.where(self.swinging, s, 1.0)
+        s = (self.phase[herd.owner] - self.lifted) / herd.swings
+        return np.where(self.swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
 
     def _stooped(self, s: Array) -> Array:
         """Return how far the bodies are lowered (C,) for their feet's footholds [m].

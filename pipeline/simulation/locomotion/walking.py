@@ -46,7 +46,7 @@ class Walkers:
 
     Attributes of the state:
         gone: (2, C) way gone [m], and phase of the gait, whole cycles counted.
-        going: (2, C) by how much both grew in the last step.
+        going: (2, C) by how much both grow in a step.
         drive: (C,) part of the asked speed at which it goes; 0 once halted.
         halted: (C,) whether it found no foothold.
         start, end, height: of each leg's swing, (L, 3), (L, 3), (L,) [m]; a leg that
@@ -72,7 +72,7 @@ class Walkers:
         self._mass = leg_mass(herd)
         self._foot_materials = foot_materials(herd, materials)
         creatures, legs = len(herd.names), len(herd.owner)
-        self.gone, self.going = np.zeros((2, creatures)), np.zeros((2, creatures))
+        self.gone, self.going = np.zeros((2, creatures)), self._full_pace()
         self.drive = np.where(herd.walks, 1.0, 0.0)
         self.halted = np.zeros(creatures, dtype=bool)
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
@@ -162,20 +162,26 @@ class Walkers:
     # --- one step ---------------------------------------------------------------
 
     def _go_on(self, step: int) -> None:
-        """Advance phases and ways; a halted creature comes to rest on its feet."""
-        dt = self.world.clock.dt
-        self.travel_time = (step + 1) * dt
-        herd = self.herd
+        """Advance ways and phases."""
+        self.travel_time = (step + 1) * self.world.clock.dt
         if self.halted.any():
-            self.drive = np.where(
-                self.halted, np.maximum(self.drive - dt / BRAKING, 0.0), self.drive
-            )
-        # The phase of a halted creature goes on until its last foot is down.
-        airborne = np.bincount(herd.owner[self.swinging], minlength=len(herd.names)) > 0
-        stepping = herd.walks & (~self.halted | airborne)
-        cycles = dt / herd.cycle
-        self.going = np.stack([cycles * herd.stride * self.drive, np.where(stepping, cycles, 0.0)])
+            self._brake()
         self.gone = self.gone + self.going
+
+    def _brake(self) -> None:
+        """Let creatures that halted come to rest on their feet."""
+        herd, dt = self.herd, self.world.clock.dt
+        slower = np.maximum(self.drive - dt / BRAKING, 0.0)
+        self.drive = np.where(self.halted, slower, self.drive)
+        # The phase goes on until the last foot is down.
+        airborne = np.bincount(herd.owner[self.swinging], minlength=len(herd.names)) > 0
+        self.going = self._full_pace() * [self.drive, ~self.halted | airborne]
+
+    def _full_pace(self) -> Array:
+        """Return by how much way and phase grow in a step (2, C) while nobody halts."""
+        herd = self.herd
+        cycles = self.world.clock.dt / herd.cycle
+        return np.stack([cycles * herd.stride, np.where(herd.walks, cycles, 0.0)])
 
     def _take_steps(self, step: int, before: Array) -> None:
         """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""

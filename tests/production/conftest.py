@@ -115,10 +115,17 @@ class Studio:
 
 
 @pytest.fixture(scope="session")
-def film(tmp_path_factory: pytest.TempPathFactory) -> Studio:
-    """Return a finished tiny film, which nobody may change."""
-    studio = Studio(tmp_path_factory.mktemp("film"))
+def unmade(tmp_path_factory: pytest.TempPathFactory) -> Studio:
+    """Return a studio with a scene and no film, which nobody may change."""
+    studio = Studio(tmp_path_factory.mktemp("unmade"))
     studio.scene.write_text(TINY, encoding="utf-8")
+    return studio
+
+
+@pytest.fixture(scope="session")
+def film(unmade: Studio, tmp_path_factory: pytest.TempPathFactory) -> Studio:
+    """Return a finished tiny film, which nobody may change."""
+    studio = unmade.copied(tmp_path_factory.mktemp("film") / "studio")
     studio.render()
     return studio
 
@@ -130,8 +137,8 @@ def studio(film: Studio, tmp_path: Path) -> Studio:
 
 
 @pytest.fixture(scope="session")
-def take(film: Studio) -> Take:
-    return simulate(film.load())
+def take(unmade: Studio) -> Take:
+    return simulate(unmade.load())
 
 
 @pytest.fixture(scope="session")

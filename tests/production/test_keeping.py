@@ -19,6 +19,9 @@ from pipeline.simulation.take_store import read_take
 if TYPE_CHECKING:
     from tests.production.conftest import Studio
 
+SLOW = pytest.mark.slow
+"""Further cases of one kind."""
+
 ALL = {f"frames/{f:04d}.png" for f in range(1, 9)}
 FILM = {"tiny.mp4", "manifest.json"}
 
@@ -59,8 +62,8 @@ def test_scoring_and_simulating_what_is_made_changes_nothing(studio: Studio) -> 
         # The listener goes with the camera, so the score is another one too.
         ("camera.distance=9", {*ALL, "tiny.mid", "tiny.wav", *FILM}),
         ("materials.ground.color='#804020'", {*ALL, *FILM}),
-        ("light.preset=noon", {*ALL, *FILM}),
-        ("film.exposure=1", {*ALL, *FILM}),
+        pytest.param("light.preset=noon", {*ALL, *FILM}, marks=SLOW),
+        pytest.param("film.exposure=1", {*ALL, *FILM}, marks=SLOW),
     ],
 )
 def test_a_changed_word_makes_again_what_hangs_on_it(
@@ -71,6 +74,7 @@ def test_a_changed_word_makes_again_what_hangs_on_it(
     assert studio.changes(before) == due
 
 
+@SLOW
 def test_changed_words_taken_back_give_the_same_film(studio: Studio, film: Studio) -> None:
     studio.render("camera.distance=9")
     assert studio.contents() != film.contents()
@@ -87,18 +91,18 @@ def test_a_changed_walk_is_simulated_again(studio: Studio) -> None:
     assert {f"frames/{f:04d}.png" for f in range(2, 9)} <= changes
 
 
-def test_simulating_is_due_only_for_words_that_the_simulation_reads(film: Studio) -> None:
+def test_simulating_is_due_only_for_words_that_the_simulation_reads(unmade: Studio) -> None:
     same = ["camera.view=top", "sound.volume_db=3", "light.preset=noon", "film.samples=4"]
     same += ["materials.ground.color='#804020'"]
     other = ["seed=4", "fps=25", "terrain.cells=[9,9]", "cast.bug.walk.speed=0.8", "steps=8"]
-    key = take_key(film.load())
-    assert [word for word in same if take_key(film.load(word)) != key] == []
-    assert [word for word in other if take_key(film.load(word)) == key] == []
+    key = take_key(unmade.load())
+    assert [word for word in same if take_key(unmade.load(word)) != key] == []
+    assert [word for word in other if take_key(unmade.load(word)) == key] == []
 
 
-def test_a_frames_key_follows_what_the_renderer_is_given(film: Studio, take: Take) -> None:
+def test_a_frames_key_follows_what_the_renderer_is_given(unmade: Studio, take: Take) -> None:
     def keys(*sets: str, extra: str = "llvm") -> list[str]:
-        shooting = Shooting(film.load(*sets), take)
+        shooting = Shooting(unmade.load(*sets), take)
         return [frame_key(shooting, frame, extra) for frame in range(1, 9)]
 
     own = keys()
@@ -116,7 +120,9 @@ def test_a_frames_key_follows_what_the_renderer_is_given(film: Studio, take: Tak
         assert set(own).isdisjoint(other)
 
 
-@pytest.mark.parametrize("harm", ["deleted", "truncated", "emptied", "overwritten"])
+@pytest.mark.parametrize(
+    "harm", ["truncated", *(pytest.param(h, marks=SLOW) for h in ("deleted", "emptied", "torn"))]
+)
 def test_one_harmed_frame_is_made_again_alone(studio: Studio, film: Studio, harm: str) -> None:
     before = studio.state()
     frame = studio.frame(4)
@@ -124,7 +130,7 @@ def test_one_harmed_frame_is_made_again_alone(studio: Studio, film: Studio, harm
     if harm == "deleted":
         frame.unlink()
     else:
-        left = {"truncated": data[: len(data) // 2], "emptied": b"", "overwritten": b"\xff" * 999}
+        left = {"truncated": data[: len(data) // 2], "emptied": b"", "torn": b"\xff" * 999}
         frame.write_bytes(left[harm])
     studio.render()
     # Its pixels are the same, and so is the film.
@@ -132,7 +138,10 @@ def test_one_harmed_frame_is_made_again_alone(studio: Studio, film: Studio, harm
     assert studio.contents() == film.contents()
 
 
-@pytest.mark.parametrize("name", ["tiny.mid", "tiny.wav", "events.jsonl", "tiny.mp4"])
+@pytest.mark.parametrize(
+    "name",
+    ["tiny.mp4", *(pytest.param(n, marks=SLOW) for n in ("tiny.mid", "tiny.wav", "events.jsonl"))],
+)
 def test_a_deleted_output_is_made_again_alone(studio: Studio, film: Studio, name: str) -> None:
     before = studio.state()
     (studio.made / name).unlink()
@@ -187,9 +196,6 @@ def _attributes(value: object) -> Callable[[Path], None]:
         (take / "zarr.json").write_text(json.dumps(words), encoding="utf-8")
 
     return harm
-
-
-SLOW = pytest.mark.slow  # They are many, and each is simulated again.
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from pipeline.spec.mirror import Mirror, faults_of_mirror, mirrored
 from pipeline.spec.nearest import hint
 from pipeline.spec.values import Length, Name, Number, Point, Words
 
-PartKind = Literal["leg", "head", "tail", "feeler"]
+PartKind = Literal["leg", "arm", "head", "tail", "feeler"]
 Operation = Mirror
 
 

@@ -28,6 +28,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "black fur": {"color": "#1d1917", "roughness": 0.7},
     "feathers": {"color": "#2b2725", "roughness": 0.8},
     "horn": {"color": "#3a322a", "roughness": 0.45, "clearcoat": 0.2},
+    "leather": {"color": "#4a2f1f", "roughness": 0.5, "clearcoat": 0.1},
     "red cloth": {"color": "#9c2f2b", "roughness": 0.95},
     "blue cloth": {"color": "#2c4a73", "roughness": 0.95},
     "eye": {"color": "#08080a", "roughness": 0.08, "clearcoat": 1.0},

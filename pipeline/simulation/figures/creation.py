@@ -16,11 +16,11 @@ import math
 import numpy as np
 
 from pipeline.simulation.figures.drawing import Drawing
-from pipeline.simulation.figures.network import Anatomy, Appendage
+from pipeline.simulation.figures.network import ARM, LEG, Anatomy, Appendage
 from pipeline.simulation.spatial import Array, rotation
 from pipeline.spec.figure import Figure as Words
 
-FOLDED = ("leg", "arm")
+FOLDED = (LEG, ARM)
 """Kinds of appendage that a mammal has folded down."""
 
 SIDEWAYS = np.array([0.0, 0.0, 1.0])
@@ -33,7 +33,7 @@ def create(words: Words, drawing: Drawing, anatomy: Anatomy, scale: float) -> Ar
     Its origin is the middle of the nodes that carry legs, or of the body.
     """
     points: Array = drawing.creation() * scale
-    carried = [a.nodes[0] for a in anatomy.of_kind("leg")] or list(anatomy.body)
+    carried = [a.nodes[0] for a in anatomy.of_kind(LEG)] or list(anatomy.body)
     points = points - points[sorted(set(carried))].mean(axis=0)
     if words.style == "insect":
         return points

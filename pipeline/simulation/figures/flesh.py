@@ -10,9 +10,12 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.network import FEELER, HEAD, LEG
 from pipeline.simulation.figures.skeleton import Link
 from pipeline.simulation.figures.solids import Solid, ball, link_solid
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, normalized
 
 EYE_MATERIAL = "eye"
+
+EYES = (0.20, 0.34)
+"""Size of eyes beside a long head and on a round one, as a part of its girth."""
 
 SWELLING = {LEG: 0.22, FEELER: 0.0}
 """How much thicker than a cone a link is; what is not named swells a little."""
@@ -66,14 +69,23 @@ def _eyes(number: int, link: Link) -> list[Piece]:
     """
     span = link.ends[1] - link.ends[0]
     length = float(np.linalg.norm(span))
-    part = 1.0 if length < 1.6 * sum(link.radii) else 0.3
+    look, part = _look(span / length, length < 1.6 * sum(link.radii))
     girth = link.radii[0] + (link.radii[1] - link.radii[0]) * part
     middle = link.ends[0] + part * span
-    ahead = 0.50 if part == 1.0 else 0.0
     pieces = []
     for side, sign in (("l", -1.0), ("r", 1.0)):
-        direction: Array = np.array([ahead, 0.42, sign * 0.74]) / np.hypot(0.42, 0.74)
-        centre = middle + 0.92 * girth * direction
-        radius = (0.36 if part == 1.0 else 0.2) * girth
+        direction = normalized(look * [1.0, 1.0, sign])
+        centre = middle + 0.94 * girth * direction
+        radius = EYES[part == 1.0] * girth
         pieces.append(Piece(f"head.eye_{side}", number, ball(centre, radius), EYE_MATERIAL, girth))
     return pieces
+
+
+def _look(along: Array, is_round: bool) -> tuple[Array, float]:
+    """Return where the right eye of a head looks, and at what part of its last link it is."""
+    if abs(along[1]) > 0.8:
+        # A face on an upright head looks forward.
+        return np.array([0.80, 0.12, 0.36]), 1.0
+    if is_round:
+        return np.array([0.50, 0.42, 0.74]), 1.0
+    return np.array([0.0, 0.42, 0.74]), 0.3

@@ -21,7 +21,7 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.drawing import Drawing
 
-LEG, HEAD, TAIL, FEELER = "leg", "head", "tail", "feeler"
+LEG, ARM, HEAD, TAIL, FEELER = "leg", "arm", "head", "tail", "feeler"
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,7 +158,7 @@ def _sort(
         kinds[back] = TAIL
 
     def order(chain: tuple[int, ...]) -> tuple[int, bool, float, float]:
-        rank = (LEG, HEAD, TAIL, FEELER).index(kinds[chain])
+        rank = (LEG, ARM, HEAD, TAIL, FEELER).index(kinds[chain])
         x, y = drawing.places[list(chain)].mean(axis=0)
         return rank, bool(x > 0), float(drawing.places[chain[0]][1]), float(y)
 

@@ -19,12 +19,16 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.adjust import adjusted_joints
 from pipeline.simulation.figures.creation import FOLDED, SIDEWAYS
 from pipeline.simulation.figures.drawing import Drawing
-from pipeline.simulation.figures.network import FEELER, LEG, Anatomy, Appendage
+from pipeline.simulation.figures.network import ARM, FEELER, LEG, Anatomy, Appendage
 from pipeline.simulation.figures.stance import Stance, insect_stance, mammal_stance
 from pipeline.simulation.spatial import UP, Array, normalized
 from pipeline.spec.figure import Figure as Words
 
 FORWARD = np.array([1.0, 0.0, 0.0])
+
+UPRIGHT = 0.9
+"""Beyond this rise (the sine of its elevation) a limb stands or hangs: nothing in the
+plane of the drawing is across it."""
 
 BODY = -1
 """In place of a joint: the body, which no joint moves."""
@@ -198,8 +202,8 @@ def _named(anatomy: Anatomy, points: Array) -> list[tuple[str, str, Appendage]]:
         counts[key] = counts.get(key, 0) + 1
         if appendage.kind == LEG:
             name = f"{side}{counts[key]}"
-        elif appendage.kind == FEELER:
-            name = f"feeler_{side}{counts[key]}"
+        elif appendage.kind in (ARM, FEELER):
+            name = f"{appendage.kind}_{side}{counts[key]}"
         else:
             name = appendage.kind if counts[key] == 1 else f"{appendage.kind}{counts[key]}"
         named.append((name, side, appendage))
@@ -223,7 +227,7 @@ def _add_limb(
     joints, links = list[int](), list[int]()
     folded = builder.style == "mammal" and appendage.kind in FOLDED
     if builder.style == "mammal":
-        stances = mammal_stance(appendage.kind, _bends(directions))
+        stances = mammal_stance(appendage.kind, steps)
     else:
         stances = insect_stance(appendage.kind, len(steps))
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
@@ -231,14 +235,18 @@ def _add_limb(
         along = directions[i] if i == 0 else normalized(directions[i - 1] + directions[i])
         across = normalized(np.cross(along, UP))
         axes = {"yaw": UP, "pitch": across, "roll": along, "bend": across}
-        if folded:
+        if folded or abs(along[1]) > UPRIGHT:
             axes = {"yaw": UP, "pitch": SIDEWAYS, "roll": FORWARD, "bend": SIDEWAYS}
         for turn, stance in stances[i].items():
             joint_name = f"{name}.{'base' if i == 0 else f'joint{i}'}_{turn}"
             parent = builder.joint(joint_name, parent, axes[turn], points[node], stance)
             joints.append(parent)
         # At its root an appendage is no thicker than where it goes on.
-        root = min(float(radii[node]), float(radii[after]) * 1.35) if i == 0 else radii[node]
+        # Where the material changes it is thicker than the end of the link before, so that
+        # the two meet in a clean line.
+        changes = materials[after] != materials[node]
+        girth = (1.12 if changes else 1.0) * float(radii[node])
+        root = min(float(radii[node]), float(radii[after]) * 1.35) if i == 0 else girth
         builder.links.append(
             Link(
                 f"{name}.{i + 1}",
@@ -266,14 +274,6 @@ def _add_limb(
             length,
         )
     )
-
-
-def _bends(directions: Array) -> list[float]:
-    """Return how far each link of a folded limb turns forward from the one before [rad]."""
-    before, after = directions[:-1], directions[1:]
-    sines = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    cosines = (before * after).sum(axis=-1)
-    return [math.atan2(s, c) for s, c in zip(sines, cosines, strict=True)]
 
 
 def volume(link: Link) -> float:

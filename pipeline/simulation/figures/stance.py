@@ -14,9 +14,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pipeline.simulation.figures.network import FEELER, HEAD, LEG, TAIL
+import numpy as np
 
-ARM = "arm"
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
+from pipeline.simulation.spatial import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,26 +110,32 @@ def leg_elevations(links: int) -> list[float]:
     return [LEG_RISE_DEG] + [second + step * i for i in range(links - 1)]
 
 
-def mammal_stance(kind: str, bends: Sequence[float]) -> list[dict[str, Stance]]:
+def mammal_stance(kind: str, steps: Array) -> list[dict[str, Stance]]:
     """Return, for each node of a mammal's appendage but its tip, its joints in their order.
 
     Args:
         kind: leg, arm, head, tail or feeler.
-        bends: of its inner joints as drawn, positive where the limb turns forward [rad].
+        steps: (n, 3) its links in the creation frame, from base to tip [m].
     """
     if kind not in SLACK_DEG:
-        return _spread(kind, len(bends) + 1)
-    base = {
-        "pitch": degrees(-75, 75, 0) if kind == LEG else degrees(-80, 170, 4),
-        "roll": degrees(-40, 40, 0) if kind == LEG else degrees(-100, 100, 0),
-        "yaw": degrees(-45, 45, 0) if kind == LEG else degrees(-80, 80, 0),
-    }
-    inner = [{"bend": _drawn_bend(kind, math.degrees(bend))} for bend in bends]
-    if inner and all(abs(math.degrees(bend)) < STRAIGHT_DEG for bend in bends):
-        # The bend of the first joint is half taken back at the root, so that the foot
-        # stays under the hip.
-        base["pitch"] = degrees(-75, 75, -SLACK_DEG[kind] / 2)
-    return [base, *inner]
+        return _spread(kind, len(steps))
+    # In the plane in which the limb swings: forward, and down.
+    angles = np.unwrap(np.arctan2(steps[:, 0], -steps[:, 1]))
+    inner = [_drawn_bend(kind, math.degrees(bend)) for bend in np.diff(angles)]
+    if kind == ARM:
+        base = {"pitch": degrees(-80, 170, 4), "roll": degrees(-100, 100, 0)}
+        base["yaw"] = degrees(-80, 80, 0)
+    else:
+        base = {"pitch": degrees(-85, 85, math.degrees(_under_the_hip(steps, angles, inner)))}
+        base |= {"roll": degrees(-40, 40, 0), "yaw": degrees(-45, 45, 0)}
+    return [base, *({"bend": stance} for stance in inner)]
+
+
+def _under_the_hip(steps: Array, angles: Array, inner: Sequence[Stance]) -> float:
+    """Return the pitch of a hip that brings the foot under it, its leg being at rest [rad]."""
+    turned = angles + np.cumsum([0.0, *(stance.preferred for stance in inner)])
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    return -math.atan2(float(lengths @ np.sin(turned)), float(lengths @ np.cos(turned)))
 
 
 def _drawn_bend(kind: str, bend: float) -> Stance:

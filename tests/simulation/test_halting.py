@@ -26,7 +26,7 @@ def test_at_the_edge_of_the_world(
     member = (
         f"{{figure: beetle, scale: 0.6, at: {at}, heading_deg: {heading}, walk: {{gait: {gait}}}}}"
     )
-    walk = walk_through(scene_of(member, terrain="{kind: flat, size: [9, 9]}", duration=12))
+    walk = walk_through(scene_of(member, terrain="{kind: flat, size: [9, 9]}", duration=9))
     assert [note.kind for note in walk.take.notes] == ["stopped"]
     _is_at_rest(walk)
     assert walk.simulation.world.ground.field.inside(walk.tips[..., 0], walk.tips[..., 2]).all()

@@ -29,9 +29,16 @@ def take(scene_of: Callable[..., Scene]) -> Take:
     return simulate(scene, key="a key")
 
 
+@pytest.fixture(scope="module")
+def written(take: Take, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("takes") / "take"
+    write_take(take, path)
+    return path
+
+
 @pytest.fixture
-def stored(take: Take, tmp_path: Path) -> Path:
-    write_take(take, tmp_path / "take")
+def stored(written: Path, tmp_path: Path) -> Path:
+    shutil.copytree(written, tmp_path / "take")
     return tmp_path / "take"
 
 

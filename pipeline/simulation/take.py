@@ -271,9 +271,15 @@ class Take:
             yield name, getattr(self, name)
         for name in ("vertices", "faces", "forbidden"):
             yield f"terrain/{name}", getattr(self.terrain, name)
-        for i, mesh in enumerate(self.meshes):
-            for f in fields(mesh):
-                yield f"meshes/{i}/{f.name}", getattr(mesh, f.name)
+        # Meshes one after the other: a handful of arrays, however many there are.
+        for f in fields(Mesh):
+            values = [getattr(mesh, f.name) for mesh in self.meshes]
+            yield f"meshes/{f.name}", np.concatenate(values) if values else np.zeros((0, 2))
+
+    @property
+    def mesh_sizes(self) -> list[list[int]]:
+        """Rows that each mesh has in each of its arrays."""
+        return [[len(getattr(mesh, f.name)) for f in fields(Mesh)] for mesh in self.meshes]
 
     def tables(self) -> dict[str, list[list[Any]]]:
         """Return everything that is no array as rows of plain values."""
@@ -292,6 +298,7 @@ class Take:
             "tables": self.tables(),
             "scaled": self.scaled,
             "terrain": [self.terrain.cells, self.terrain.material],
+            "meshes": self.mesh_sizes,
         }
         state.update(json.dumps(words, sort_keys=True).encode())
         for name, values in self.arrays():

@@ -59,7 +59,7 @@ def write_take(take: Take, path: Path) -> None:
             "columns": {name: list(row.__dataclass_fields__) for name, row in ROWS.items()},
             "scaled": list(take.scaled),
             "terrain": {"cells": list(take.terrain.cells), "material": take.terrain.material},
-            "meshes": len(take.meshes),
+            "meshes": take.mesh_sizes,
             "digest": take.digest,
         }
         group.attrs.update(words)
@@ -120,9 +120,8 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
     return Take(
         header=Header.from_dict(plain["header"]),
         scaled=tuple(plain["scaled"]),
-        meshes=tuple(
-            Mesh(**{name: array(f"meshes/{i}/{name}") for name in Mesh.__dataclass_fields__})
-            for i in range(plain["meshes"])
+        meshes=_meshes(
+            {name: array(f"meshes/{name}") for name in Mesh.__dataclass_fields__}, plain["meshes"]
         ),
         terrain=TerrainRecord(
             array("terrain/vertices"),
@@ -133,6 +132,18 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
         ),
         **rows,
         **tables,
+    )
+
+
+def _meshes(joined: dict[str, NDArray[Any]], sizes: list[list[int]]) -> tuple[Mesh, ...]:
+    """Take apart the arrays in which meshes stand one after the other."""
+    ends = np.cumsum(np.array(sizes, dtype=np.int64).reshape(len(sizes), len(joined)), axis=0)
+    pieces = [
+        np.split(values, ends[:-1, k]) if len(sizes) else []
+        for k, values in enumerate(joined.values())
+    ]
+    return tuple(
+        Mesh(**dict(zip(joined, arrays, strict=True))) for arrays in zip(*pieces, strict=True)
     )
 
 

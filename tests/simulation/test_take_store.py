@@ -85,7 +85,7 @@ def _chunks(stored: Path, array: str) -> list[Path]:
     return sorted(p for p in (stored / array / "c").rglob("*") if p.is_file())
 
 
-@pytest.mark.parametrize("array", ["positions", "rotations", "terrain/vertices", "meshes/0/faces"])
+@pytest.mark.parametrize("array", ["positions", "rotations", "terrain/vertices", "meshes/faces"])
 def test_a_lost_chunk_is_noticed(stored: Path, array: str) -> None:
     _chunks(stored, array)[-1].unlink()
     with pytest.raises(StoreError, match="take"):

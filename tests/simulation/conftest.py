@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.figures.skeleton import BODY, Link, Skeleton
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
@@ -170,3 +172,54 @@ def beetle() -> Figure:
     """The shipped beetle, as it is drawn."""
     scene = read_scene("pronk: 1\nduration: 1\ncast: [{figure: beetle}]\n")
     return build_figure("beetle", scene.figures["beetle"], 1.0)
+
+
+def random_skeleton(chance: np.random.Generator, joints: int) -> Skeleton:
+    """Return a tree of joints of both kinds, each with a link of its own."""
+    parents = np.array([int(chance.integers(-1, j)) for j in range(joints)], dtype=np.int64)
+    axes = chance.normal(size=(joints, 3))
+    # Some axes are those that people draw, so that parallel and crossing ones occur.
+    square = chance.random(joints) < 0.4
+    axes[square] = np.eye(3)[chance.integers(0, 3, int(square.sum()))]
+    axes /= np.linalg.norm(axes, axis=-1, keepdims=True)
+    places = chance.uniform(-1, 1, (joints, 3))
+    for j in np.flatnonzero(chance.random(joints) < 0.3):
+        if parents[j] != BODY:
+            places[j] = places[parents[j]]  # two joints of a ball
+    ends = np.stack([places, places + chance.uniform(-1, 1, (joints, 3))], axis=1)
+    body = Link("body", "body", BODY, np.zeros((2, 3)), (0.1, 0.1), "", False)
+    links = [
+        Link(f"link{j}", "leg", j, ends[j], (0.1, 0.1), "", j not in parents) for j in range(joints)
+    ]
+    return Skeleton(
+        joint_names=tuple(f"joint{j}" for j in range(joints)),
+        parents=parents,
+        axes=axes,
+        places=places,
+        prismatic=chance.random(joints) < 0.3,
+        lower=np.full(joints, -1.5),
+        upper=np.full(joints, 1.5),
+        preferred=np.full(joints, 0.2),
+        extended=np.zeros(joints),
+        links=(body, *links),
+        limbs=(),
+    )
+
+
+@pytest.fixture(name="random_skeleton", scope="session")
+def _random_skeleton() -> Callable[[np.random.Generator, int], Skeleton]:
+    """Make skeletons that nobody drew."""
+    return random_skeleton
+
+
+SHIPPED = sorted(
+    path.stem for path in (Path(__file__).parents[2] / "scenes/figures").glob("*.yaml")
+)
+
+
+@pytest.fixture(scope="session", params=SHIPPED)
+def shipped(request: pytest.FixtureRequest) -> Figure:
+    """Each figure of the library in turn."""
+    name = request.param
+    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{{figure: {name}}}]\n")
+    return build_figure(name, scene.figures[name], 1.0)

@@ -1,8 +1,8 @@
 """Kinematics: joint values -> poses of links; Jacobians of limbs. Batched over creatures.
 
 A joint's frame is its parent's, moved to its place and turned about its axis by its
-value. At value zero all frames are parallel to the creation frame, so a joint's place
-relative to its parent is the difference of their places there.
+value, or slid along it. At value zero all frames are parallel to the creation frame, so a
+joint's place relative to its parent is the difference of their places there.
 
 Source: Sims 1987, 5.4.
 """
@@ -10,7 +10,7 @@ Source: Sims 1987, 5.4.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +21,9 @@ from pipeline.simulation.spatial import Array, cross, cross_matrix, turn
 
 ONE = np.eye(3)
 
+Rows = NDArray[np.bool_] | NDArray[np.int64]
+"""Which limbs of a batch: a mask (L,) or their numbers."""
+
 
 @dataclass(frozen=True, eq=False)
 class Hinges:
@@ -28,21 +31,24 @@ class Hinges:
 
     The frame of a joint in its parent's is a translation by its offset, then a rotation
     R = 1 + sin θ K + (1 - cos θ) K², K being the cross-product matrix of the axis: linear
-    in sin θ and cos θ. It stands for the stored Q of Sims 1987, A.3.
+    in sin θ and cos θ. It stands for the stored Q of Sims 1987, A.3. A prismatic joint
+    is translated along its axis instead, which is linear in the value itself.
 
     Attributes:
-        axes: (..., n, 3) unit axes in the creation frame; zero for joints that do not turn.
+        axes: (..., n, 3) unit axes in the creation frame; zero for joints that do not move.
         offsets: (..., n, 3) from the joint before [m].
+        prismatic: (..., n) whether they slide.
     """
 
     axes: Array
     offsets: Array
+    prismatic: NDArray[np.bool_]
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array]:
         """Constant term, and those of sine and cosine, (..., n, 4, 4) each."""
         constant, sine, cosine = np.zeros((3, *self.axes.shape[:-1], 4, 4))
-        K = cross_matrix(self.axes)
+        K = cross_matrix(np.where(self.prismatic[..., None], 0.0, self.axes))
         constant[..., :3, :3] = ONE + K @ K
         constant[..., :3, 3] = self.offsets
         constant[..., 3, 3] = 1.0
@@ -50,12 +56,19 @@ class Hinges:
         cosine[..., :3, :3] = -K @ K
         return constant, sine, cosine
 
+    @cached_property
+    def _slides(self) -> Array | None:
+        """Axes (..., n, 3) of the joints that slide, zero for the others; None if none does."""
+        return self.axes * self.prismatic[..., None] if self.prismatic.any() else None
+
     def __call__(self, values: Array) -> Array:
-        """Return the frames (..., n, 4, 4) in those before, for joint values (..., n) [rad]."""
+        """Return the frames (..., n, 4, 4) in those before, for values (..., n) [rad or m]."""
         constant, sine, cosine = self._terms
         result: Array = np.sin(values)[..., None, None] * sine
         result += np.cos(values)[..., None, None] * cosine
         result += constant
+        if self._slides is not None:
+            result[..., :3, 3] += values[..., None] * self._slides
         return result
 
 
@@ -67,17 +80,27 @@ class Tree:
         parents: (J,) number of the joint before each, `BODY` for joints on a body.
         axes: (J, 3) unit axes in the creation frame.
         places: (J, 3) positions in the creation frame [m].
+        prismatic: (J,) whether they slide along their axes instead of turning about them.
     """
 
     parents: NDArray[np.int64]
     axes: Array
     places: Array
+    prismatic: NDArray[np.bool_]
+
+    @staticmethod
+    def of(skeleton: Skeleton) -> Tree:
+        """Take the joints of a skeleton."""
+        return Tree(skeleton.parents, skeleton.axes, skeleton.places, skeleton.prismatic)
 
     @cached_property
     def _depth(self) -> NDArray[np.int64]:
         depth = np.zeros(len(self.parents), dtype=np.int64)
-        for j, parent in enumerate(self.parents):
-            depth[j] = 0 if parent == BODY else depth[parent] + 1
+        above = self.parents
+        # Not joint by joint: after a change of base a parent may have the higher number.
+        while (inner := above != BODY).any():
+            depth += inner
+            above = np.where(inner, self.parents[above], BODY)
         return depth
 
     @cached_property
@@ -91,7 +114,7 @@ class Tree:
         """The joints by distance from the body, each in the frame of its parent."""
         origins = np.where((self.parents == BODY)[:, None], 0.0, self.places[self.parents])
         order, _ = self._order
-        return Hinges(self.axes[order], (self.places - origins)[order])
+        return Hinges(self.axes[order], (self.places - origins)[order], self.prismatic[order])
 
     @cached_property
     def _levels(self) -> list[tuple[slice, NDArray[np.int64]]]:
@@ -106,7 +129,7 @@ class Tree:
         """Return the frames X_BJ (..., J, 4, 4) of all joints relative to the body.
 
         Args:
-            q: (..., J) joint values [rad].
+            q: (..., J) joint values [rad or m].
         """
         order, place = self._order
         X = self._hinges(q[..., order])
@@ -121,16 +144,26 @@ class LimbPose:
     """Limbs at certain joint values, and all that follows from them.
 
     Attributes:
-        q: (L, n) joint values [rad].
+        q: (L, n) joint values [rad or m].
         X_BJ: (L, n, 4, 4) frames of the joints relative to the body.
         tips: (L, 3) p_BF [m].
-        jacobian: (L, n, 3) Jᵀ, how the tips move with each joint [m/rad].
+        jacobian: (L, n, 3) Jᵀ, how the tips move with each joint [m/rad or 1].
     """
 
     q: Array
     X_BJ: Array
     tips: Array
     jacobian: Array
+
+    @property
+    def R_BF(self) -> Array:
+        """(L, 3, 3) orientations of the tips; the identity at joint values zero."""
+        R: Array = self.X_BJ[:, -1, :3, :3]
+        return R
+
+    def rows(self, chosen: Rows) -> LimbPose:
+        """Return the limbs `chosen` alone."""
+        return LimbPose(self.q[chosen], self.X_BJ[chosen], self.tips[chosen], self.jacobian[chosen])
 
     def where(self, chosen: NDArray[np.bool_], other: LimbPose) -> LimbPose:
         """Return this pose for the limbs `chosen` (L,), and `other` for the rest."""
@@ -155,57 +188,74 @@ class LimbBatch:
     Attributes:
         places: (L, n, 3) joints in the creation frame, relative to the body [m].
         axes: (L, n, 3).
+        prismatic: (L, n) whether they slide.
         tips: (L, 3) in the creation frame [m].
-        lower, upper, preferred: (L, n) [rad].
+        lower, upper, preferred, extended: (L, n) [rad or m].
         lengths: (L,) of the stretched limbs [m].
         is_joint: (L, n) false for padding.
     """
 
     places: Array
     axes: Array
+    prismatic: NDArray[np.bool_]
     tips: Array
     lower: Array
     upper: Array
     preferred: Array
+    extended: Array
     lengths: Array
     is_joint: NDArray[np.bool_]
 
     @staticmethod
     def of(limbs: list[tuple[Skeleton, Limb]]) -> LimbBatch:
-        """Collect limbs, of several skeletons if need be, whose bases are on the body."""
+        """Collect limbs, of several skeletons if need be, each relative to its base link.
+
+        The base link of a figure's own limbs is the body; `limb_between` gives others.
+        """
         shape = len(limbs), max((len(limb.joints) for _, limb in limbs), default=1)
         places = np.empty((*shape, 3))
         axes = np.zeros((*shape, 3))
-        lower, upper, preferred = np.zeros((3, *shape))
-        is_joint = np.zeros(shape, dtype=bool)
+        lower, upper, preferred, extended = np.zeros((4, *shape))
+        is_joint, prismatic = np.zeros((2, *shape), dtype=bool)
         for row, (skeleton, limb) in enumerate(limbs):
             joints, here = list(limb.joints), (row, slice(len(limb.joints)))
             places[row] = limb.tip
             places[here], axes[here] = skeleton.places[joints], skeleton.axes[joints]
             lower[here], upper[here] = skeleton.lower[joints], skeleton.upper[joints]
-            preferred[here] = skeleton.preferred[joints]
+            preferred[here], extended[here] = skeleton.preferred[joints], skeleton.extended[joints]
+            prismatic[here] = skeleton.prismatic[joints]
             is_joint[here] = True
         return LimbBatch(
             places,
             axes,
+            prismatic,
             tips=np.array([limb.tip for _, limb in limbs]).reshape(-1, 3),
             lower=lower,
             upper=upper,
             preferred=preferred,
+            extended=extended,
             lengths=np.array([limb.length for _, limb in limbs]),
             is_joint=is_joint,
         )
 
+    def rows(self, chosen: Rows) -> LimbBatch:
+        """Return the limbs `chosen` alone."""
+        return LimbBatch(**{f.name: getattr(self, f.name)[chosen] for f in fields(self)})
+
     @cached_property
     def _hinges(self) -> Hinges:
         origins = np.concatenate([np.zeros_like(self.places[:, :1]), self.places[:, :-1]], axis=1)
-        return Hinges(self.axes, self.places - origins)
+        return Hinges(self.axes, self.places - origins, self.prismatic)
+
+    @cached_property
+    def _slide(self) -> bool:
+        return bool(self.prismatic.any())
 
     def pose(self, q: Array) -> LimbPose:
-        """Return frames, tips and Jacobians at joint values `q` (L, n) [rad].
+        """Return frames, tips and Jacobians at joint values `q` (L, n) [rad or m].
 
-        The column of a joint is a × (p_tip - p): the thesis's a × p is about the base's
-        origin and holds only for a tip there.
+        The column of a joint is a × (p_tip - p), or a where it slides: the thesis's a × p
+        is about the base's origin and holds only for a tip there.
 
         Source: Sims 1987, 5.4, eq. 5.2.
         """
@@ -216,4 +266,7 @@ class LimbBatch:
         # An axis is not moved by its own turn, so the frame after it will do.
         axes = turn(R, self.axes)
         tips = places[:, -1] + turn(R[:, -1], self.tips - self.places[:, -1])
-        return LimbPose(q, X, tips, cross(axes, tips[:, None] - places))
+        jacobian = cross(axes, tips[:, None] - places)
+        if self._slide:
+            jacobian = np.where(self.prismatic[..., None], axes, jacobian)
+        return LimbPose(q, X, tips, jacobian)

@@ -121,6 +121,7 @@ def gather_idlers(names: Sequence[str], figures: Sequence[Figure], seed: int) ->
             np.array([parent for _, _, parent, *_ in rows], dtype=np.int64),
             taken("axes", 3),
             taken("places", 3),
+            taken("prismatic").astype(bool),
         ),
         owner=np.array([c for c, *_ in rows], dtype=np.int64),
         names=tuple(

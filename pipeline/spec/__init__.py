@@ -2,10 +2,10 @@
 
 from pipeline.spec.cast import Member
 from pipeline.spec.digest import scene_digest, simulation_key
-from pipeline.spec.figure import Figure, Node, Operation
+from pipeline.spec.figure import Figure, Node
 from pipeline.spec.json_schema import figure_schema, schema
 from pipeline.spec.loading import load_figure, load_scene, read_scene
-from pipeline.spec.mirror import Mirror, copied_names, mirrored, mirrored_name, mirrored_point
+from pipeline.spec.operations import Operation
 from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.shipped import find_scene, library, shipped_scenes
 from pipeline.spec.terrain import FlatTerrain, FractalTerrain, HillsTerrain, Terrain
@@ -20,22 +20,17 @@ __all__ = [
     "GaitWords",
     "HillsTerrain",
     "Member",
-    "Mirror",
     "Node",
     "Operation",
     "Scene",
     "Terrain",
     "Walk",
-    "copied_names",
     "dump",
     "figure_schema",
     "find_scene",
     "library",
     "load_figure",
     "load_scene",
-    "mirrored",
-    "mirrored_name",
-    "mirrored_point",
     "read_scene",
     "scene_digest",
     "schema",

@@ -5,7 +5,8 @@ x points right and y towards the tail, so that the head has negative y [m].
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import itertools
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
@@ -15,12 +16,15 @@ from pydantic_core import CoreSchema
 
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.joints import JointWords
-from pipeline.spec.mirror import Mirror, faults_of_mirror, mirrored
 from pipeline.spec.nearest import hint
-from pipeline.spec.values import Length, Name, Number, Point, Words
+from pipeline.spec.operations import Operation, carry_out
+from pipeline.spec.operations.sheet import MOST_NODES, Mark, Sheet, faults_of_chain
+from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Words
 
-PartKind = Literal["leg", "arm", "head", "tail", "feeler"]
-Operation = Mirror
+PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
+
+STICKY = 1e-3
+"""How near an axis a node lands on it if nothing is said, as a part of the drawing's size."""
 
 
 class Node(Words):
@@ -61,15 +65,24 @@ class Figure(Words):
     )
     nodes: dict[Name, Node] = Field(
         min_length=1,
-        max_length=1000,
+        max_length=MOST_NODES,
         description="Nodes by name; [x, y] is short for {at: [x, y]}.",
     )
     chains: tuple[tuple[Name, ...], ...] = Field(
         (), description="Lists of nodes; each node is connected to the next in its list."
     )
-    then: tuple[Operation, ...] = Field((), description="Operations, done in this order.")
+    sticky: LengthOrZero | None = Field(
+        None,
+        description="A node no farther than this from an axis of the drawing is put on it [m]; "
+        "a thousandth of the drawing's size if left out.",
+    )
+    then: Annotated[tuple[Operation, ...], Field(max_length=1000)] = Field(
+        (), description="Operations on nodes and connections, done in this order."
+    )
     parts: dict[Name, PartKind] = Field(
-        {}, description="What an appendage is, by its tip node, where the analysis guesses wrong."
+        {},
+        description="What an appendage is, by its tip node, where the analysis guesses wrong; or "
+        "`body`: all from the body to this node, which need not be a tip, is body.",
     )
     radius: Length | None = Field(
         None, description="Radius of links whose nodes give none [m]; chosen if left out."
@@ -86,37 +99,30 @@ class Figure(Words):
         refuse(_faults_of_figure(self))
         return self
 
+    def sheet(self) -> Sheet:
+        """Return the drawing with all chains laid and all operations done."""
+        return carry_out(self.then, _first_sheet(self))[0]
+
+
+def _first_sheet(figure: Figure) -> Sheet:
+    """Return the drawing before its operations, as far as its chains can be laid."""
+    xs, ys = zip(*(node.at for node in figure.nodes.values()), strict=True)
+    extent = max(max(xs) - min(xs), max(ys) - min(ys))
+    sticky = STICKY * extent if figure.sticky is None else figure.sticky
+    marks = {name: Mark(node.at, name) for name, node in figure.nodes.items()}
+    pairs = (pair for chain in figure.chains for pair in itertools.pairwise(chain))
+    drawn = Sheet({}, sticky=sticky, extent=extent).with_marks(marks)
+    return drawn.with_connections((a, b) for a, b in pairs if a != b and a in marks and b in marks)
+
 
 def _faults_of_figure(figure: Figure) -> Iterator[Fault]:
-    positions: dict[str, Point] = {name: node.at for name, node in figure.nodes.items()}
-    yield from _faults_of_chains(figure.chains, positions)
-    for i, operation in enumerate(figure.then):
-        for fault in faults_of_mirror(operation, positions):
-            yield Fault(("then", i, *fault.path), fault.message)
-        positions = mirrored(operation, positions)
+    sheet = _first_sheet(figure)
+    for i, chain in enumerate(figure.chains):
+        yield from faults_of_chain(chain, sheet, ("chains", i))
+    sheet, faults = carry_out(figure.then, sheet)
+    for fault in faults:
+        yield Fault(("then", *fault.path), fault.message, fault.at_key)
     for tip in figure.parts:
-        if tip not in positions:
-            message = f"no node is called '{tip}', {hint(tip, positions)}"
+        if tip not in sheet.marks:
+            message = f"no node is called '{tip}', {hint(tip, sheet.marks)}"
             yield Fault(("parts", tip), message, at_key=True)
-
-
-def _faults_of_chains(
-    chains: tuple[tuple[str, ...], ...], positions: Mapping[str, Point]
-) -> Iterator[Fault]:
-    for i, chain in enumerate(chains):
-        if len(chain) < 2:
-            yield Fault(("chains", i), "a chain connects at least 2 nodes")
-        for k, name in enumerate(chain):
-            message = _fault_of_link(name, chain[k - 1] if k else None, positions)
-            if message:
-                yield Fault(("chains", i, k), message)
-
-
-def _fault_of_link(name: str, before: str | None, positions: Mapping[str, Point]) -> str:
-    if name not in positions:
-        return f"no node is called '{name}', {hint(name, positions)}"
-    if name == before:
-        return f"node '{name}' is connected to itself"
-    if before is not None and positions.get(before) == positions[name]:
-        return f"nodes '{before}' and '{name}' are at the same place, so the link has no length"
-    return ""

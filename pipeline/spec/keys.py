@@ -7,6 +7,7 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from pipeline.spec.faults import Step
 
@@ -22,13 +23,13 @@ def known_keys(model: type[BaseModel], path: Iterable[Step]) -> list[str]:
     for step in path:
         # What leads nowhere is the tag of a union.
         here = [below for kind in here for below in _below(kind, step)] or _tagged(here, step)
-    return sorted({name for kind in here if _is_model(kind) for name in kind.model_fields})
+    return sorted({key for kind in here if _is_model(kind) for key in _fields(kind)})
 
 
 def _below(kind: Any, step: Step) -> Iterator[Any]:
     if _is_model(kind):
-        if isinstance(step, str) and step in kind.model_fields:
-            yield from _alternatives(kind.model_fields[step].annotation)
+        if isinstance(step, str) and step in _fields(kind):
+            yield from _alternatives(_fields(kind)[step].annotation)
         return
     arguments = get_args(kind)
     if get_origin(kind) is dict and isinstance(step, str):
@@ -37,6 +38,11 @@ def _below(kind: Any, step: Step) -> Iterator[Any]:
         for argument in arguments:
             if argument is not Ellipsis:
                 yield from _alternatives(argument)
+
+
+def _fields(kind: type[BaseModel]) -> dict[str, FieldInfo]:
+    """Return the fields by the keys that authors write."""
+    return {field.alias or name: field for name, field in kind.model_fields.items()}
 
 
 def _alternatives(annotation: Any) -> Iterator[Any]:
@@ -50,7 +56,8 @@ def _alternatives(annotation: Any) -> Iterator[Any]:
 
 
 def _tagged(kinds: list[Any], tag: Step) -> list[Any]:
-    fitting = [kind for kind in kinds if _is_model(kind) and tag in _literals(kind)]
+    models = [kind for kind in kinds if _is_model(kind)]
+    fitting = [kind for kind in models if tag == kind.__name__ or tag in _literals(kind)]
     return fitting or kinds
 
 

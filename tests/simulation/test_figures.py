@@ -129,11 +129,11 @@ def test_nodes_apart_from_the_largest_group_are_ignored(figure: Build) -> None:
     assert np.allclose(built.skeleton.places, figure(SPIDER).skeleton.places)
 
 
-def test_a_chain_without_branches_is_all_body(figure: Build) -> None:
+def test_a_chain_without_branches_has_its_body_in_the_middle(figure: Build) -> None:
     worm = figure("{nodes: {a: [0, 0], b: [0, 1], c: [0, 2]}, chains: [[a, b, c]]}")
-    assert len(worm.anatomy.body) == 3
-    assert not worm.skeleton.limbs
-    assert len(worm.skeleton.links) == 1
+    assert [worm.drawing.names[n] for n in worm.anatomy.body] == ["b"]
+    assert [limb.name for limb in worm.skeleton.limbs] == ["head", "tail"]
+    assert len(worm.skeleton.links) == 3
     assert np.isfinite(worm.body.vertices).all()
 
 

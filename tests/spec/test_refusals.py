@@ -190,11 +190,12 @@ ONE_MISTAKE = [
     ("nodes: [knee_l, foot_l]", "nodes: [knee_l, §hip]", "figures.bug.then[0].nodes[1]",
      "node 'hip' lies on the axis, its copy would lie on itself"),
     ("nodes: [knee_l, foot_l]", "nodes: [knee_l, §knee_l]", "figures.bug.then[0].nodes[1]",
-     "the copy of 'knee_l' would be called 'knee_r', and there is one already"),
+     "node 'knee_l' is listed twice"),
     ("foot_l]}]", "foot_l]}]\n    parts: {foot_r: leg, §foot_x: leg}", "figures.bug.parts.foot_x",
      "no node is called 'foot_x', did you mean 'foot_r'?"),
     ("foot_l]}]", "foot_l]}]\n    parts: {foot_r: §leag}", "figures.bug.parts.foot_r",
-     "must be 'leg', 'head', 'tail' or 'feeler', is the text 'leag'; did you mean 'leg'?"),
+     "must be 'leg', 'arm', 'head', 'tail', 'feeler' or 'body', is the text 'leag'; "
+     "did you mean 'leg'?"),
     ("  bug:\n", "  bug:\n    style: §reptile\n", "figures.bug.style",
      "must be 'insect' or 'mammal', is the text 'reptile'"),
     # Words that contradict each other.

@@ -1,4 +1,4 @@
-"""What the models mean: frames, rates, names, mirrors, terrains."""
+"""What the models mean: frames, rates, names, terrains."""
 
 from __future__ import annotations
 
@@ -16,12 +16,8 @@ from pipeline.spec import (
     FlatTerrain,
     HillsTerrain,
     Member,
-    Mirror,
     Scene,
     Walk,
-    copied_names,
-    mirrored,
-    mirrored_name,
 )
 
 BUG = Figure(nodes={"head": [0, -1], "hip": [0, 0]}, chains=[["head", "hip"]])
@@ -150,26 +146,6 @@ def test_the_values_that_a_refusal_proposes_work(speed, cycle, stride):
             if word != "stride" and float(value) > 1000:
                 continue  # beyond the range of that word
             Walk(**{**given, word: float(value)})
-
-
-def test_mirrored_names():
-    assert mirrored_name("foot_l") == "foot_r"
-    assert mirrored_name("foot_r") == "foot_l"
-    assert mirrored_name("foot1") == "foot1_m"
-    assert mirrored_name("foot1", "_back") == "foot1_back"
-
-
-@given(st.from_regex(r"[a-z]{1,5}(_l|_r)", fullmatch=True))
-def test_mirroring_a_side_twice_gives_its_name_back(name):
-    assert mirrored_name(mirrored_name(name)) == name
-
-
-def test_mirror_leaves_out_what_lies_on_the_axis():
-    nodes = {"spine": (0.0, 1.0), "hip_l": (1.0, 0.0), "foot": (2.0, 3.0)}
-    across = Mirror(mirror="x")
-    assert copied_names(across, nodes) == {"hip_l": "hip_r", "foot": "foot_m"}
-    assert mirrored(across, nodes) == {**nodes, "hip_r": (-1.0, 0.0), "foot_m": (-2.0, 3.0)}
-    assert mirrored(Mirror(mirror="y", nodes=("foot",)), nodes)["foot_m"] == (2.0, -3.0)
 
 
 def test_operations_see_the_nodes_that_earlier_ones_made():

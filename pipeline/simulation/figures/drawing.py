@@ -7,7 +7,7 @@ Source: Sims 1987, 4.1 and A.1.
 
 from __future__ import annotations
 
-import itertools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,7 +15,6 @@ import numpy as np
 
 from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import Figure
-from pipeline.spec.mirror import copied_names, mirrored
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,29 +55,28 @@ class Drawing:
 
 
 def draw(words: Figure) -> Drawing:
-    """Carry out the figure's chains and operations in their order."""
-    places = {name: node.at for name, node in words.nodes.items()}
-    nodes = dict(words.nodes)
-    connections = {frozenset(pair) for chain in words.chains for pair in itertools.pairwise(chain)}
-    for operation in words.then:
-        twin = copied_names(operation, places)
-        nodes |= {copy: nodes[name] for name, copy in twin.items()}
-        # A connection between two copied nodes is copied whole; one that leads out
-        # of them ties the copy to the original, so that a mirrored leg keeps its hip.
-        connections |= {
-            frozenset(twin.get(end, end) for end in pair)
-            for pair in connections
-            if any(end in twin for end in pair)
-        }
-        places = mirrored(operation, places)
-    names = tuple(places)
+    """Return the figure's drawing, its chains laid and its operations done."""
+    sheet = words.sheet()
+    names = tuple(sheet.marks)
+    marks = tuple(sheet.marks.values())
+    nodes = [words.nodes[mark.drawn] for mark in marks]
     number = {name: i for i, name in enumerate(names)}
-    pairs = sorted(sorted(number[end] for end in pair) for pair in connections)
-    extent = float(np.ptp(np.array(list(places.values())), axis=0).max())
+    pairs = sorted(sorted((number[a], number[b])) for a, b in sheet.connections)
+    places = np.array([mark.at for mark in marks], dtype=float)
+    default = words.radius or _slender(places, [node.radius for node in nodes])
+    sizes = np.array([mark.size for mark in marks])
     return Drawing(
         names=names,
-        places=np.array([places[name] for name in names], dtype=float),
-        radii=np.array([nodes[name].radius or words.radius or extent / 40.0 for name in names]),
-        materials=tuple(nodes[name].material or "" for name in names),
+        places=places,
+        radii=sizes * np.array([node.radius or default for node in nodes]),
+        materials=tuple(node.material or "" for node in nodes),
         connections=tuple((a, b) for a, b in pairs),
     )
+
+
+def _slender(places: Array, radii: Sequence[float | None]) -> float:
+    """Return a radius that suits a drawing whose nodes give none [m]."""
+    extent = float(np.ptp(places, axis=0).max())
+    given = [radius for radius in radii if radius is not None]
+    # A drawing of a single place is as large as its nodes.
+    return extent / 40.0 or max(given, default=1.0)

@@ -1,27 +1,42 @@
-"""Network: which parts of a drawing are body, legs, head, tail and feelers.
+"""Network: which parts of a drawing are body, legs, arms, head, tail and feelers.
 
 The largest connected group is kept. Nodes with one connection are tips; each is
 followed inward until a node with more than two connections, its base (the thesis
 says "more than one", which would end every appendage at its second node).
-Whatever belongs to no appendage is the body, so loops fall into it.
+Whatever belongs to no appendage is the body, one solid: so loops fall into it, and
+so does a bridge that joins two loops.
 
 Feelers, which an author names, are followed and taken away first: what carries
 them is then judged as if they were not there, so a head with antennae is a head.
+What is then one chain without a branch has no base: its middle is the body.
 
 Source: Sims 1987, 4.2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-
-import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.drawing import Drawing
+from pipeline.simulation.figures.graph import Links, bridges, core_of, largest_group, loops_of
+from pipeline.simulation.figures.kinds import (
+    ARM,
+    BODY,
+    FEELER,
+    HEAD,
+    LEG,
+    TAIL,
+    in_order,
+    kinds_of,
+    side_of,
+)
+from pipeline.spec.nearest import hint
 
-LEG, ARM, HEAD, TAIL, FEELER = "leg", "arm", "head", "tail", "feeler"
+__all__ = ["ARM", "FEELER", "HEAD", "LEG", "TAIL", "Anatomy", "Appendage", "Remark", "analyse"]
+
+Chain = tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +44,30 @@ class Appendage:
     """A chain of nodes from its base to its tip.
 
     Attributes:
-        kind: leg, head, tail or feeler.
+        kind: leg, arm, head, tail or feeler.
         nodes: node numbers; the first is the base, a node of the body or of what carries it.
+        side: "l", "r" or "m", as drawn.
     """
 
     kind: str
-    nodes: tuple[int, ...]
+    nodes: Chain
+    side: str = "m"
+
+
+@dataclass(frozen=True, slots=True)
+class Remark:
+    """Something about a drawing that its author may not have meant.
+
+    Attributes:
+        node: name of a node that it is about.
+        text: what it is.
+    """
+
+    node: str
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +77,16 @@ class Anatomy:
     Attributes:
         body: node numbers of the body.
         bones: connections within the body.
-        appendages: legs (left and right, each front to back), head, tail, feelers.
+        appendages: legs (left and right, each front to back), arms, head, tail, feelers.
         ignored: nodes outside the largest connected group.
+        warnings: what the author may not have meant.
     """
 
     body: tuple[int, ...]
     bones: tuple[tuple[int, int], ...]
     appendages: tuple[Appendage, ...]
     ignored: tuple[int, ...]
+    warnings: tuple[Remark, ...] = ()
 
     def of_kind(self, kind: str) -> tuple[Appendage, ...]:
         """Return the appendages of one kind, in order."""
@@ -63,109 +98,167 @@ def analyse(drawing: Drawing, overrides: Mapping[str, str]) -> Anatomy:
 
     Args:
         drawing: the flat network.
-        overrides: name of a tip -> kind, where the author knows better.
+        overrides: name of a tip -> kind, where the author knows better; of any node -> "body".
 
     Raises:
-        SceneError: if the drawing has no connection at all, or an override names a
-            node that is no tip. Its paths are relative to the figure.
+        SceneError: if the drawing has no connection at all, or an override asks of a node
+            what it cannot be. Its paths are relative to the figure.
     """
     if not drawing.connections:
-        raise SceneError([Problem("chains", "the figure has no connections: join nodes here")])
-    group = _largest_group(drawing)
-    links = {n: set(drawing.neighbours[n]) for n in group}
-    _check_overrides(drawing, links, overrides)
+        nodes = " and ".join(f"'{name}'" for name in drawing.names[:2])
+        message = f"the figure has no connections; join its nodes, such as {nodes}, in a chain"
+        raise SceneError([Problem("chains", message)])
+    group = largest_group(drawing.neighbours)
+    links = {n: set(drawing.neighbours[n]) for n in sorted(group)}
+    _refuse(drawing, links, overrides)
+    told = {n: overrides[name] for n, name in enumerate(drawing.names) if name in overrides}
+    fixed = {n for n, kind in told.items() if kind == BODY}
+    whole = dict(links)
     # All are followed before any is taken away: a pair of them makes their base a base.
-    feelers = tuple(
-        Appendage(FEELER, _follow(links, n))
-        for n in sorted(group)
-        if overrides.get(drawing.names[n]) == FEELER
+    stops = _stops(links, fixed)
+    feelers = [_follow(links, n, stops) for n in links if told.get(n) == FEELER]
+    links = _without(links, feelers)
+    stops = _stops(links, fixed)
+    tips = [n for n in links if len(links[n]) == 1 and n not in fixed]
+    chains = [chain for tip in tips if len(chain := _follow(links, tip, stops)) > 1]
+    branches = not _is_chain(links)
+    kinds = kinds_of(drawing, chains, told, branches) | dict.fromkeys(feelers, FEELER)
+    inside = set(links) - {n for chain in chains for n in chain[1:]}
+    return Anatomy(
+        body=tuple(sorted(inside)),
+        bones=tuple((a, b) for a, b in drawing.connections if a in inside and b in inside),
+        appendages=tuple(
+            Appendage(kinds[c], c, side_of(drawing, c)) for c in in_order(drawing, kinds)
+        ),
+        ignored=tuple(n for n in range(len(drawing.names)) if n not in group),
+        warnings=tuple(_remarks(drawing, whole, inside, kinds)),
     )
-    for feeler in feelers:
-        _detach(links, feeler.nodes)
-    tips = [n for n in sorted(links) if len(links[n]) == 1]
-    chains = [_follow(links, tip) for tip in tips]
-    # A drawing without branches is one chain; it is all body, and nothing hangs on it.
-    chains = [chain for chain in chains if len(links[chain[0]]) > 2]
-    limbs = _sort(drawing, chains, overrides)
-    limb_nodes = {n for chain in chains for n in chain[1:]}
-    body = tuple(n for n in sorted(links) if n not in limb_nodes)
-    inside = set(body)
-    bones = tuple((a, b) for a, b in drawing.connections if a in inside and b in inside)
-    ignored = tuple(n for n in range(len(drawing.names)) if n not in group)
-    return Anatomy(body, bones, limbs + feelers, ignored)
 
 
-def _largest_group(drawing: Drawing) -> set[int]:
-    """Return the nodes of the largest connected group; the first drawn wins a draw."""
-    left, best = set(range(len(drawing.names))), set[int]()
-    while left:
-        group, edge = set[int](), [min(left)]
-        while edge:
-            node = edge.pop()
-            if node not in group:
-                group.add(node)
-                edge.extend(drawing.neighbours[node])
-        left -= group
-        best = max(best, group, key=len)
-    return best
+def _stops(links: Links, fixed: set[int]) -> set[int]:
+    """Return the nodes at which an appendage ends on its way inward."""
+    fixed = fixed & set(links)
+    stops = fixed | {n for n, others in links.items() if len(others) > 2}
+    if stops or not _is_chain(links):
+        return stops
+    # Its middle node is the body, or its middle link.
+    chain = _follow(links, next(n for n, others in links.items() if len(others) <= 1), set())
+    n = len(chain)
+    return set(chain) if n == 2 else set(chain[(n - 1) // 2 : n // 2 + 1])
 
 
-def _check_overrides(
-    drawing: Drawing, links: Mapping[int, set[int]], overrides: Mapping[str, str]
-) -> None:
-    tips = {drawing.names[n] for n, others in links.items() if len(others) == 1}
-    allowed = f"is no tip of the figure; the tips are {', '.join(sorted(tips)) or 'none'}"
-    problems = [Problem(f"parts.{name}", allowed) for name in overrides if name not in tips]
+def _is_chain(links: Links) -> bool:
+    """Tell whether a group is one chain without a branch."""
+    counts = [len(others) for others in links.values()]
+    return max(counts) <= 2 and min(counts) <= 1
+
+
+def _follow(links: Links, tip: int, stops: set[int]) -> Chain:
+    """Return the nodes from the base, the first that appendages stop at, out to `tip`."""
+    chain, before = [tip], -1
+    while chain[-1] not in stops:
+        onward = [n for n in sorted(links[chain[-1]]) if n != before]
+        if not onward:
+            break
+        before = chain[-1]
+        chain.append(onward[0])
+    return tuple(reversed(chain))
+
+
+def _without(links: Links, chains: list[Chain]) -> dict[int, set[int]]:
+    """Return `links` without the nodes of `chains`, their bases excepted."""
+    gone = {node for chain in chains for node in chain[1:]}
+    return {n: others - gone for n, others in links.items() if n not in gone}
+
+
+def _refuse(drawing: Drawing, links: Links, overrides: Mapping[str, str]) -> None:
+    """Refuse overrides that ask of a node what it cannot be."""
+    number = {name: n for n, name in enumerate(drawing.names)}
+    loops = loops_of(links)
+    tips = [drawing.names[n] for n, others in links.items() if len(others) == 1]
+    problems = []
+    for name, kind in overrides.items():
+        node = number.get(name)
+        loop = next((group for group in loops if node in group), None)
+        if node is None:
+            message = f"no node is called '{name}', {hint(name, number)}"
+        elif node not in links:
+            message = f"'{name}' is not connected to the figure, so it is no part of it"
+        elif kind == BODY or name in tips:
+            continue
+        elif loop is not None:
+            around = listed(drawing, loop)
+            message = f"'{name}' is on a loop ({around}), which can only be body, not a {kind}"
+        else:
+            message = f"'{name}' is no tip of the figure; {_which(name, tips)}"
+        problems.append(Problem(f"parts.{name}", message))
     if problems:
         raise SceneError(problems)
 
 
-def _follow(links: Mapping[int, set[int]], tip: int) -> tuple[int, ...]:
-    """Return the nodes from the base to `tip`, the base having more than two connections."""
-    chain, before = [tip], -1
-    while True:
-        onward = [n for n in sorted(links[chain[-1]]) if n != before]
-        if (len(chain) > 1 and len(links[chain[-1]]) > 2) or not onward:
-            return tuple(reversed(chain))
-        before = chain[-1]
-        chain.append(onward[0])
+def _which(name: str, tips: list[str]) -> str:
+    return f"the tips are {', '.join(sorted(tips))}" if tips else "it has none"
 
 
-def _detach(links: dict[int, set[int]], chain: tuple[int, ...]) -> None:
-    """Take `chain`, all but its base, out of `links`."""
-    for node in chain[1:]:
-        for other in links.pop(node):
-            links.get(other, set()).discard(node)
+def listed(drawing: Drawing, nodes: set[int], most: int = 6) -> str:
+    """Return the names of nodes, in the order of the drawing, the first few of many."""
+    names = [f"'{drawing.names[n]}'" for n in sorted(nodes)]
+    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
 
 
-def _sort(
-    drawing: Drawing, chains: list[tuple[int, ...]], overrides: Mapping[str, str]
-) -> tuple[Appendage, ...]:
-    """Sort chains into legs (left, then right, front to back), head and tail."""
-    kinds = {chain: overrides.get(drawing.names[chain[-1]], "") for chain in chains}
-    guess = [chain for chain in chains if not kinds[chain]]
-    # Head and tail lie along the midline: they are longer than they are wide.
-    middle = [c for c in guess if _is_lengthwise(drawing, c)]
-    front = min(middle, key=lambda c: drawing.places[c[-1]][1], default=None)
-    back = max(middle, key=lambda c: drawing.places[c[-1]][1], default=None)
-    for chain in guess:
-        kinds[chain] = LEG
-    bases_y = [drawing.places[c[0]][1] for c in chains]
-    middle_y = (min(bases_y) + max(bases_y)) / 2 if bases_y else 0.0
-    if front is not None and drawing.places[front[-1]][1] < middle_y:
-        kinds[front] = HEAD
-    if back is not None and kinds[back] == LEG and drawing.places[back[-1]][1] > middle_y:
-        kinds[back] = TAIL
+def _remarks(
+    drawing: Drawing, links: Links, body: set[int], kinds: Mapping[Chain, str]
+) -> Iterator[Remark]:
+    """Find what the author may not have meant."""
+    ignored = set(range(len(drawing.names))) - set(links)
+    if ignored:
+        are = "are" if len(ignored) > 1 else "is"
+        text = f"{listed(drawing, ignored)} {are} not connected to the rest and ignored"
+        yield Remark(drawing.names[min(ignored)], text)
+    yield from _joined_loops(drawing, links)
+    if LEG not in kinds.values():
+        name = drawing.names[min(body)]
+        yield Remark(name, "there is no leg: the figure can stand and pose, but not walk")
+    if _is_chain(links):
+        text = (
+            f"the figure is one chain without a branch: {listed(drawing, body)} is its body; "
+            "say otherwise with parts: {node: body}"
+        )
+        yield Remark(drawing.names[min(body)], text)
+    first: dict[tuple[float, float], int] = {}
+    for n in sorted(links):
+        x, y = drawing.places[n]
+        other = first.setdefault((float(x), float(y)), n)
+        if other != n:
+            text = f"'{drawing.names[other]}' and '{drawing.names[n]}' are at the same place"
+            yield Remark(drawing.names[n], f"{text} and not connected")
 
-    def order(chain: tuple[int, ...]) -> tuple[int, bool, float, float]:
-        rank = (LEG, ARM, HEAD, TAIL, FEELER).index(kinds[chain])
-        x, y = drawing.places[list(chain)].mean(axis=0)
-        return rank, bool(x > 0), float(drawing.places[chain[0]][1]), float(y)
 
-    return tuple(Appendage(kinds[chain], chain) for chain in sorted(chains, key=order))
-
-
-def _is_lengthwise(drawing: Drawing, chain: tuple[int, ...]) -> bool:
-    x, y = np.abs(drawing.places[chain[-1]] - drawing.places[chain[0]])
-    off_axis = abs(float(drawing.places[chain[-1]][0]))
-    return bool(x < 0.3 * y and off_axis < 0.3 * max(float(y), 1e-9))
+def _joined_loops(drawing: Drawing, links: Links) -> Iterator[Remark]:
+    """Find loops that are joined by a bridge, which then is part of the body."""
+    loops = loops_of(links)
+    core = core_of(links)
+    between: dict[int, set[int]] = {n: set() for n in core}
+    for a, b in bridges(core):
+        between[a].add(b)
+        between[b].add(a)
+    home = {n: i for i, loop in enumerate(loops) for n in loop}
+    told = set[frozenset[int]]()
+    for start in sorted(between):
+        if start not in home:
+            continue
+        for step in sorted(between[start]):
+            way = [start, step]
+            while way[-1] not in home:
+                way.append(next(n for n in sorted(between[way[-1]]) if n != way[-2]))
+            ends = frozenset((start, way[-1]))
+            if ends in told:
+                continue
+            told.add(ends)
+            one, other = loops[home[start]], loops[home[way[-1]]]
+            bridge = " - ".join(f"'{drawing.names[n]}'" for n in way)
+            text = (
+                f"the loops of {listed(drawing, one, 3)} and of {listed(drawing, other, 3)} are "
+                f"joined by the bridge {bridge}, which is part of the body and does not bend"
+            )
+            yield Remark(drawing.names[start], text)

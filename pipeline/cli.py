@@ -69,7 +69,7 @@ SceneName = Annotated[
     str, typer.Argument(metavar="SCENE", help="A file, or the name of a shipped scene.")
 ]
 SceneNames = Annotated[
-    list[str], typer.Argument(metavar="SCENE...", help="Files, or names of shipped scenes.")
+    list[str], typer.Argument(metavar="SCENE", help="Files, or names of shipped scenes.")
 ]
 Out = Annotated[Path, typer.Option(help="Folder that the scenes' folders are made in.")]
 Sets = Annotated[

@@ -54,3 +54,8 @@ def described(frames: tuple[int, ...]) -> str:
 def contiguous(frames: tuple[int, ...]) -> bool:
     """Say whether ascending `frames` follow one another without a gap."""
     return frames[-1] - frames[0] + 1 == len(frames)
+
+
+def counted(frames: int) -> str:
+    """Return a number of frames in words."""
+    return "1 frame" if frames == 1 else f"{frames} frames"

@@ -22,7 +22,7 @@ from audio.score import Score
 from pipeline.errors import FilmingError, ScoringError, StoreError
 from pipeline.production.events import event_lines
 from pipeline.production.filming import due, film_frames
-from pipeline.production.frame_ranges import contiguous, described, parse_frames
+from pipeline.production.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.interrupts import held_back
 from pipeline.production.manifest import Manifest, packages
 from pipeline.production.order import Order
@@ -140,8 +140,9 @@ def take_of(run: Production) -> Take:
         new = place.with_name(f".{place.name}{PARTIAL}")
         write_take(take, new)
         replace_folder(new, place)
-        plays = scene.n_frames / float(scene.rate)
-        current.result = f"{scene.n_frames} frames, which play for {plays:.1f} s"
+        current.result = (
+            f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
+        )
     for note in take.notes:
         run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
     return take
@@ -223,7 +224,7 @@ def _told(split: Split, seconds: float, kept: int) -> str:
     """Return where the time of rendering went, in words."""
     inside = split.build + split.update + split.trace + split.denoise
     parts = (
-        f"{split.frames} frames, {seconds / split.frames:.2f} s each",
+        f"{counted(split.frames)}, {seconds / split.frames:.2f} s each",
         f"{100 * inside / seconds:.0f}% in Mitsuba and the denoiser",
         f"(trace {split.trace:.1f} s, denoise {split.denoise:.1f} s, build {split.build:.1f} s)",
     )
@@ -254,7 +255,7 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
         began_at = (frames[0] - 1) / rate
         write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
         run.timed("film", began)
-        current.result = f"{place.name}, {len(frames)} frames" + (", with sound" if sound else "")
+        current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 
 
 def _pictures(

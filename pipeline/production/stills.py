@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import FilmingError, UsageError
 from pipeline.production.filming import due, write_frame
+from pipeline.production.frame_ranges import counted
 from pipeline.production.interrupts import held_back
 from pipeline.production.order import Order
 from pipeline.production.produce import take_of, working
@@ -99,5 +100,5 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
                 write_frame(files[frame], picture, keys[frame])
                 step(reporter, current, len(frames) - len(missing) + i)
             kept = len(frames) - len(missing)
-            current.result = f"{len(missing)} frames" + (f", {kept} kept" if kept else "")
+            current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
     return list(files.values())

@@ -207,6 +207,6 @@ def test_a_log_says_what_was_done(studio: Studio, pronk: Pronk) -> None:
     code, out, err = pronk("render", "tiny", cwd=studio.folder)
     assert (code, out) == (0, "out/tiny\n")
     assert "simulate: take is up to date (" in err
-    assert "render: 1 frames, " in err
+    assert "render: 1 frame, " in err
     assert ", 7 kept (" in err
     assert "film: tiny.mp4 is up to date (" in err

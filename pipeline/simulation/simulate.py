@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
 from collections.abc import Callable
+from functools import cache
 from importlib.metadata import version
+from pathlib import Path
 
 import numpy as np
 
@@ -127,11 +130,20 @@ def versions() -> dict[str, str]:
     """Return the versions of all that decides a take's last bit."""
     return {
         "pronk": pipeline.__version__,
+        "simulation": code_digest(),
         "language": str(VERSION),
         "python": platform.python_version(),
         "numpy": version("numpy"),
         "machine": processor_class(),
     }
+
+
+@cache
+def code_digest() -> str:
+    """Return a digest of the simulation's own code: what it computes depends on it."""
+    here = Path(__file__).parent
+    sources = [path.read_bytes() for path in sorted(here.rglob("*.py"))]
+    return hashlib.blake2b(b"".join(sources), digest_size=6).hexdigest()
 
 
 def processor_class() -> str:

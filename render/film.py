@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import os
+import struct
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -85,12 +86,32 @@ def write_film(
 
 
 def film_key(path: Path) -> str | None:
-    """Return the key that a film was written with; None if it has none or is not readable."""
+    """Return the key that a film was written with; None if it has none or is not whole."""
     try:
+        if not _whole(path):
+            return None
         with av.open(str(path)) as container:
             return container.metadata.get("comment")
     except (OSError, ValueError, av.FFmpegError):
         return None
+
+
+def _whole(path: Path) -> bool:
+    """Say whether the boxes of an MP4 file add up to its length.
+
+    Its index stands at its begin, so that a torn film would otherwise pass for a whole one.
+    """
+    length, at = path.stat().st_size, 0
+    with path.open("rb") as file:
+        while at + 8 <= length:
+            file.seek(at)
+            (size,) = struct.unpack(">I", file.read(4))
+            if size == 1:  # the length is too large for four bytes and follows the name
+                (size,) = struct.unpack(">4xQ", file.read(12))
+            if size < 8:
+                return False
+            at += size
+    return at == length
 
 
 def _write(

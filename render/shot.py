@@ -100,7 +100,8 @@ class Shot:
         words = (
             *(f"{name}={m.model_dump_json()}" for name, m in sorted(self.materials.items())),
             self.light.model_dump_json(),
-            self.film.model_dump_json(),
+            # A preset is only where words came from.
+            self.film.model_dump_json(exclude={"preset"}),
         )
         return _digest((*(mesh.topology for mesh in self.meshes), *(w.encode() for w in words)))
 

@@ -40,6 +40,9 @@ ROWS: dict[str, Any] = {
     "notes": Note,
 }
 
+UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
+"""What zarr raises for a damaged group; a RuntimeError is a chunk that is cut short."""
+
 BY_ROW = ("positions", "rotations", "alive", "scales", "values")
 
 
@@ -84,7 +87,7 @@ def read_key(path: Path) -> str | None:
         header = Header.from_dict(attributes["header"])
         # The digest is written last of all.
         return header.key if header.format == FORMAT and "digest" in attributes else None
-    except (OSError, KeyError, TypeError, ValueError):
+    except UNREADABLE:
         return None
 
 
@@ -98,8 +101,7 @@ def read_take(path: Path) -> Take:
         group = zarr.open_group(path, mode="r")
         plain: dict[str, Any] = group.attrs.asdict()
         take = _assemble(group, plain)
-    except (OSError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        # A RuntimeError is how the decoder of chunks says that one is cut short.
+    except UNREADABLE as error:
         raise StoreError(f"{path}: is no take that can be read ({error})") from error
     if take.digest != plain["digest"]:
         raise StoreError(f"{path}: the take is damaged: its digest does not fit")

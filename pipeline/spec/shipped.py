@@ -26,7 +26,7 @@ def shipped_scenes() -> list[str]:
 def names_in(folder: Path) -> list[str]:
     """Return the names of the files in a folder that may hold a scene or a figure."""
     try:
-        return sorted(path.stem for path in folder.glob("*" + SUFFIX))
+        return sorted(path.stem for path in folder.glob("*" + SUFFIX) if path.is_file())
     except OSError:
         return []
 

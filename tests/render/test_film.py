@@ -152,3 +152,13 @@ def test_sound_of_a_part_begins_where_the_part_does(tmp_path: Path) -> None:
         loud[first] = float(np.abs(heard[0, 2000:10000]).mean())
     assert loud[1] < 0.01
     assert loud[7] > 0.2
+
+
+def test_a_torn_film_has_no_key(tmp_path: Path) -> None:
+    film = tmp_path / "f.mp4"
+    write_film(film, [patches((i, 0, 0)) for i in range(COUNT)], Fraction(24), key="k")
+    whole = film.read_bytes()
+    assert film_key(film) == "k"
+    for cut in (1, 100, len(whole) // 2, len(whole) - 20):
+        film.write_bytes(whole[:-cut])
+        assert film_key(film) is None, cut

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.errors import SimulationError
+from pipeline.errors import SceneError, SimulationError
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect import DETECTORS
 from pipeline.simulation.figures.figure import build_figure
@@ -38,7 +38,10 @@ class Simulation:
     def __init__(self, scene: Scene, key: str = "") -> None:
         clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
         self.world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
-        self.troupes: list[Troupe] = _troupes(scene, self.world)
+        try:
+            self.troupes: list[Troupe] = _troupes(scene, self.world)
+        except SceneError as error:
+            raise scene.places.located(error) from None
         self.recorder = Recorder(
             _header(scene, key), clock, self.world.ground, [t.inventory for t in self.troupes]
         )

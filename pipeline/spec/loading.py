@@ -106,7 +106,7 @@ def _scene(
     problems = [*problems, *wrong, *search.problems, *invalid]
     if scene is None or problems:
         raise SceneError(in_order(problems, [file, *search.files]))
-    return scene
+    return scene.standing_in(tree)
 
 
 def _refuse_newer(tree: Table) -> None:

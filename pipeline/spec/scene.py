@@ -5,12 +5,13 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
 from audio.words import Sound
 from pipeline.spec.cast import Member, names_of
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
+from pipeline.spec.places import Places
 from pipeline.spec.rate import Rate, rate_of
 from pipeline.spec.references import faults_of_references
 from pipeline.spec.terrain import FlatTerrain, Terrain
@@ -21,6 +22,7 @@ from pipeline.spec.timing import (
     faults_of_timing,
     frames_of,
 )
+from pipeline.spec.tree import Tree
 from pipeline.spec.values import Name, Number, Whole, Words
 from render.words import Camera, Cuts, Film, Light, Material
 
@@ -67,6 +69,7 @@ class Scene(Words):
     light: Light = Field(Light(), description="What lights the scene.")
     film: Film = Field(Film(), description="Size and quality of the frames.")
     sound: Sound = Field(Sound(), description="What the scene sounds like.")
+    _places: Places = PrivateAttr(default_factory=Places)
 
     @field_validator("pronk", mode="before")
     @classmethod
@@ -81,6 +84,16 @@ class Scene(Words):
     def _fits_together(self) -> Self:
         given = {word: getattr(self, word) for word in self.model_fields_set}
         refuse([*faults_of_timing(given), *faults_of_references(self)])
+        return self
+
+    @property
+    def places(self) -> Places:
+        """Where its words stand."""
+        return self._places
+
+    def standing_in(self, tree: Tree) -> Self:
+        """Return the scene, which was made of a tree, with the places of its words."""
+        self._places = Places(tree)
         return self
 
     @property

@@ -27,6 +27,7 @@ class Drawing:
         radii: (n,) radii of the solid around each node [m].
         materials: material of each node, empty for the figure's own.
         connections: pairs of node numbers, the lower first, each once.
+        made_by: for each node the operation that made or moved it last, -1 for none.
     """
 
     names: tuple[str, ...]
@@ -34,6 +35,7 @@ class Drawing:
     radii: Array
     materials: tuple[str, ...]
     connections: tuple[tuple[int, int], ...]
+    made_by: tuple[int, ...] = ()
 
     @cached_property
     def neighbours(self) -> tuple[tuple[int, ...], ...]:
@@ -43,6 +45,11 @@ class Drawing:
             found[a].append(b)
             found[b].append(a)
         return tuple(tuple(sorted(row)) for row in found)
+
+    def path_of(self, name: str) -> str:
+        """Return where the figure's words place a node: among its nodes, or as an operation."""
+        number = self.made_by[self.names.index(name)]
+        return f"nodes.{name}" if number < 0 else f"then[{number}]"
 
     def creation(self) -> Array:
         """Return the nodes (n, 3) in the creation frame: X forward, Y up, Z right [m].
@@ -71,6 +78,7 @@ def draw(words: Figure) -> Drawing:
         radii=sizes * np.array([node.radius or default for node in nodes]),
         materials=tuple(node.material or "" for node in nodes),
         connections=tuple((a, b) for a, b in pairs),
+        made_by=tuple(mark.made_by for mark in marks),
     )
 
 

@@ -104,6 +104,8 @@ class Backend:
         import mitsuba as mi
 
         mi.set_variant(self.variant)
+        # Its warnings go to standard output, where results are; what matters is raised.
+        mi.set_log_level(mi.LogLevel.Error)
 
     def describe(self) -> list[str]:
         """Return the findings as lines for a person."""

@@ -147,7 +147,7 @@ def check(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say whether scenes are right; every mistake at once, with its line."""
-    from pipeline.production.checking import check_scene
+    from pipeline.production.checking import check_scene, remarks_on
     from pipeline.spec import find_scene, load_scene
 
     reporter = _flags(json_lines, quiet, verbose)
@@ -156,10 +156,37 @@ def check(
         try:
             scene = load_scene(find_scene(name), sets or [])
             reporter.result(f"{name}: {check_scene(scene)}")
+            for remark in remarks_on(scene):
+                reporter.note(f"note: {remark}", detail=True)
         except SceneError as error:
             problems.extend(error.problems)
     if problems:
         raise SceneError(problems)
+
+
+@app.command()
+def figure(
+    names: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FIGURE...",
+            help="Figure files, names of shipped figures, scenes, or SCENE:FIGURE.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path("out"),
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Say which parts a figure's drawing has, and picture it as it stands."""
+    from pipeline.production.figure_sheet import figure_sheet, figures_of
+
+    reporter = _flags(json_lines, quiet, verbose)
+    for name in names:
+        for one in figures_of(name):
+            sheet = figure_sheet(one, out)
+            files = ", ".join(str(file) for file in sheet.files)
+            reporter.result(f"{sheet.text}\n  {'pictures':<11} {files}")
 
 
 @app.command()

@@ -110,7 +110,17 @@ def test_help_is_instant_for_it_imports_nothing_heavy() -> None:
     assert "typer" in modules
     heavy = {"numpy", "pydantic", "mitsuba", "drjit", "zarr", "yaml", "av", "mido", "PIL"}
     assert modules & heavy == set()
-    for command in ("render", "check", "schema", "simulate", "midi", "frame", "sheet", "new"):
+    for command in (
+        "render",
+        "check",
+        "figure",
+        "schema",
+        "simulate",
+        "midi",
+        "frame",
+        "sheet",
+        "new",
+    ):
         assert f" {command} " in end.stdout
 
 
@@ -299,6 +309,28 @@ def test_scenes_of_one_name_would_write_to_one_place(
     (folder / "other" / "tiny.yaml").write_text(SCENE, encoding="utf-8")
     message = refused(2, "render", "tiny", "other/tiny.yaml")
     assert message.startswith("error: two scenes are called 'tiny', and both would write to ")
+
+
+def test_check_tells_what_a_figures_author_may_not_have_meant(pronk: Pronk, folder: Path) -> None:
+    worm = "figures: {bug: {nodes: {a: [0, 0], b: [0, 1], x: [5, 5]}, chains: [[a, b]]}}\n"
+    text = SCENE.replace("beetle, scale: 0.6, walk: {gait: tripod, cycle: 0.3, speed: 0.6}", "bug")
+    (folder / "worm.yaml").write_text(text + worm)
+    assert pronk("check", "worm")[0] == 0
+    code, _, err = pronk("check", "worm", "-v")
+    assert code == 0
+    place = "worm.yaml:9:47: figures.bug.nodes.x"
+    assert f"{place}: 'x' is not connected to the rest and ignored" in err
+
+
+def test_figure_tells_and_pictures_a_figure(pronk: Pronk, folder: Path) -> None:
+    code, out, _ = pronk("figure", "tiny.yaml:bug", "--out", "seen")
+    assert code == 0
+    assert "l3          leg, 3 links, 5 joints" in out
+    assert (folder / "seen" / "beetle.svg").is_file()
+    assert (folder / "seen" / "beetle.png").is_file()
+    code, out, err = pronk("figure", "beatle")
+    assert (code, out) == (2, "")
+    assert err == "error: no figure or scene is called 'beatle', did you mean 'beetle'?\n"
 
 
 def test_check_tells_the_mistakes_of_all_scenes(pronk: Pronk, folder: Path) -> None:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from pipeline.errors import Problem
+from pipeline.simulation.figures.drawing import draw
+from pipeline.simulation.figures.network import analyse
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene
 
@@ -18,3 +23,13 @@ def check_scene(scene: Scene) -> str:
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"
     who = ", ".join(f"{member.name} ({member.figure})" for member in scene.cast)
     return f"right: {length}; {who}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
+
+
+def remarks_on(scene: Scene) -> Iterator[Problem]:
+    """Give what the authors of the scene's figures may not have meant, with its place."""
+    for name in dict.fromkeys(member.figure for member in scene.cast):
+        words = scene.figures[name]
+        drawing = draw(words)
+        for remark in analyse(drawing, words.parts).warnings:
+            path = f"figures.{name}.{drawing.path_of(remark.node)}"
+            yield scene.places.placed(Problem(path, str(remark)))

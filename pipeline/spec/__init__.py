@@ -4,7 +4,7 @@ from pipeline.spec.cast import Member
 from pipeline.spec.digest import scene_digest, simulation_key
 from pipeline.spec.figure import Figure, Node
 from pipeline.spec.json_schema import figure_schema, schema
-from pipeline.spec.loading import load_figure, load_scene, read_scene
+from pipeline.spec.loading import load_figure, load_figures, load_scene, read_scene
 from pipeline.spec.operations import Operation
 from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.shipped import find_scene, library, shipped_scenes
@@ -30,6 +30,7 @@ __all__ = [
     "find_scene",
     "library",
     "load_figure",
+    "load_figures",
     "load_scene",
     "read_scene",
     "scene_digest",

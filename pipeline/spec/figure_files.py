@@ -14,11 +14,9 @@ from pipeline.spec.checking import check
 from pipeline.spec.figure import Figure
 from pipeline.spec.files import read_file
 from pipeline.spec.nearest import hint
-from pipeline.spec.shipped import SUFFIX, library, names_in
+from pipeline.spec.shipped import FIGURES, SUFFIX, library, names_in
 from pipeline.spec.tree import Leaf, Place, Row, Table, Tree
 from pipeline.spec.values import NAME_PATTERN, Words
-
-FOLDER = "figures"
 
 
 class FigureFile(Words):
@@ -77,16 +75,16 @@ class Search:
         return None
 
     def _places(self, name: str) -> list[Path]:
-        folders = [library() / FOLDER]
+        folders = [library() / FIGURES]
         if self.beside is not None:
-            folders = [self.beside, self.beside / FOLDER, *folders]
+            folders = [self.beside, self.beside / FIGURES, *folders]
         return [folder / (name + SUFFIX) for folder in folders]
 
     def _not_found(self, i: int, name: str, place: Place, drawn: Table) -> Tree:
-        known = {*drawn.entries, *names_in(library() / FOLDER)}
+        known = {*drawn.entries, *names_in(library() / FIGURES)}
         if self.beside is not None:
-            known |= {*names_in(self.beside / FOLDER)}
-        searched = f"{name}{SUFFIX} and {FOLDER}/{name}{SUFFIX} beside it, "
+            known |= {*names_in(self.beside / FIGURES)}
+        searched = f"{name}{SUFFIX} and {FIGURES}/{name}{SUFFIX} beside it, "
         message = (
             f"no figure is called '{name}', {hint(name, known)} (searched: this file, "
             f"{searched if self.beside is not None else ''}the library)"

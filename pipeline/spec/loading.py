@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,11 +11,14 @@ from pipeline.spec.checking import check, in_order, problems_of_faults
 from pipeline.spec.figure import Figure
 from pipeline.spec.figure_files import FigureFile, Search
 from pipeline.spec.files import read_bytes, read_file
+from pipeline.spec.nearest import hint
 from pipeline.spec.overrides import override
 from pipeline.spec.references import faults_of_references
 from pipeline.spec.scene import VERSION, Scene
+from pipeline.spec.shipped import find_figure
 from pipeline.spec.timing import faults_of_timing
-from pipeline.spec.tree import Leaf, Table, plain
+from pipeline.spec.tree import Leaf, Row, Table, plain
+from pipeline.spec.values import NAME_PATTERN
 
 
 def load_scene(path: str | Path, overrides: Sequence[str] = ()) -> Scene:
@@ -63,7 +67,56 @@ def load_figure(path: str | Path) -> Figure:
         UsageError: there is no such file.
         SceneError: the figure is wrong; holds every problem found.
     """
-    path = Path(path)
+    return _figure_file(Path(path))[0].figure
+
+
+def load_figures(name: str) -> tuple[Scene, tuple[str, ...]]:
+    """Load the figures that a name stands for.
+
+    Args:
+        name: of a figure file, of a shipped figure or of a scene; or `scene:figure`, where the
+            figure may be one of the scene or the name of somebody in its cast.
+
+    Returns:
+        A scene that holds the figures, and their names in it.
+
+    Raises:
+        UsageError: nothing is called so.
+        SceneError: the scene or a figure in it is wrong; holds every problem found.
+    """
+    path, who = find_figure(name)
+    tree, _ = read_file(path)
+    if tree is not None and "figure" in tree.entries and not who:
+        scene = _scene_around(path)
+        return scene, tuple(scene.figures)
+    scene = load_scene(path)
+    if not who:
+        return scene, tuple(scene.figures)
+    known = {name: name for name in scene.figures}
+    known |= {member.name: member.figure for member in scene.cast if member.name not in known}
+    if who not in known:
+        raise UsageError(f"{path}: no figure is called '{who}', {hint(who, known)}")
+    return scene, (known[who],)
+
+
+def _scene_around(path: Path) -> Scene:
+    """Return a scene of one frame whose cast is the figure of a figure file."""
+    file, tree = _figure_file(path)
+    name = path.stem if re.fullmatch(NAME_PATTERN, path.stem) else "figure"
+    top, figure = tree.place, tree.entries["figure"]
+    member = Table(top, {}).having("figure", top, Leaf(top, name))
+    figures = Table(top, {}).having(name, figure.key, figure.value)
+    scene = (
+        Table(top, {})
+        .having("pronk", top, Leaf(top, file.pronk))
+        .having("frames", top, Leaf(top, 1))
+        .having("figures", top, figures)
+        .having("cast", top, Row(top, (member,)))
+    )
+    return _scene(scene, [], str(path), None, ())
+
+
+def _figure_file(path: Path) -> tuple[FigureFile, Table]:
     _exists(path)
     tree, problems = read_file(path)
     if tree is None:
@@ -72,7 +125,7 @@ def load_figure(path: str | Path) -> Figure:
     loaded, wrong = check(FigureFile, tree)
     if loaded is None or problems or wrong:
         raise SceneError(in_order([*problems, *wrong], [str(path)]))
-    return loaded.figure
+    return loaded, tree
 
 
 def _exists(path: Path) -> None:

@@ -8,6 +8,8 @@ from pipeline.errors import UsageError
 from pipeline.spec.nearest import hint
 
 SUFFIX = ".yaml"
+FIGURES = "figures"
+"""Folder of figure files beside a scene and in the library."""
 
 
 def library() -> Path:
@@ -54,6 +56,41 @@ def find_scene(name: str) -> Path:
     except (OSError, ValueError) as error:
         raise UsageError(f"no scene can be called {name!r}: {error}") from None
     raise UsageError(_not_found(name, beside))
+
+
+def find_figure(name: str) -> tuple[Path, str]:
+    """Return the file that a figure's name leads to, and the figure in it that is meant.
+
+    A name stands for a file in the current folder, for one in its folder `figures`, for a
+    shipped figure, or for a shipped scene. `scene:figure` names a figure of a scene.
+
+    Returns:
+        The file, and what stands after the colon, empty if there is none.
+
+    Raises:
+        UsageError: there is nothing of that name.
+    """
+    file, colon, who = name.rpartition(":")
+    # On Windows a path may begin with the letter of a drive.
+    if colon and not who.startswith(("/", "\\")):
+        return find_scene(file), who
+    beside = name if name.endswith(SUFFIX) else name + SUFFIX
+    try:
+        for path in (
+            Path(name),
+            Path(beside),
+            Path(FIGURES) / beside,
+            library() / FIGURES / beside,
+        ):
+            if path.is_file():
+                return path, ""
+        return find_scene(name), ""
+    except (OSError, ValueError) as error:
+        raise UsageError(f"no figure can be called {name!r}: {error}") from None
+    except UsageError:
+        known = {*shipped_scenes(), *names_in(library() / FIGURES)}
+        known |= {*names_in(Path()), *names_in(Path(FIGURES))}
+    raise UsageError(f"no figure or scene is called {name!r}, {hint(name, known)}")
 
 
 def _not_found(name: str, beside: Path) -> str:

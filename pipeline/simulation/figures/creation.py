@@ -48,9 +48,11 @@ def _fold(points: Array, drawing: Drawing, appendage: Appendage, scale: float) -
     """Put the nodes of a limb, all but its base, under its base."""
     base, rest = appendage.nodes[0], list(appendage.nodes[1:])
     drawn = (drawing.places[rest] - drawing.places[base]) * scale
-    down = drawn[-1] / np.linalg.norm(drawn[-1])
+    # A limb that was drawn back to its base has no direction but that of its first link.
+    far = drawn[-1] if np.linalg.norm(drawn[-1]) > 1e-6 * np.abs(drawn).max() else drawn[0]
+    down = far / np.linalg.norm(far)
     # A quarter turn that takes sideways-out to headward on either side.
-    left = drawing.places[base][0] + drawn[-1][0] / scale <= 0.0
+    left = drawing.places[base][0] + far[0] / scale <= 0.0
     forward = np.array([-down[1], down[0]]) if left else np.array([down[1], -down[0]])
     points[rest] = points[base]
     points[rest, 1] -= drawn @ down

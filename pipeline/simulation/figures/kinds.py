@@ -44,8 +44,12 @@ def kinds_of(
         return kinds
     x, y = drawing.places.T
     if not branches:
-        ends = sorted(chains, key=lambda c: (y[c[-1]], x[c[-1]]))
-        kinds |= {c: kind for c, kind in zip(ends, (HEAD, TAIL), strict=False) if c in guessed}
+        ends = sorted(guessed, key=lambda c: (y[c[-1]], x[c[-1]]))
+        free = [kind for kind in (HEAD, TAIL) if kind not in kinds.values()]
+        # An end that is alone is what it points to.
+        if len(ends) == 1 and len(free) == 2 and y[ends[0][-1]] > y[ends[0][0]]:
+            free.reverse()
+        kinds |= dict(zip(ends, free, strict=False))
         return kinds
     rows = [float(y[chain[0]]) for chain in chains]
     waist = (min(rows) + max(rows)) / 2

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.adjust import adjusted_joints
 from pipeline.simulation.figures.creation import FOLDED, SIDEWAYS
 from pipeline.simulation.figures.drawing import Drawing
-from pipeline.simulation.figures.network import ARM, FEELER, LEG, Anatomy, Appendage
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, Anatomy, Appendage
 from pipeline.simulation.figures.stance import Stance, insect_stance, mammal_stance
 from pipeline.simulation.spatial import UP, Array, normalized
 from pipeline.spec.figure import Figure as Words
@@ -167,7 +167,7 @@ def build_skeleton(
     builder.links.append(
         Link("body", "body", BODY, np.stack([middle, middle]), (girth, girth), "", False)
     )
-    for name, side, appendage in _named(anatomy, points):
+    for name, side, appendage in _named(anatomy):
         _add_limb(builder, name, side, appendage, points, radii, drawing.materials)
     joints = adjusted_joints(words.joints, builder.names, builder.stances, scale)
     stances = joints.stances
@@ -191,21 +191,21 @@ def build_skeleton(
     )
 
 
-def _named(anatomy: Anatomy, points: Array) -> list[tuple[str, str, Appendage]]:
+def _named(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
     """Give each appendage its name and side: l1, l2, ..., r1, ..., head, tail, feeler_l1."""
     counts: dict[tuple[str, str], int] = {}
     named = []
     for appendage in anatomy.appendages:
-        lateral = float(points[list(appendage.nodes)].mean(axis=0)[2])
-        side = "m" if abs(lateral) < 1e-9 else ("l" if lateral < 0 else "r")
-        key = (appendage.kind, side)
-        counts[key] = counts.get(key, 0) + 1
-        if appendage.kind == LEG:
-            name = f"{side}{counts[key]}"
-        elif appendage.kind in (ARM, FEELER):
-            name = f"{appendage.kind}_{side}{counts[key]}"
+        kind, side = appendage.kind, appendage.side
+        # Heads and tails are few, and are not told apart by their sides.
+        key = (kind, "" if kind in (HEAD, TAIL) else side)
+        counts[key] = number = counts.get(key, 0) + 1
+        if kind == LEG:
+            name = f"{side}{number}"
+        elif kind in (ARM, FEELER):
+            name = f"{kind}_{side}{number}"
         else:
-            name = appendage.kind if counts[key] == 1 else f"{appendage.kind}{counts[key]}"
+            name = kind if number == 1 else f"{kind}{number}"
         named.append((name, side, appendage))
     return named
 
@@ -232,7 +232,7 @@ def _add_limb(
         stances = insect_stance(appendage.kind, len(steps))
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis stands across the mean of the two links it joins.
-        along = directions[i] if i == 0 else normalized(directions[i - 1] + directions[i])
+        along = directions[i] if i == 0 else _between(directions[i - 1], directions[i])
         across = normalized(np.cross(along, UP))
         axes = {"yaw": UP, "pitch": across, "roll": along, "bend": across}
         if folded or abs(along[1]) > UPRIGHT:
@@ -274,6 +274,12 @@ def _add_limb(
             length,
         )
     )
+
+
+def _between(before: Array, after: Array) -> Array:
+    """Return the direction between those of two links; of the first, where they lie together."""
+    mean: Array = before + after
+    return normalized(mean) if np.linalg.norm(mean) > 1e-6 else before
 
 
 def volume(link: Link) -> float:

@@ -126,7 +126,9 @@ def mammal_stance(kind: str, steps: Array) -> list[dict[str, Stance]]:
         base = {"pitch": degrees(-80, 170, 4), "roll": degrees(-100, 100, 0)}
         base["yaw"] = degrees(-80, 80, 0)
     else:
-        base = {"pitch": degrees(-85, 85, math.degrees(_under_the_hip(steps, angles, inner)))}
+        # A leg that runs back over its own hip cannot come under it.
+        under = math.degrees(_under_the_hip(steps, angles, inner))
+        base = {"pitch": degrees(-85, 85, min(max(under, -85.0), 85.0))}
         base |= {"roll": degrees(-40, 40, 0), "yaw": degrees(-45, 45, 0)}
     return [base, *({"bend": stance} for stance in inner)]
 
@@ -144,5 +146,6 @@ def _drawn_bend(kind: str, bend: float) -> Stance:
     if abs(bend) < STRAIGHT_DEG:
         rest = SLACK_DEG[kind]
     way = math.copysign(1.0, rest or bend)
-    far = -bend + way * 160.0
+    # However sharply it was drawn, what it was drawn at is within its limits.
+    far = -bend + way * max(160.0, abs(bend))
     return degrees(min(-bend, far), max(-bend, far), rest, -bend)

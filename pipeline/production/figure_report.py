@@ -1,0 +1,58 @@
+"""Figure report: what the analysis made of a drawing, in lines of text."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from pipeline.simulation.figures.figure import Figure
+
+
+def headline(figure: Figure) -> str:
+    """Return what a figure is, in one line."""
+    width, length = np.ptp(figure.drawing.places, axis=0) * figure.scale
+    kinds = Counter(limb.kind for limb in figure.skeleton.limbs)
+    limbs = [counted(n, kind) for kind, n in kinds.items()]
+    joints = counted(len(figure.skeleton.joint_names), "joint")
+    size = f"drawn {width:.3g} x {length:.3g} m"
+    return ", ".join([figure.style, *(limbs or ["no limbs"]), joints, size])
+
+
+def report(figure: Figure) -> str:
+    """Return all that the analysis found, one part a line."""
+    drawing, anatomy = figure.drawing, figure.anatomy
+    nodes = counted(len(drawing.names), "node")
+    connections = counted(len(drawing.connections), "connection")
+    lines = [f"{figure.name}: {headline(figure)}; {nodes}, {connections}"]
+    lines += _wrapped("body", f"{_names(figure, anatomy.body)}")
+    for appendage, limb in zip(anatomy.appendages, figure.skeleton.limbs, strict=True):
+        links, joints = counted(len(limb.links), "link"), counted(len(limb.joints), "joint")
+        chain = " - ".join(drawing.names[n] for n in appendage.nodes)
+        text = f"{limb.kind}, {links}, {joints}, {limb.length:.3g} m: {chain}"
+        lines += _wrapped(limb.name, text)
+    if anatomy.ignored:
+        lines += _wrapped("ignored", _names(figure, anatomy.ignored))
+    lines += [line for remark in anatomy.warnings for line in _wrapped("warning", str(remark))]
+    return "\n".join(lines)
+
+
+def counted(n: int, thing: str) -> str:
+    """Return a number of things: "1 joint", "2 joints"."""
+    return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
+
+
+def _names(figure: Figure, nodes: Sequence[int]) -> str:
+    return ", ".join(figure.drawing.names[n] for n in nodes)
+
+
+def _wrapped(head: str, text: str, width: int = 92) -> Iterator[str]:
+    """Give the lines of a part, its name before the first of them."""
+    line = ""
+    for word in text.split(" "):
+        if line and len(line) + len(word) >= width:
+            yield f"  {head:<11} {line}"
+            head, line = "", ""
+        line = f"{line} {word}" if line else word
+    yield f"  {head:<11} {line}"

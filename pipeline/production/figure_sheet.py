@@ -1,0 +1,61 @@
+"""Figure sheet: figures told and pictured, before any scene needs them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from audio.files import put
+from pipeline.errors import SceneError, StoreError
+from pipeline.production.figure_picture import figure_svg, png_of
+from pipeline.production.figure_report import report
+from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.spec import load_figures
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What is made of one figure.
+
+    Attributes:
+        text: what the analysis found.
+        files: the pictures.
+    """
+
+    text: str
+    files: tuple[Path, ...]
+
+
+def figures_of(name: str) -> list[Figure]:
+    """Return the figures that a name stands for, at the size they are drawn in.
+
+    Args:
+        name: of a figure file, a shipped figure, a scene, or `scene:figure`.
+
+    Raises:
+        UsageError: nothing is called so.
+        SceneError: a figure is wrong.
+    """
+    scene, names = load_figures(name)
+    try:
+        return [build_figure(one, scene.figures[one], 1.0) for one in names]
+    except SceneError as error:
+        raise scene.places.located(error) from None
+
+
+def figure_sheet(figure: Figure, out: Path) -> Sheet:
+    """Write the pictures of a figure into a folder and return what there is to say of it.
+
+    Raises:
+        StoreError: they cannot be written.
+    """
+    svg = figure_svg(figure)
+    stem = figure.name.replace(" ", "_")
+    files = out / f"{stem}.svg", out / f"{stem}.png"
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        put(files[0], svg.encode("utf-8"))
+        put(files[1], png_of(svg))
+    except OSError as error:
+        raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
+    return Sheet(report(figure), files)

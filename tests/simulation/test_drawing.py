@@ -1,0 +1,153 @@
+"""Any drawing becomes a figure, or gets a message that leads to a node or an operation."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+import yaml
+
+from pipeline.errors import SceneError
+from pipeline.simulation.figures.drawing import draw
+from pipeline.simulation.figures.figure import build_figure
+from pipeline.spec import Figure as Words
+from pipeline.spec import read_scene
+
+KINDS = ("leg", "head", "tail", "feeler", "arm", "body")
+
+
+def place(chance: np.random.Generator) -> list[float]:
+    # Coarse on purpose: nodes then coincide, lie on axes and stand in lines.
+    return [float(v) for v in np.round(chance.normal(0.0, 1.5, 2), int(chance.integers(0, 3)))]
+
+
+def operation(chance: np.random.Generator, names: list[str]) -> dict[str, object]:
+    """Return an operation of any kind, whose names may be wrong."""
+    some = [str(name) for name in chance.choice(names, size=int(chance.integers(1, 4)))]
+    chosen = [some, "selected", "all"][int(chance.choice(3, p=[0.7, 0.2, 0.1]))]
+    moves = {
+        "translate": place(chance),
+        "rotate_deg": float(chance.integers(-12, 12) * 15),
+        "rotate_abs_deg": float(chance.integers(-4, 4) * 90),
+        "scale": float(chance.choice([0.001, 0.5, 2.0, 1000.0])),
+        "scale_xy": [0.5, 2.0],
+        "mirror": str(chance.choice(["x", "y"])),
+    }
+    keys = chance.choice(list(moves), size=int(chance.integers(0, 3)), replace=False)
+    way = {str(key): moves[str(key)] for key in keys}
+    outline = [place(chance) for _ in range(int(chance.integers(3, 7)))]
+    forms: list[dict[str, object]] = [
+        {"mirror": str(chance.choice(["x", "y"]))},
+        {"mirror": "x", "nodes": chosen if chosen != "all" else some},
+        {"copy": chosen, **way, "repeat": int(chance.integers(1, 4))},
+        {"copy": some, **way, "join": [[some[0], some[-1]]]},
+        {"move": chosen, **way},
+        {"select": outline if chance.random() < 0.6 else "all"},
+        {"select": some},
+        {"delete": some},
+        {"connect": some},
+    ]
+    return forms[int(chance.integers(len(forms)))]
+
+
+def drawing(chance: np.random.Generator) -> dict[str, object]:
+    """Return the words of any drawing at all."""
+    n = int(chance.integers(1, 12))
+    names = [f"n{i}" + str(chance.choice(["", "_l", "_r"])) for i in range(n)]
+    known = [*names, *(["nobody"] if chance.random() < 0.05 else [])]
+    longest = int(chance.integers(2, 6))
+    chains = [
+        [str(name) for name in chance.choice(known, size=int(chance.integers(2, longest + 1)))]
+        for _ in range(int(chance.integers(0, n + 1)))
+    ]
+    return {
+        "style": str(chance.choice(["insect", "mammal"])),
+        "pitch_deg": float(chance.choice([0.0, 0.0, 40.0, 90.0, -90.0])),
+        "nodes": {name: place(chance) for name in names},
+        "chains": [c for c in chains if all(a != b for a, b in itertools.pairwise(c))],
+        "then": [operation(chance, known) for _ in range(int(chance.choice([0, 0, 1, 2, 4])))],
+        "parts": {
+            str(chance.choice(known)): str(chance.choice(KINDS))
+            for _ in range(int(chance.choice([0, 0, 1, 3])))
+        },
+    }
+
+
+def become_figures(seed: int, count: int) -> tuple[int, set[str]]:
+    """Try drawings; return how many became figures, and all heads of messages about others."""
+    chance = np.random.default_rng(seed)
+    figures, messages = 0, set()
+    for _ in range(count):
+        words = drawing(chance)
+        scene = {"pronk": 1, "frames": 1, "figures": {"it": words}, "cast": [{"figure": "it"}]}
+        text = yaml.safe_dump(scene, sort_keys=False)
+        try:
+            read = read_scene(text, "it.yaml")
+            try:
+                figure = build_figure("it", read.figures["it"], 1.0)
+            except SceneError as error:
+                raise read.places.located(error) from None
+        except SceneError as error:
+            for problem in error.problems:
+                assert problem.path.startswith("figures.it."), problem
+                assert problem.line > 0, problem
+                assert problem.column > 0, problem
+                is_about = problem.path.startswith(("figures.it.then", "figures.it.chains"))
+                assert is_about or problem.path.startswith("figures.it.parts."), problem
+                messages.add(" ".join(problem.message.split("'")[0::2])[:24])
+            continue
+        figures += 1
+        skeleton = figure.skeleton
+        for numbers in (figure.points, skeleton.places, skeleton.axes, skeleton.preferred):
+            assert np.isfinite(numbers).all(), text
+        assert np.allclose(np.linalg.norm(skeleton.axes, axis=-1), 1.0), text
+        assert len({limb.name for limb in skeleton.limbs}) == len(skeleton.limbs), text
+        assert figure.anatomy.body
+        shared = [n for a in figure.anatomy.appendages for n in a.nodes[1:]]
+        parts = [*figure.anatomy.body, *figure.anatomy.ignored, *shared]
+        assert sorted(parts) == list(range(len(figure.drawing.names))), text
+    return figures, messages
+
+
+def test_a_hundred_random_drawings() -> None:
+    figures, messages = become_figures(1, 100)
+    assert figures > 20
+    assert len(messages) > 3
+
+
+@pytest.mark.slow
+def test_a_thousand_random_drawings() -> None:
+    figures, messages = become_figures(2, 1_000)
+    assert figures > 200
+    assert len(messages) > 8
+
+
+@pytest.mark.nightly
+def test_ten_thousand_random_drawings() -> None:
+    figures, messages = become_figures(3, 10_000)
+    assert figures > 2_000
+    assert len(messages) > 12
+
+
+def test_copies_have_the_girth_and_material_of_their_originals() -> None:
+    drawn = draw(
+        Words.model_validate(
+            {
+                "nodes": {"a": [0, 0], "b": {"at": [1, 0], "radius": 0.1, "material": "brass"}},
+                "chains": [["a", "b"]],
+                "then": [{"copy": ["b"], "scale": 3, "about": "a"}, {"mirror": "x"}],
+            }
+        )
+    )
+    assert drawn.names == ("a", "b", "b_2", "b_m", "b_2_m")
+    assert drawn.radii[1:].tolist() == pytest.approx([0.1, 0.3, 0.1, 0.3])
+    assert drawn.materials[1:] == ("brass",) * 4
+    assert drawn.made_by == (-1, -1, 0, 1, 1)
+    assert [drawn.path_of(name) for name in ("b", "b_2_m")] == ["nodes.b", "then[1]"]
+
+
+def test_a_radius_is_chosen_where_none_is_given() -> None:
+    words = {"nodes": {"a": [0, 0], "b": [0, 4]}, "chains": [["a", "b"]]}
+    assert draw(Words.model_validate(words)).radii.tolist() == [0.1, 0.1]
+    assert draw(Words.model_validate({**words, "radius": 0.3})).radii.tolist() == [0.3, 0.3]

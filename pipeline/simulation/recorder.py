@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -46,25 +45,26 @@ class Recorder:
         self.events: list[SoundEvent] = []
         self.notes: list[Note] = []
 
-    def rows(self, row: int) -> list[Rows]:
-        """Return each troupe's slice of `row`, to be written into."""
+    def rows(self, which: slice) -> list[Rows]:
+        """Return each troupe's slice of the rows `which`, to be written into."""
         return [
             Rows(
-                self.positions[row, nodes],
-                self.rotations[row, nodes],
-                self.alive[row, nodes],
-                self.values[row, channels],
+                self.positions[which, nodes],
+                self.rotations[which, nodes],
+                self.alive[which, nodes],
+                self.values[which, channels],
             )
             for nodes, channels in self._slices
         ]
 
-    def not_finite(self, row: int) -> str | None:
-        """Return the name of the first node whose pose is not finite, None if all are."""
-        # One sum says whether any is not, in most rows.
-        if math.isfinite(self.positions[row].sum() + self.rotations[row].sum()):
+    def not_finite(self, which: slice) -> tuple[int, str] | None:
+        """Return the first of the rows `which` with a pose that is not finite, and its node."""
+        poses = self.positions[which].sum(axis=-1) + self.rotations[which].sum(axis=(-1, -2))
+        wrong = np.argwhere(~np.isfinite(poses))
+        if not len(wrong):
             return None
-        poses = self.positions[row].sum(axis=-1) + self.rotations[row].sum(axis=(-1, -2))
-        return self.nodes[int(np.argmax(~np.isfinite(poses)))].name
+        row, node = wrong[0]
+        return which.start + int(row), self.nodes[int(node)].name
 
     def happened(
         self,

@@ -45,13 +45,13 @@ class Inventory:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """A troupe's slice of one row of the take, to be written into.
+    """A troupe's slice of n rows of the take, to be written into.
 
     Attributes:
-        positions: (J, 3) [m].
-        rotations: (J, 3, 3) matrices; the take holds them as quaternions.
-        alive: (J,).
-        values: (C,) of its channels.
+        positions: (n, J, 3) [m].
+        rotations: (n, J, 3, 3) matrices; the take holds them as quaternions.
+        alive: (n, J).
+        values: (n, C) of its channels.
     """
 
     positions: Array
@@ -81,8 +81,11 @@ class Troupe(Protocol):
     def advance(self, step: int) -> None:
         """Go from `step` to `step + 1`; may take sub-steps."""
 
+    def keep(self) -> None:
+        """Keep the present state as the next row, to be written with others."""
+
     def write(self, rows: Rows) -> None:
-        """Write the present state into the take."""
+        """Write all rows kept since the last call into the take."""
 
     def facts(self) -> Facts:
         """Return what happened in the last step."""

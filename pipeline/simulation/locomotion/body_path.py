@@ -35,10 +35,6 @@ BOUNCE = np.array([-1.0, -0.1, 1.0, 0.1])
 """One bounce, from one coming down of feet to the next: they give, then push."""
 
 
-STEPS_AHEAD = 32
-"""Steps for which poses are computed at once."""
-
-
 class BodyPath:
     """Poses of the bodies of a herd on a ground."""
 
@@ -126,41 +122,6 @@ class BodyPath:
             np.exp((rise - highest) / blunt).mean(axis=-1, keepdims=True)
         )
         return height, slope, crest[:, 0]
-
-
-class Ahead:
-    """Poses of a herd's bodies, computed for many steps at once while all go on as they go.
-
-    It only saves time: what it gives is what `BodyPath.pose` gives.
-    """
-
-    def __init__(self, path: BodyPath) -> None:
-        self.path = path
-        self._next = STEPS_AHEAD
-        self._gone = np.zeros((STEPS_AHEAD, 2, 0))
-        self._R, self._p = np.zeros((0, 0, 3, 3)), np.zeros((0, 0, 3))
-
-    def poses(self, gone: Array, going: Array) -> tuple[Array, Array]:
-        """Return R_WB (C, 3, 3) and p_WB (C, 3) [m] at this step.
-
-        Args:
-            gone: (2, C) way gone since the start [m], and phase of the gait.
-            going: (2, C) by how much both grow in a step.
-        """
-        if self._next == STEPS_AHEAD or not np.array_equal(self._gone[self._next], gone):
-            self._look_ahead(gone, going)
-        step = self._next
-        self._next += 1
-        return self._R[step], self._p[step]
-
-    def _look_ahead(self, gone: Array, going: Array) -> None:
-        # Added up step by step, as a creature goes, to the same last bit.
-        steps = np.broadcast_to(going, (STEPS_AHEAD - 1, *going.shape))
-        self._gone = np.add.accumulate(np.concatenate([gone[None], steps]))
-        creature = np.tile(np.arange(gone.shape[1]), STEPS_AHEAD)
-        R, p = self.path.pose(creature, self._gone[:, 0].ravel(), self._gone[:, 1].ravel())
-        self._R, self._p = R.reshape(STEPS_AHEAD, -1, 3, 3), p.reshape(STEPS_AHEAD, -1, 3)
-        self._next = 0
 
 
 def pitched_and_rolled(pitch: Array, roll: Array) -> Array:

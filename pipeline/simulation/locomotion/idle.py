@@ -68,19 +68,19 @@ class Idlers:
     frequency: Array
     offset: Array
 
-    def values(self, phase: Array, pitch: Array, time: float) -> Array:
-        """Return the joint values (M,) [rad].
+    def values(self, phase: Array, pitch: Array, time: Array) -> Array:
+        """Return the joint values (n, M) at n moments [rad].
 
         Args:
-            phase: (C,) of the creatures' gaits.
-            pitch: (C,) of the bodies, nose up [rad].
-            time: since the start [s].
+            phase: (n, C) of the creatures' gaits.
+            pitch: (n, C) of the bodies, nose up [rad].
+            time: (n,) since the start [s].
         """
         turns = 2.0 * np.pi
-        q = self.preferred + self.level * pitch[self.owner]
-        q = q + self.sway * np.sin(turns * self.times * phase[self.owner])
+        q = self.preferred + self.level * pitch[:, self.owner]
+        q = q + self.sway * np.sin(turns * self.times * phase[:, self.owner])
         # Two waves of incommensurable length never come round.
-        angle = turns * self.frequency * time + self.offset
+        angle = turns * self.frequency * time[:, None] + self.offset
         q = q + self.wander * (0.65 * np.sin(angle) + 0.35 * np.sin(1.618 * angle + 1.0))
         return np.clip(q, self.lower, self.upper)
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.flesh import flesh
-from pipeline.simulation.figures.kinematics import LimbPose
 from pipeline.simulation.figures.skeleton import BODY, volume
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.idle import Idlers
@@ -58,14 +57,15 @@ class NodeTable:
             tuple(names), np.array(owner), np.array(frame), np.array(rest), np.array(parent)
         )
 
-    def poses(self, limbs: LimbPose, X_idle: Array) -> Array:
-        """Return X_BN (J, 4, 4), the poses of all nodes relative to their bodies."""
-        return frames(limbs, X_idle)[self.frame]
+    def poses(self, X_legs: Array, X_idle: Array) -> Array:
+        """Return X_BN (n, J, 4, 4), the poses of all nodes relative to their bodies."""
+        return frames(X_legs, X_idle)[:, self.frame]
 
 
-def frames(limbs: LimbPose, X_idle: Array) -> Array:
-    """Return the frames (n, 4, 4) of the body, of all joints of legs, and of all others."""
-    return np.concatenate([np.eye(4)[None], limbs.X_BJ.reshape(-1, 4, 4), X_idle])
+def frames(X_legs: Array, X_idle: Array) -> Array:
+    """Return the frames (n, m, 4, 4) of the body, of all joints of legs, and of all others."""
+    body = np.broadcast_to(np.eye(4), (len(X_idle), 1, 4, 4))
+    return np.concatenate([body, X_legs, X_idle], axis=1)
 
 
 def _frame_numbers(herd: Herd, idlers: Idlers) -> dict[tuple[int, int], int]:

@@ -1,8 +1,8 @@
 """Walking: the troupe of creatures on legs.
 
 The gait's phase runs on; feet that reach their foot-up phase plan a step, feet that
-reach their foot-down phase touch the ground. The body goes its way, and inverse
-kinematics joins the two.
+reach their foot-down phase touch the ground. The body goes its way. What joins the two
+is worked out for many moments at once, when they are written; see `posing`.
 
 Source: Sims 1987, ch. 10.
 """
@@ -12,15 +12,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.errors import SimulationError
-from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse import solve
-from pipeline.simulation.locomotion.body_path import Ahead, BodyPath
+from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.footholds import Foothold, Footholds
-from pipeline.simulation.locomotion.herd import REACH, gather
+from pipeline.simulation.locomotion.herd import gather
 from pipeline.simulation.locomotion.idle import gather_idlers
 from pipeline.simulation.locomotion.inventory import (
     NodeTable,
@@ -28,14 +25,12 @@ from pipeline.simulation.locomotion.inventory import (
     foot_materials,
     leg_mass,
 )
-from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear, swing
-from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.locomotion.posing import Moment, Posing
+from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Member
-
-SLIP = 1e-4
-"""Distance between foot and foothold that is worth a note [m]."""
 
 BRAKING = 0.3
 """Time in which a creature that finds no foothold comes to rest [s]."""
@@ -64,11 +59,12 @@ class Walkers:
         self.world = world
         self.herd = herd = gather(cast)
         path = BodyPath(herd, world.ground)
-        self.ahead = Ahead(path)
         self.footholds = Footholds(herd, world.ground, path)
-        self.idlers = gather_idlers(herd.names, herd.figures, world.seed)
-        self.table = NodeTable.of(herd, self.idlers)
-        self.inventory = describe(herd, self.idlers, self.table, materials, world.clock.rows)
+        idlers = gather_idlers(herd.names, herd.figures, world.seed)
+        table = NodeTable.of(herd, idlers)
+        self.posing = Posing(herd, path, idlers, table, world.clock.dt)
+        self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
+        self.step = 0
         self._mass = leg_mass(herd)
         self._foot_materials = foot_materials(herd, materials)
         creatures, legs = len(herd.names), len(herd.owner)
@@ -82,10 +78,8 @@ class Walkers:
         self.swinging = np.zeros(legs, dtype=bool)
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
+        self._kept: list[Moment] = []
         self._set_down()
-        self.limbs = herd.legs.pose(herd.legs.preferred)
-        self._place_bodies()
-        self._place_legs(0, most=200)
 
     @property
     def travelled(self) -> Array:
@@ -106,24 +100,26 @@ class Walkers:
         self._contacts.clear()
         self._notes.clear()
         before = self.phase
-        self._go_on(step)
+        self._go_on()
         self._take_steps(step, before)
-        self._place_bodies()
-        self._place_legs(step + 1)
+        self.step = step + 1
+
+    def keep(self) -> None:
+        """Keep the present state as the next row."""
+        legs = (self.start, self.end, self.height, self.lifted, self.swinging, self.stoop)
+        start, end, height, lifted, swinging, stoop = (values.copy() for values in legs)
+        self._kept.append(
+            Moment(self.step, self.gone, self.drive, start, end, height, lifted, swinging, stoop)
+        )
 
     def write(self, rows: Rows) -> None:
-        """Write nodes and channels."""
-        time = self.travel_time
-        pitch = np.arcsin(np.clip(self.R_WB[:, 1, 0], -1.0, 1.0))
-        q_idle = self.idlers.values(self.phase, pitch, time)
-        X_BN = self.table.poses(self.limbs, self.idlers.tree.pose(q_idle))
-        R_WB = self.R_WB[self.table.owner]
-        rows.positions[:] = self.p_WB[self.table.owner] + turn(R_WB, X_BN[:, :3, 3])
-        rows.rotations[:] = R_WB @ X_BN[:, :3, :3]
+        """Write nodes and channels of all rows kept."""
+        poses = self.posing.poses(self._kept)
+        rows.positions[:], rows.rotations[:] = poses.positions, poses.rotations
         rows.alive[:] = True
-        speed = self.herd.stride / self.herd.cycle * self.drive
-        legs = self.limbs.q[self.herd.legs.is_joint]
-        rows.values[:] = np.concatenate([np.mod(self.phase, 1.0), speed, legs, q_idle])
+        rows.values[:] = poses.values
+        self._notes.extend(poses.notes)
+        self._kept.clear()
 
     def facts(self) -> Facts:
         """Return the footfalls and notes of the last step."""
@@ -133,7 +129,6 @@ class Walkers:
 
     def _set_down(self) -> None:
         """Put every foot where it would be if the creature had come walking."""
-        self.travel_time = 0.0
         herd = self.herd
         into = np.mod(-herd.up, 1.0)  # how far the cycle has gone since its last foot-up
         for leg in range(len(herd.owner)):
@@ -161,9 +156,8 @@ class Walkers:
 
     # --- one step ---------------------------------------------------------------
 
-    def _go_on(self, step: int) -> None:
+    def _go_on(self) -> None:
         """Advance ways and phases."""
-        self.travel_time = (step + 1) * self.world.clock.dt
         if self.halted.any():
             self._brake()
         self.gone = self.gone + self.going
@@ -240,55 +234,6 @@ class Walkers:
                 size=float(herd.legs.lengths[leg]),
             )
         )
-
-    def _place_bodies(self) -> None:
-        """Bring the bodies to their poses, as low as their feet need them."""
-        herd = self.herd
-        self.R_WB, p_WB = self.ahead.poses(self.gone, self.going)
-        self.p_WB = p_WB.copy()
-        s = self._swung()
-        self.tips = swing(self.start, self.end, self.height, s)
-        self.p_WB[:, 1] -= self._stooped(s)
-        # What no plan foresaw: rather lowered at once than a leg overstretched.
-        hips = self.p_WB[herd.owner] + turn(self.R_WB[herd.owner], herd.hips)
-        reach = REACH * herd.legs.lengths
-        across = ((self.tips - hips)[:, [0, 2]] ** 2).sum(axis=-1)
-        highest = self.tips[:, 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
-        excess = hinge(hips[:, 1] - highest, 0.01 * herd.legs.lengths)
-        lower = np.zeros(len(herd.names))
-        np.maximum.at(lower, herd.owner, excess)
-        self.p_WB[:, 1] -= lower
-
-    def _swung(self) -> Array:
-        """Return the part of its swing that each foot has done (L,); 1 where it stands."""
-        herd = self.herd
-        s = (self.phase[herd.owner] - self.lifted) / herd.swings
-        return np.where(self.swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
-
-    def _stooped(self, s: Array) -> Array:
-        """Return how far the bodies are lowered (C,) for their feet's footholds [m].
-
-        It comes and goes within the swings before and after; the norm of order 4 is never
-        less than the greatest and changes smoothly where another becomes the greatest.
-        """
-        before, after = self.stoop
-        wanted = (before + ease(s) * (after - before)) ** 4
-        sums = np.bincount(self.herd.owner, wanted, minlength=len(self.herd.names))
-        result: Array = np.sqrt(np.sqrt(sums))
-        return result
-
-    def _place_legs(self, step: int, most: int = 40) -> None:
-        """Bring the feet to their places by inverse kinematics from the pose before."""
-        herd = self.herd
-        R, p = self.R_WB[herd.owner], self.p_WB[herd.owner]
-        goals = unturn(R, self.tips - p)
-        solution = solve(herd.legs, self.limbs, goals, most)
-        self.limbs = solution.pose
-        slipped: NDArray[np.intp] = np.flatnonzero(solution.residual > SLIP)
-        for leg in slipped:
-            name = f"{herd.names[herd.owner[leg]]}.{herd.leg_names[leg]}"
-            gap = float(solution.residual[leg]) * 1000.0
-            self._notes.append(Note("clamped", step, name, f"{gap:.2g} mm from its foothold"))
 
 
 def _plain(v: Array) -> tuple[float, float, float]:

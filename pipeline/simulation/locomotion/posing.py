@@ -1,0 +1,155 @@
+"""Posing: from what a herd does to where all its parts are, for many moments at once.
+
+Bodies follow their path, feet their swings or their footholds, and inverse kinematics
+joins the two. None of it feeds back into the walking, so it is worked out for dozens of
+moments together, which costs a fraction of doing it step by step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.curves import ease, hinge
+from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.herd import REACH, Herd
+from pipeline.simulation.locomotion.idle import Idlers
+from pipeline.simulation.locomotion.inventory import NodeTable
+from pipeline.simulation.locomotion.swing import swing
+from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.take import Note
+
+SLIP = 1e-4
+"""Distance between foot and foothold that is worth a note [m]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moment:
+    """The state of a herd at one step; see `Walkers` for its parts."""
+
+    step: int
+    gone: Array
+    drive: Array
+    start: Array
+    end: Array
+    height: Array
+    lifted: Array
+    swinging: NDArray[np.bool_]
+    stoop: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Where everything is at n moments.
+
+    Attributes:
+        positions: (n, J, 3) of the nodes [m].
+        rotations: (n, J, 3, 3).
+        values: (n, K) of the channels.
+        notes: feet that do not come to their places.
+    """
+
+    positions: Array
+    rotations: Array
+    values: Array
+    notes: list[Note]
+
+
+class Posing:
+    """Works out the poses of one herd."""
+
+    def __init__(
+        self, herd: Herd, path: BodyPath, idlers: Idlers, table: NodeTable, dt: float
+    ) -> None:
+        self.herd = herd
+        self.path = path
+        self.idlers = idlers
+        self.table = table
+        self.dt = dt
+        self._batch = lru_cache(maxsize=4)(self._repeated)
+
+    def poses(self, moments: Sequence[Moment]) -> Poses:
+        """Return where everything is at `moments`."""
+        herd, n = self.herd, len(moments)
+        steps = np.array([moment.step for moment in moments])
+        gone, drive, start, end, height, lifted, swinging, stoop = (
+            np.stack([getattr(moment, name) for moment in moments]) for name in Moment.__slots__[1:]
+        )
+        way, phase = gone[:, 0], gone[:, 1]
+        s = _swung(herd, phase, lifted, swinging)
+        tips = swing(start.reshape(-1, 3), end.reshape(-1, 3), height.ravel(), s.ravel()).reshape(
+            start.shape
+        )
+        creature = np.tile(np.arange(len(herd.names)), n)
+        R, p = self.path.pose(creature, way.ravel(), phase.ravel())
+        R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
+        p_WB[..., 1] -= _stooped(herd, stoop, s)
+        p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB)
+        goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
+        solution = settle(self._batch(n), goals.reshape(-1, 3))
+        residual = solution.residual.reshape(n, -1)
+        pitch = np.arcsin(np.clip(R_WB[..., 1, 0], -1.0, 1.0))
+        q_idle = self.idlers.values(phase, pitch, steps * self.dt)
+        X_legs = solution.pose.X_BJ.reshape(n, -1, 4, 4)
+        X_BN = self.table.poses(X_legs, self.idlers.tree.pose(q_idle))
+        R_own = R_WB[:, self.table.owner]
+        q_legs = solution.pose.q.reshape(n, *herd.legs.is_joint.shape)[:, herd.legs.is_joint]
+        speed = herd.stride / herd.cycle * drive
+        return Poses(
+            positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
+            rotations=R_own @ X_BN[..., :3, :3],
+            values=np.concatenate([np.mod(phase, 1.0), speed, q_legs, q_idle], axis=1),
+            notes=[self._slipped(steps, residual, *at) for at in np.argwhere(residual > SLIP)],
+        )
+
+    def _repeated(self, n: int) -> LimbBatch:
+        """Return the legs of the herd `n` times over."""
+        return self.herd.legs.rows(np.tile(np.arange(len(self.herd.owner)), n))
+
+    def _slipped(self, steps: NDArray[np.int64], residual: Array, row: int, leg: int) -> Note:
+        name = f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
+        gap = float(residual[row, leg]) * 1000.0
+        return Note("clamped", int(steps[row]), name, f"{gap:.2g} mm from its foothold")
+
+
+def _swung(herd: Herd, phase: Array, lifted: Array, swinging: NDArray[np.bool_]) -> Array:
+    """Return the part of its swing that each foot has done (n, L); 1 where it stands."""
+    s = (phase[:, herd.owner] - lifted) / herd.swings
+    return np.where(swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
+
+
+def _stooped(herd: Herd, stoop: Array, s: Array) -> Array:
+    """Return how far the bodies are lowered (n, C) for their feet's footholds [m].
+
+    It comes and goes within the swings before and after; the norm of order 4 is never
+    less than the greatest and changes smoothly where another becomes the greatest.
+    """
+    before, after = stoop[:, 0], stoop[:, 1]
+    wanted = (before + ease(s) * (after - before)) ** 4
+    sums = np.zeros((len(s), len(herd.names)))
+    for leg, owner in enumerate(herd.owner):
+        sums[:, owner] += wanted[:, leg]
+    result: Array = np.sqrt(np.sqrt(sums))
+    return result
+
+
+def _overstretched(herd: Herd, tips: Array, R_WB: Array, p_WB: Array) -> Array:
+    """Return how far bodies (n, C) have yet to be lowered so that no leg is overstretched [m].
+
+    That is what no plan foresaw.
+    """
+    hips = p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips)
+    reach = REACH * herd.legs.lengths
+    across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1)
+    highest = tips[..., 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
+    excess = hinge(hips[..., 1] - highest, 0.01 * herd.legs.lengths)
+    lower = np.zeros(p_WB.shape[:2])
+    for leg, owner in enumerate(herd.owner):
+        lower[:, owner] = np.maximum(lower[:, owner], excess[:, leg])
+    return lower

@@ -40,7 +40,6 @@ class Walk:
     phases: list[Array] = field(default_factory=list)
     lifted: list[Array] = field(default_factory=list)
     ends: list[Array] = field(default_factory=list)
-    q: list[Array] = field(default_factory=list)
 
     @property
     def walkers(self) -> Walkers:
@@ -56,12 +55,20 @@ class Walk:
         self.phases.append(walkers.phase.copy())
         self.lifted.append(walkers.lifted.copy())
         self.ends.append(walkers.end.copy())
-        self.q.append(walkers.limbs.q.copy())
 
     @cached_property
     def take(self) -> Take:
         """What happened."""
         return self.simulation.take()
+
+    @cached_property
+    def q(self) -> Array:
+        """(K, L, n) joint values of the legs, padded as their batch is [rad]."""
+        herd, values = self.walkers.herd, self.simulation.recorder.values
+        first, is_joint = 2 * len(herd.names), herd.legs.is_joint
+        q = np.zeros((len(values), *is_joint.shape))
+        q[:, is_joint] = values[:, first : first + int(is_joint.sum())]
+        return q
 
     @cached_property
     def tips(self) -> Array:

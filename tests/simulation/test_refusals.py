@@ -95,11 +95,12 @@ def test_a_simulation_that_diverges_says_where(
 
     def spoil(rows: object) -> None:
         write(rows)  # type: ignore[arg-type]
-        rows.positions[4] = np.nan  # type: ignore[attr-defined]
+        rows.positions[4, 4] = np.nan  # type: ignore[attr-defined]
 
     monkeypatch.setattr(troupe, "write", spoil)
     with pytest.raises(SimulationError, match=r"step 4 .*bug\.l2\.1"):
-        simulation.step()
+        while not simulation.finished:
+            simulation.step()
 
 
 def test_a_legless_figure_lies_still(scene_of: SceneOf) -> None:

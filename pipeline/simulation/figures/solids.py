@@ -19,8 +19,11 @@ from pipeline.simulation.spatial import UP, Array, from_directions, normalized
 AROUND = 16
 """Vertices around a link: with smooth normals more are not seen."""
 
-BODY_CELLS = 64
+BODY_CELLS = 56
 """Cells along the longest side of the grid that a body is polygonised on."""
+
+NEGLIGIBLE = 6.0
+"""Distance from a bone at which it no longer shapes a body, in widths of the blend."""
 
 BODY_FLATNESS = 0.78
 """Height of an insect's body as a part of its width."""
@@ -122,13 +125,31 @@ def body_solid(
     # Flattened about the body's own middle, which stays where it is.
     middle = points[:, 1].mean()
     grid[..., 1] = middle + (grid[..., 1] - middle) / flatness
-    # Smooth minimum by log-sum-exp: the order of the bones does not matter.
+    # Smooth minimum by log-sum-exp: the order of the bones does not matter. Beyond a few
+    # widths of the blend a bone adds nothing, so it is looked at in its neighbourhood only.
     total = np.zeros(grid.shape[:3])
     for a, b in bones:
-        total += np.exp(-_round_cone(grid, points[a], points[b], radii[a], radii[b]) / blend)
+        reach = float(max(radii[a], radii[b])) + NEGLIGIBLE * blend
+        box = _cells_near(points[[a, b]], reach, low, cell, grid.shape[:3])
+        cone = _round_cone(grid[box], points[a], points[b], radii[a], radii[b])
+        total[box] += np.exp(-cone / blend)
     distance = -blend * np.log(np.maximum(total, 1e-300))
     vertices, faces = surface_nets(distance, low, cell)
     return Solid(vertices, faces)
+
+
+def _cells_near(
+    ends: Array, reach: float, low: Array, cell: float, counts: tuple[int, ...]
+) -> tuple[slice, ...]:
+    """Return the part of a grid that lies within `reach` of the box around `ends` [m].
+
+    Flattening draws the grid apart along y, which only makes the part larger than needed.
+    """
+    first = np.floor((ends.min(axis=0) - reach - low) / cell).astype(int)
+    last = np.ceil((ends.max(axis=0) + reach - low) / cell).astype(int) + 1
+    return tuple(
+        slice(max(int(a), 0), min(int(b), n)) for a, b, n in zip(first, last, counts, strict=True)
+    )
 
 
 def _round_cone(p: Array, a: Array, b: Array, r_a: float, r_b: float) -> Array:
@@ -137,5 +158,6 @@ def _round_cone(p: Array, a: Array, b: Array, r_a: float, r_b: float) -> Array:
     square = float(ab @ ab)
     along = np.zeros(p.shape[:-1]) if square == 0 else np.clip((p - a) @ ab / square, 0.0, 1.0)
     nearest = a + along[..., None] * ab
-    result: Array = np.linalg.norm(p - nearest, axis=-1) - (r_a + (r_b - r_a) * along)
+    away = p - nearest
+    result: Array = np.sqrt((away * away).sum(axis=-1)) - (r_a + (r_b - r_a) * along)
     return result

@@ -106,10 +106,18 @@ class Walkers:
 
     def keep(self) -> None:
         """Keep the present state as the next row."""
-        legs = (self.start, self.end, self.height, self.lifted, self.swinging, self.stoop)
-        start, end, height, lifted, swinging, stoop = (values.copy() for values in legs)
         self._kept.append(
-            Moment(self.step, self.gone, self.drive, start, end, height, lifted, swinging, stoop)
+            Moment(
+                step=self.step,
+                gone=self.gone,
+                drive=self.drive,
+                start=self.start.copy(),
+                end=self.end.copy(),
+                height=self.height.copy(),
+                lifted=self.lifted.copy(),
+                swinging=self.swinging.copy(),
+                stoop=self.stoop.copy(),
+            )
         )
 
     def write(self, rows: Rows) -> None:

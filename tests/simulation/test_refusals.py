@@ -98,9 +98,13 @@ def test_a_simulation_that_diverges_says_where(
         rows.positions[4, 4] = np.nan  # type: ignore[attr-defined]
 
     monkeypatch.setattr(troupe, "write", spoil)
-    with pytest.raises(SimulationError, match=r"step 4 .*bug\.l2\.1"):
+
+    def run_through() -> None:
         while not simulation.finished:
             simulation.step()
+
+    with pytest.raises(SimulationError, match=r"step 4 .*bug\.l2\.1"):
+        run_through()
 
 
 def test_a_legless_figure_lies_still(scene_of: SceneOf) -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.kinematics import ONE, LimbBatch, LimbPose
 from pipeline.simulation.spatial import Array
@@ -41,14 +42,25 @@ class Solution:
     """What the iterations came to.
 
     Attributes:
-        pose: the limbs, joint values within their limits.
+        batch: the limbs.
+        pose: their pose, joint values within their limits.
         residual: (L,) distance of tip from goal [m].
         iterations: how many there were.
+        turn: (L,) angle of tip from goal [rad]; None where no orientation was asked for.
     """
 
+    batch: LimbBatch
     pose: LimbPose
     residual: Array
     iterations: int
+    turn: Array | None = None
+
+    @property
+    def at_limit(self) -> NDArray[np.bool_]:
+        """(L, n) which joints have come to one of their limits."""
+        q, batch = self.pose.q, self.batch
+        result: NDArray[np.bool_] = (q <= batch.lower) | (q >= batch.upper)
+        return result & batch.is_joint
 
 
 def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> Solution:
@@ -85,7 +97,7 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> So
             pose = candidate.where(good, pose)
             error = np.where(good[:, None], error_then, error)
             distance = np.where(good, distance_then, distance)
-    return Solution(pose, distance, iteration)
+    return Solution(batch, pose, distance, iteration)
 
 
 def _iterate(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array) -> Array:

@@ -1,0 +1,162 @@
+"""Inverse kinematics along a motion: all legs at once, against one leg after the other.
+
+Six, a hundred and a thousand legs of the beetle follow a foot's path with warm starts. Side
+by side in one run: our batch; the same damped iterations with MuJoCo's kinematics and
+Jacobians (without limits and preferred values, which ours keeps); and a plain damped loop
+in numpy, leg by leg. All stop at the same distance from the goal.
+
+Prints microseconds a leg and step, and how many times faster the batch is.
+
+    python benchmarks/ik.py [steps]
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+
+from pipeline.simulation.figures.figure import build_figure
+from pipeline.simulation.figures.inverse import DAMPING, TOLERANCE, solve
+from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.skeleton import Limb, Skeleton
+from pipeline.simulation.spatial import Array, cross, rotation
+from pipeline.spec import read_scene
+
+Follow = Callable[[Array], float]
+"""Bring all tips to goals (L, 3); return the greatest distance left [m]."""
+
+STEPS_A_CYCLE = 240
+
+
+def beetle() -> Skeleton:
+    """Return the shipped beetle's."""
+    scene = read_scene("pronk: 1\nduration: 1\ncast: [{figure: beetle}]\n")
+    return build_figure("beetle", scene.figures["beetle"], 1.0).skeleton
+
+
+def batched(legs: LimbBatch) -> Follow:
+    """Follow with the batch."""
+    pose = legs.pose(legs.preferred)
+
+    def follow(goals: Array) -> float:
+        nonlocal pose
+        solution = solve(legs, pose, goals)
+        pose = solution.pose
+        return float(solution.residual.max())
+
+    return follow
+
+
+def in_mujoco(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
+    """Follow leg by leg, MuJoCo computing tips and Jacobians."""
+    models = {limb.name: _model(skeleton, limb) for limb in limbs}
+    qs = [skeleton.preferred[list(limb.joints)].copy() for limb in limbs]
+    datas = {name: mujoco.MjData(model) for name, model in models.items()}
+
+    def follow(goals: Array) -> float:
+        worst = 0.0
+        for q, limb, goal in zip(qs, limbs, goals, strict=True):
+            model, data = models[limb.name], datas[limb.name]
+            J = np.zeros((3, model.nv))
+            damping = (DAMPING * limb.length) ** 2 * np.eye(3)
+            while True:
+                data.qpos[:] = q
+                mujoco.mj_kinematics(model, data)
+                error = goal - data.site_xpos[0]
+                if (left := float(np.sqrt(error @ error))) <= TOLERANCE * limb.length:
+                    break
+                mujoco.mj_comPos(model, data)
+                mujoco.mj_jacSite(model, data, J, None, 0)
+                q += J.T @ np.linalg.solve(J @ J.T + damping, error)
+            worst = max(worst, left)
+        return worst
+
+    return follow
+
+
+def _model(skeleton: Skeleton, limb: Limb) -> mujoco.MjModel:
+    spec = mujoco.MjSpec()
+    body, above = spec.worldbody, np.zeros(3)
+    for j in limb.joints:
+        body = body.add_body(pos=skeleton.places[j] - above)
+        body.mass, body.inertia, body.explicitinertial = 1.0, [1.0, 1.0, 1.0], True
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=skeleton.axes[j])
+        above = skeleton.places[j]
+    body.add_site(pos=limb.tip - above)
+    return spec.compile()
+
+
+def leg_by_leg(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
+    """Follow with a plain loop over legs and joints."""
+    qs = [skeleton.preferred[list(limb.joints)].copy() for limb in limbs]
+
+    def tip_and_jacobian(limb: Limb, q: Array) -> tuple[Array, Array]:
+        R, p, before = np.eye(3), np.zeros(3), np.zeros(3)
+        axes, places = [], []
+        for value, j in zip(q, limb.joints, strict=True):
+            p = p + R @ (skeleton.places[j] - before)
+            before = skeleton.places[j]
+            axes.append(R @ skeleton.axes[j])
+            places.append(p)
+            R = R @ rotation(skeleton.axes[j], value)
+        tip = p + R @ (limb.tip - before)
+        return tip, cross(np.array(axes), tip - np.array(places)).T
+
+    def follow(goals: Array) -> float:
+        worst = 0.0
+        for q, limb, goal in zip(qs, limbs, goals, strict=True):
+            damping = (DAMPING * limb.length) ** 2 * np.eye(3)
+            while True:
+                tip, J = tip_and_jacobian(limb, q)
+                error = goal - tip
+                if (left := float(np.sqrt(error @ error))) <= TOLERANCE * limb.length:
+                    break
+                q += J.T @ np.linalg.solve(J @ J.T + damping, error)
+            worst = max(worst, left)
+        return worst
+
+    return follow
+
+
+def timed(follow: Follow, legs: LimbBatch, steps: int) -> float:
+    """Return microseconds a leg and step along a foot's path."""
+    centre = legs.pose(legs.preferred).tips
+    phase = 2.0 * np.pi * np.arange(len(centre)) * 0.618
+
+    def goals(step: int) -> Array:
+        t = phase + 2.0 * np.pi * step / STEPS_A_CYCLE
+        way = np.stack([np.sin(t), 0.4 * np.maximum(np.cos(t), 0.0), 0.0 * t], axis=-1)
+        return centre + 0.16 * legs.lengths[:, None] * way
+
+    follow(goals(0))
+    paths = [goals(step) for step in range(1, steps + 1)]
+    began = time.perf_counter()
+    worst = max(follow(path) for path in paths)
+    spent = time.perf_counter() - began
+    assert worst <= 1.01 * TOLERANCE * legs.lengths.max()
+    return spent / (steps * len(centre)) * 1e6
+
+
+def main(steps: int) -> None:
+    """Measure and print."""
+    skeleton = beetle()
+    print("microseconds a leg and step; in brackets, how many times faster the batch is")
+    for count in (6, 100, 1000):
+        limbs = [skeleton.legs[i % 6] for i in range(count)]
+        legs = LimbBatch.of([(skeleton, limb) for limb in limbs])
+        runs = max(4, steps * 6 // count)
+        ours = timed(batched(legs), legs, max(runs, 20))
+        theirs = timed(in_mujoco(skeleton, limbs), legs, runs)
+        plain = timed(leg_by_leg(skeleton, limbs), legs, max(4, runs // 4))
+        print(
+            f"{count:5d} legs: batch {ours:6.1f}   MuJoCo {theirs:6.1f} ({theirs / ours:.1f})"
+            f"   numpy {plain:6.1f} ({plain / ours:.1f})"
+        )
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 200)

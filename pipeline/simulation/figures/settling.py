@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.figures.inverse import TOLERANCE, _iterate, solve
+from pipeline.simulation.figures.inverse import TOLERANCE, damping_of, iterate, solve
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.spatial import Array
 
@@ -47,13 +47,13 @@ def settle(batch: LimbBatch, goals: Array) -> Settled:
         goals: (L, 3) relative to the body [m].
     """
     pose = batch.pose(batch.preferred)
-    longest = SEGMENT * batch.lengths
+    longest, damping = SEGMENT * batch.lengths, damping_of(batch)
     for gain in GAINS:
         error = goals - pose.tips
         distance = np.sqrt((error * error).sum(axis=-1))
         part = np.minimum(1.0, longest / np.maximum(distance, 1e-300))
         pull = np.full(len(goals), gain)
-        pose = batch.pose(_iterate(batch, pose, error * part[:, None], pull))
+        pose = batch.pose(iterate(batch, pose, error * part[:, None], pull, damping))
     residual = np.linalg.norm(goals - pose.tips, axis=-1)
     far = np.flatnonzero(residual > TOLERANCE * batch.lengths)
     if len(far):

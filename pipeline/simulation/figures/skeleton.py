@@ -225,35 +225,24 @@ def _add_limb(
     directions = normalized(steps)
     parent = builder.carrier[nodes[0]]
     joints, links = list[int](), list[int]()
-    folded = builder.style == "mammal" and appendage.kind in FOLDED
-    if builder.style == "mammal":
-        stances = mammal_stance(appendage.kind, steps)
-    else:
-        stances = insect_stance(appendage.kind, len(steps))
+    mammal = builder.style == "mammal"
+    kind = appendage.kind
+    stances = mammal_stance(kind, steps) if mammal else insect_stance(kind, len(steps))
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis stands across the mean of the two links it joins.
         along = directions[i] if i == 0 else _between(directions[i - 1], directions[i])
-        across = normalized(np.cross(along, UP))
-        axes = {"yaw": UP, "pitch": across, "roll": along, "bend": across}
-        if folded or abs(along[1]) > UPRIGHT:
-            axes = {"yaw": UP, "pitch": SIDEWAYS, "roll": FORWARD, "bend": SIDEWAYS}
+        axes = _axes(along, mammal and kind in FOLDED)
         for turn, stance in stances[i].items():
             joint_name = f"{name}.{'base' if i == 0 else f'joint{i}'}_{turn}"
             parent = builder.joint(joint_name, parent, axes[turn], points[node], stance)
             joints.append(parent)
-        # At its root an appendage is no thicker than where it goes on.
-        # Where the material changes it is thicker than the end of the link before, so that
-        # the two meet in a clean line.
-        changes = materials[after] != materials[node]
-        girth = (1.12 if changes else 1.0) * float(radii[node])
-        root = min(float(radii[node]), float(radii[after]) * 1.35) if i == 0 else girth
         builder.links.append(
             Link(
                 f"{name}.{i + 1}",
-                appendage.kind,
+                kind,
                 parent,
                 np.stack([points[node], points[after]]),
-                (float(root), float(radii[after])),
+                _girths(radii[[node, after]], i == 0, materials[after] != materials[node]),
                 materials[after],
                 after == nodes[-1],
             )
@@ -265,7 +254,7 @@ def _add_limb(
     builder.limbs.append(
         Limb(
             name,
-            appendage.kind,
+            kind,
             side,
             tuple(joints),
             tuple(links),
@@ -274,6 +263,27 @@ def _add_limb(
             length,
         )
     )
+
+
+def _axes(along: Array, folded: bool) -> dict[str, Array]:
+    """Return the axes of the joints of a link that points `along`, by how they turn it."""
+    if folded or abs(along[1]) > UPRIGHT:
+        return {"yaw": UP, "pitch": SIDEWAYS, "roll": FORWARD, "bend": SIDEWAYS}
+    across = normalized(np.cross(along, UP))
+    return {"yaw": UP, "pitch": across, "roll": along, "bend": across}
+
+
+def _girths(radii: Array, is_root: bool, changes: bool) -> tuple[float, float]:
+    """Return the radii of a link's solid between nodes of `radii` (2,) [m].
+
+    At its root an appendage is no thicker than where it goes on. Where the material
+    changes it is thicker than the end of the link before, so that the two meet in a
+    clean line.
+    """
+    first, second = (float(radius) for radius in radii)
+    if is_root:
+        return min(first, 1.35 * second), second
+    return (1.12 if changes else 1.0) * first, second
 
 
 def _between(before: Array, after: Array) -> Array:

@@ -77,13 +77,13 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> So
     pose, error = start, goals - start.tips
     distance = _norm(error)
     enough, near = TOLERANCE * batch.lengths, NEAR * batch.lengths
-    longest = batch.lengths * SEGMENT
+    longest, damping = batch.lengths * SEGMENT, damping_of(batch)
     iteration = 0
     while iteration < most and (far := distance > enough).any():
         # A limb that has arrived stays as it is: what it does must not depend on others.
         part = far * np.minimum(1.0, longest / np.maximum(distance, enough))
         gain = np.where(far if iteration == 0 else distance > near, ALPHA, 0.0)
-        candidate = batch.pose(_iterate(batch, pose, error * part[:, None], gain))
+        candidate = batch.pose(iterate(batch, pose, error * part[:, None], gain, damping))
         error_then = goals - candidate.tips
         distance_then = _norm(error_then)
         iteration += 1
@@ -100,15 +100,28 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> So
     return Solution(batch, pose, distance, iteration)
 
 
-def _iterate(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array) -> Array:
-    """Return the joint values after one step of the tips by `dx`, within the limits.
+def damping_of(batch: LimbBatch) -> Array:
+    """Return λ² I (L, 3, 3) [m²], which all iterations of these limbs share."""
+    result: Array = ((DAMPING * batch.lengths) ** 2)[:, None, None] * ONE
+    return result
+
+
+def iterate(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, damping: Array) -> Array:
+    """Return the joint values (L, n) after one step of the tips, within the limits.
 
     Joints that the step would push through a limit are held there and the others
     carry the motion, by a second pass with their columns taken out.
+
+    Args:
+        batch: the limbs.
+        pose: where they are.
+        dx: (L, 3) the step [m].
+        gain: (L,) α, the part of the way to the preferred values that redundancy goes.
+        damping: see `damping_of`.
     """
     q, jacobian = pose.q, pose.jacobian
     z = gain[:, None] * (batch.preferred - q)
-    wanted = q + _pseudo_inverse_step(batch, jacobian, dx, z)
+    wanted = q + _pseudo_inverse_step(jacobian, dx, z, damping)
     bounded = np.minimum(np.maximum(wanted, batch.lower), batch.upper)
     held = bounded != wanted
     if not held.any():
@@ -116,14 +129,14 @@ def _iterate(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array) -> Array:
     free = ~held
     moved = np.where(held, bounded - q, 0.0)
     rest = dx - _times(jacobian, moved)
-    again = _pseudo_inverse_step(batch, jacobian * free[..., None], rest, z * free)
+    again = _pseudo_inverse_step(jacobian * free[..., None], rest, z * free, damping)
     again = q + np.where(held, moved, again)
     result: Array = np.minimum(np.maximum(again, batch.lower), batch.upper)
     return result
 
 
-def _pseudo_inverse_step(batch: LimbBatch, jacobian: Array, dx: Array, z: Array) -> Array:
-    """Return J⁺ dx + (I - J⁺ J) z with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹.
+def _pseudo_inverse_step(jacobian: Array, dx: Array, z: Array, damping: Array) -> Array:
+    """Return J⁺ dx + (I - J⁺ J) z with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, λ² I being given.
 
     Written as z + J⁺ (dx - J z), which needs no projector.
 
@@ -131,8 +144,7 @@ def _pseudo_inverse_step(batch: LimbBatch, jacobian: Array, dx: Array, z: Array)
     other way round); damping after Wampler 1986.
     """
     square = np.add.reduce(jacobian[..., None] * jacobian[..., None, :], axis=1)
-    damping = (DAMPING * batch.lengths) ** 2
-    square += damping[:, None, None] * ONE
+    square += damping
     y = np.linalg.solve(square, (dx - _times(jacobian, z))[..., None])[..., 0]
     result: Array = z + (jacobian @ y[..., None])[..., 0]
     return result

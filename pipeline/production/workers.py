@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -79,7 +80,8 @@ def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], Non
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(pieces)), context, _begin_work) as pool:
         try:
-            parts = [pool.submit(_film_piece, piece) for piece in pieces]
+            with _deaf_children():
+                parts = [pool.submit(_film_piece, piece) for piece in pieces]
             for future in as_completed(parts):
                 part = future.result()
                 if isinstance(part, str):
@@ -94,6 +96,20 @@ def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], Non
             for child in multiprocessing.active_children():
                 child.terminate()
             raise
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Let processes that are started inside ignore Ctrl-C from their first moment.
+
+    What is ignored stays so in a new program; a handler of theirs would come too late for
+    the imports that they begin with. Here Ctrl-C goes on being heard, see `interrupts`.
+    """
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 # --- in a worker ------------------------------------------------------------------

@@ -120,18 +120,18 @@ def body_solid(
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     cell = float((high - low).max()) / BODY_CELLS
     counts = np.ceil((high - low) / cell).astype(int) + 1
-    axes = [low[k] + cell * np.arange(counts[k]) for k in range(3)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    x, y, z = (low[k] + cell * np.arange(counts[k]) for k in range(3))
     # Flattened about the body's own middle, which stays where it is.
     middle = points[:, 1].mean()
-    grid[..., 1] = middle + (grid[..., 1] - middle) / flatness
+    y = middle + (y - middle) / flatness
     # Smooth minimum by log-sum-exp: the order of the bones does not matter. Beyond a few
     # widths of the blend a bone adds nothing, so it is looked at in its neighbourhood only.
-    total = np.zeros(grid.shape[:3])
+    total = np.zeros(counts)
     for a, b in bones:
         reach = float(max(radii[a], radii[b])) + NEGLIGIBLE * blend
-        box = _cells_near(points[[a, b]], reach, low, cell, grid.shape[:3])
-        cone = _round_cone(grid[box], points[a], points[b], radii[a], radii[b])
+        box = _cells_near(points[[a, b]], reach, low, cell, total.shape)
+        near = (x[box[0]], y[box[1]], z[box[2]])
+        cone = _round_cone(near, points[a], points[b], radii[a], radii[b])
         total[box] += np.exp(-cone / blend)
     distance = -blend * np.log(np.maximum(total, 1e-300))
     vertices, faces = surface_nets(distance, low, cell)
@@ -152,12 +152,34 @@ def _cells_near(
     )
 
 
-def _round_cone(p: Array, a: Array, b: Array, r_a: float, r_b: float) -> Array:
-    """Return about the distance of `p` (..., 3) from the round cone between two balls [m]."""
+def _round_cone(
+    axes: tuple[Array, Array, Array], a: Array, b: Array, r_a: float, r_b: float
+) -> Array:
+    """Return about the distance from the round cone between two balls [m].
+
+    Args:
+        axes: (n_x,), (n_y,), (n_z,) coordinates of a grid [m]: its distances and products
+            are sums along the axes, which costs a fraction of taking them point by point.
+        a: (3,) centre of the first ball [m].
+        b: (3,) of the second.
+        r_a: radius of the first [m].
+        r_b: of the second.
+    """
     ab = b - a
     square = float(ab @ ab)
-    along = np.zeros(p.shape[:-1]) if square == 0 else np.clip((p - a) @ ab / square, 0.0, 1.0)
-    nearest = a + along[..., None] * ab
-    away = p - nearest
-    result: Array = np.sqrt((away * away).sum(axis=-1)) - (r_a + (r_b - r_a) * along)
+    x, y, z = (axes[k] - a[k] for k in range(3))
+    away = _summed(x * x, y * y, z * z)
+    if square == 0.0:
+        result: Array = np.sqrt(away) - r_a
+        return result
+    dot = _summed(x * ab[0], y * ab[1], z * ab[2])
+    along = np.clip(dot / square, 0.0, 1.0)
+    away -= along * (2.0 * dot - along * square)
+    result = np.sqrt(np.maximum(away, 0.0)) - (r_a + (r_b - r_a) * along)
+    return result
+
+
+def _summed(x: Array, y: Array, z: Array) -> Array:
+    """Return the sums of one number of each axis (n_x, n_y, n_z)."""
+    result: Array = x[:, None, None] + y[:, None] + z
     return result

@@ -21,13 +21,13 @@ def check_scene(scene: Scene) -> str:
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"
-    who = ", ".join(f"{member.name} ({member.figure})" for member in scene.cast)
+    who = ", ".join(f"{member.name} ({member.called})" for member in scene.cast)
     return f"right: {length}; {who}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
 
 
 def remarks_on(scene: Scene) -> Iterator[Problem]:
     """Give what the authors of the scene's figures may not have meant, with its place."""
-    for name in dict.fromkeys(member.figure for member in scene.cast):
+    for name in dict.fromkeys(member.figure for _, member in scene.creatures):
         words = scene.figures[name]
         drawing = draw(words)
         for remark in analyse(drawing, words.parts).warnings:

@@ -75,8 +75,8 @@ class Recorder:
         """Keep what happened in one step; a note is kept once for each part and kind."""
         self.contacts.extend(contacts)
         self.events.extend(events)
-        known = {(note.kind, note.part) for note in self.notes}
-        self.notes.extend(note for note in notes if (note.kind, note.part) not in known)
+        known = {(note.kind, note.part): note for note in reversed([*self.notes, *notes])}
+        self.notes = list(known.values())[::-1]
 
     def take(self) -> Take:
         """Return the finished take."""

@@ -134,7 +134,7 @@ def simulate(
 def _troupes(scene: Scene, world: World) -> list[Troupe]:
     """Sort the cast into troupes, one a room."""
     walkers = []
-    for number, member in enumerate(scene.cast):
+    for number, member in scene.creatures:
         figure = build_figure(member.figure, scene.figures[member.figure], member.scale)
         walkers.append((number, member, figure))
     materials = [m.material or figure.material or DEFAULT_MATERIAL for _, m, figure in walkers]

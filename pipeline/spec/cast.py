@@ -2,54 +2,166 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Self
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipeline.spec.values import Length, Name, Number, Point, Words
+from pipeline.spec.faults import Fault, refuse
+from pipeline.spec.keyframes import Keyframe, faults_of_order
+from pipeline.spec.pose import PoseKey
+from pipeline.spec.prop import Hold, Shape
+from pipeline.spec.values import Coordinate, Length, Name, Number, Words
 from pipeline.spec.walk import Walk
 
+MOST_KEYS = 10_000
+"""Keyframes of one performer."""
 
-class Member(Words):
-    """One member of the cast."""
+At = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
+
+
+class Performer(Words):
+    """What all members of a cast have."""
 
     name: Name = Field(
-        "", description="What it is called; after its figure if left out.", validate_default=False
+        "", description="What it is called; after what it is if left out.", validate_default=False
     )
-    figure: Name = Field(
-        description="Its figure: from this file, from a file of that name beside it or in "
-        "figures/ beside it, or from the shipped library."
-    )
-    at: Point = Field((0.0, 0.0), description="Where it starts, [x, z] on the ground [m].")
     heading_deg: Number = Field(
         0.0,
         ge=-3600,
         le=3600,
         description="Where it looks: 0 along +X, positive turns about +Y [degrees].",
     )
-    scale: Length = Field(1.0, description="Factor on all lengths of the figure.")
     material: Name | None = Field(
         None, description="Material of all its parts that name none, by name."
     )
+    parent: str | None = Field(
+        None,
+        min_length=1,
+        max_length=200,
+        description="What it goes along with: a performer, or one of its links or nodes as "
+        "bug.head; its place is then relative to that.",
+    )
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name: what it is."""
+        raise NotImplementedError
+
+
+class Creature(Performer):
+    """A jointed figure that walks or stands."""
+
+    figure: Name = Field(
+        description="Its figure: from this file, from a file of that name beside it or in "
+        "figures/ beside it, or from the shipped library."
+    )
+    at: At = Field(
+        (0.0, 0.0),
+        description="Where it starts, [x, z] on the ground; on a parent [x, z], or [x, y, z] "
+        "with the height that it stands at [m].",
+    )
+    scale: Length = Field(1.0, description="Factor on all lengths of the figure.")
     walk: Walk | None = Field(None, description="How it walks; it stands still if left out.")
+    pose: Annotated[tuple[PoseKey, ...], Field(max_length=MOST_KEYS)] = Field(
+        (), description="What its joints and limbs are to do, over or instead of walking."
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        faults = list(faults_of_order(self.pose, "pose"))
+        if self.parent is None and len(self.at) == 3:
+            faults.append(Fault(("at",), "a creature stands on the ground: give [x, z]"))
+        if self.parent is not None and self.walk is not None:
+            message = "who walks does so on the ground; take parent or walk away"
+            faults.append(Fault(("walk",), message, at_key=True))
+        refuse(faults)
+        return self
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name."""
+        return self.figure
+
+
+class Prop(Performer):
+    """A thing that moves only as its author says."""
+
+    prop: Shape = Field(description="What it looks like.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="Where its middle is, [x, y, z]; [x, z] puts it on the ground, or on the "
+        "origin of its parent [m].",
+    )
+    keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MOST_KEYS)] = Field(
+        (), description="Where it is at certain times; they replace at and heading_deg."
+    )
+    held: Annotated[tuple[Hold, ...], Field(max_length=MOST_KEYS)] = Field(
+        (), description="By whom it is held, and when."
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        faults = list(faults_of_order(self.keyframes, "keyframes"))
+        if self.keyframes and self.held:
+            message = "what is held does not follow keyframes; take one of the two away"
+            faults.append(Fault(("held",), message, at_key=True))
+        for i in range(1, len(self.held)):
+            before = self.held[i - 1]
+            if before.until is None or self.held[i].at < before.until:
+                message = f"'{before.by}' still holds it then; let it go with `until` first"
+                faults.append(Fault(("held", i, "at"), message))
+        refuse(faults)
+        return self
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name."""
+        return self.prop.shape
+
+
+def _what(words: Any) -> str:
+    """Return what a member is by the block that it has."""
+    if isinstance(words, Mapping):
+        is_prop = "prop" in words and "figure" not in words
+    else:
+        is_prop = isinstance(words, Prop)
+    return "Prop" if is_prop else "Creature"
+
+
+Member = Annotated[
+    Annotated[Creature, Tag("Creature")] | Annotated[Prop, Tag("Prop")], Discriminator(_what)
+]
 
 
 def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
-    """Return the names of a cast, given each member's own name (or "") and its figure.
+    """Return the names of a cast, given each member's own name (or "") and what it is.
 
-    A member without a name is called after its figure, and numbered from the second on: the
+    A member without a name is called after what it is, and numbered from the second on: the
     first keeps its name (and so its random numbers) when another is added.
     """
     taken = {name for name, _ in cast if name}
     last: dict[str, int] = {}
     names = []
-    for own, figure in cast:
-        name, number = own or figure, last.get(figure, 1)
+    for own, kind in cast:
+        name, number = own or kind, last.get(kind, 1)
         while not own and name in taken:
             number += 1
-            name = f"{figure}_{number}"
+            name = f"{kind}_{number}"
         if not own:
-            last[figure] = number
+            last[kind] = number
         taken.add(name)
         names.append(name)
     return names
+
+
+def called(member: object) -> tuple[str, str]:
+    """Return the own name and the kind of a member, which may be still raw and perhaps wrong."""
+    if isinstance(member, Performer):
+        return member.name, member.called
+    if not isinstance(member, Mapping):
+        return "", ""
+    shape = member.get("prop")
+    kind = shape.get("shape") if isinstance(shape, Mapping) else member.get("figure")
+    name = member.get("name")
+    return (name if isinstance(name, str) else ""), (kind if isinstance(kind, str) else "")

@@ -47,6 +47,6 @@ def _part(scene: Scene, part: str) -> Any:
     words = scene.model_dump(mode="json", include={part})[part]
     if part != "figures":
         return words
-    used = sorted({member.figure for member in scene.cast})
+    used = sorted({member.figure for _, member in scene.creatures})
     # The order of nodes stays as it is: in this order the analysis meets them.
     return [[name, words[name]] for name in used]

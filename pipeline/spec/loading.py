@@ -93,7 +93,8 @@ def load_figures(name: str) -> tuple[Scene, tuple[str, ...]]:
     if not who:
         return scene, tuple(scene.figures)
     known = {name: name for name in scene.figures}
-    known |= {member.name: member.figure for member in scene.cast if member.name not in known}
+    cast = [member for _, member in scene.creatures]
+    known |= {member.name: member.figure for member in cast if member.name not in known}
     if who not in known:
         raise UsageError(f"{path}: no figure is called '{who}', {hint(who, known)}")
     return scene, (known[who],)

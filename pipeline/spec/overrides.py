@@ -6,11 +6,11 @@ import re
 from collections.abc import Sequence
 
 from pipeline.errors import Problem
-from pipeline.spec.cast import names_of
+from pipeline.spec.cast import called, names_of
 from pipeline.spec.faults import Step
 from pipeline.spec.nearest import hint
 from pipeline.spec.reader import read_yaml
-from pipeline.spec.tree import Entry, Leaf, Place, Row, Table, Tree, path_text
+from pipeline.spec.tree import Entry, Leaf, Place, Row, Table, Tree, path_text, plain
 
 _STEP = re.compile(r"(?:^|\.)([^.\[\]=]+)|\[([0-9]{1,9})\]")
 
@@ -126,13 +126,8 @@ def _index(row: Row, before: Sequence[Step], step: Step) -> int:
         if step < len(row.items):
             return step
         raise _Wrong((*before, step), f"{where} has {len(row.items)} entries, counted from 0")
-    names = names_of([(_text(item, "name"), _text(item, "figure")) for item in row.items])
+    names = names_of([called(plain(item)) for item in row.items])
     if step in names:
         return names.index(step)
     close = hint(step, [name for name in names if not name.startswith("_")])
     raise _Wrong((*before, step), f"nothing in {where} is called '{step}', {close}")
-
-
-def _text(item: Tree, key: str) -> str:
-    found = item.get(key) if isinstance(item, Table) else None
-    return found.value if isinstance(found, Leaf) and isinstance(found.value, str) else ""

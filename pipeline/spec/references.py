@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from pipeline.spec.cast import names_of
+from pipeline.spec.cast import called, names_of
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
 from pipeline.spec.nearest import hint
 from render.words import MATERIALS
@@ -21,12 +21,12 @@ Place = tuple[Step, ...]
 
 
 def faults_of_references(scene: object) -> list[Fault]:
-    """Find figures, materials and followed performers that do not exist, and names used twice.
+    """Find names of what does not exist, and names that are used twice.
 
     Args:
         scene: a scene, or the mapping that is to become one.
     """
-    finders = (_figures, _repeated_names, _materials, _followed)
+    finders = (_figures, _repeated_names, _materials, _followed, _attached)
     return list(islice((fault for find in finders for fault in find(scene)), MOST_FAULTS))
 
 
@@ -75,13 +75,33 @@ def _named_materials(scene: object) -> Iterator[tuple[Place, Any]]:
 
 
 def _followed(scene: object) -> Iterator[Fault]:
-    cast = [member for _, member in _items(_get(scene, "cast"))]
-    known = set(names_of([(_text(member, "name"), _text(member, "figure")) for member in cast]))
+    known = set(_names(scene))
     for place, cut in _listed_or_alone(_get(scene, "camera")):
         for below, follow in _listed_or_alone(_get(cut, "follow")):
             if isinstance(follow, str) and follow not in known:
                 message = f"nobody in the cast is called '{follow}', {hint(follow, known)}"
                 yield Fault(("camera", *place, "follow", *below), message)
+
+
+def _attached(scene: object) -> Iterator[Fault]:
+    names = _names(scene)
+    for i, member in _items(_get(scene, "cast")):
+        places: list[tuple[Place, Any]] = [(("parent",), _get(member, "parent"))]
+        for k, hold in _items(_get(member, "held")):
+            places.append((("held", k, "by"), _get(hold, "by")))
+        for place, whom in places:
+            if not isinstance(whom, str):
+                continue
+            name = whom.partition(".")[0]
+            if name not in names:
+                message = f"nobody in the cast is called '{name}', {hint(name, names)}"
+                yield Fault(("cast", i, *place), message)
+            elif name == names[i]:
+                yield Fault(("cast", i, *place), f"'{name}' cannot go along with itself")
+
+
+def _names(scene: object) -> list[str]:
+    return names_of([called(member) for _, member in _items(_get(scene, "cast"))])
 
 
 def _listed_or_alone(thing: object) -> list[tuple[Place, Any]]:
@@ -96,11 +116,6 @@ def _get(thing: object, key: str) -> Any:
     if isinstance(thing, BaseModel):
         return getattr(thing, key, None)
     return None
-
-
-def _text(thing: object, key: str) -> str:
-    value = _get(thing, key)
-    return value if isinstance(value, str) else ""
 
 
 def _keys(thing: object) -> set[str]:

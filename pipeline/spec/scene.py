@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
 from audio.words import Sound
-from pipeline.spec.cast import Member, names_of
+from pipeline.spec.cast import Creature, Member, names_of
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
 from pipeline.spec.places import Places
@@ -31,7 +31,7 @@ VERSION = 1
 
 
 def _named(cast: tuple[Member, ...]) -> tuple[Member, ...]:
-    names = names_of([(member.name, member.figure) for member in cast])
+    names = names_of([(member.name, member.called) for member in cast])
     pairs = zip(cast, names, strict=True)
     return tuple(member.model_copy(update={"name": name}) for member, name in pairs)
 
@@ -95,6 +95,11 @@ class Scene(Words):
         """Return the scene, which was made of a tree, with the places of its words."""
         self._places = Places(tree)
         return self
+
+    @property
+    def creatures(self) -> list[tuple[int, Creature]]:
+        """Its creatures, with their places in the cast."""
+        return [(i, member) for i, member in enumerate(self.cast) if isinstance(member, Creature)]
 
     @property
     def rate(self) -> Fraction:

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pipeline.spec import (
+    Creature,
     Figure,
     FlatTerrain,
     HillsTerrain,
-    Member,
     Scene,
     Walk,
 )
@@ -105,7 +105,7 @@ def test_defaults_make_a_film():
     assert (made.seed, made.samples, made.steps) == (1, 4, 4)
     assert made.terrain == FlatTerrain()
     assert made.terrain.cells == (240, 240)
-    assert made.cast[0] == Member(name="bug", figure="bug")
+    assert made.cast[0] == Creature(name="bug", figure="bug")
     assert made.cast[0].walk is None
 
 

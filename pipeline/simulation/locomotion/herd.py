@@ -18,7 +18,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.locomotion.gaits import GAITS, Gait, written
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Member
+from pipeline.spec.cast import Creature
 from pipeline.spec.walk import GaitWords, Walk
 
 REACH = 0.97
@@ -113,7 +113,7 @@ class Herd:
         return self.legs.places[:, 0]
 
 
-def gather(cast: Sequence[tuple[int, Member, Figure]]) -> Herd:
+def gather(cast: Sequence[tuple[int, Creature, Figure]]) -> Herd:
     """Collect creatures into one herd.
 
     Args:
@@ -141,7 +141,7 @@ def gather(cast: Sequence[tuple[int, Member, Figure]]) -> Herd:
     return Herd(
         names=tuple(member.name for _, member, _ in cast),
         figures=tuple(figure for _, _, figure in cast),
-        starts=np.array([member.at for _, member, _ in cast], dtype=float),
+        starts=np.array([(member.at[0], member.at[-1]) for _, member, _ in cast], dtype=float),
         headings=np.radians([member.heading_deg for _, member, _ in cast]),
         cycle=np.array([p.cycle for p in paces]),
         stride=np.array([p.stride for p in paces]),
@@ -191,7 +191,7 @@ class Spread:
         return max(float((2.0 * forward / (1.0 - gait.swing)).min()), 0.0)
 
 
-def _pace(number: int, member: Member, figure: Figure, legs: Spread) -> Pace:
+def _pace(number: int, member: Creature, figure: Figure, legs: Spread) -> Pace:
     """Choose what the author left open so that it suits the legs.
 
     Raises:
@@ -246,7 +246,7 @@ def _timing(words: Walk, leg: float, easy: float) -> tuple[float, float]:
     return cycle, stride
 
 
-def _legless(number: int, member: Member, figure: Figure) -> Pace:
+def _legless(number: int, member: Creature, figure: Figure) -> Pace:
     if member.walk is not None:
         message = f"figure '{member.figure}' has no legs to walk on; take `walk` away"
         raise SceneError([Problem(f"cast[{number}].walk", message)])
@@ -254,7 +254,7 @@ def _legless(number: int, member: Member, figure: Figure) -> Pace:
     return Pace(Gait(np.zeros(0), np.zeros(0)), 1.0, 0.0, lying, 0.0, 0.0)
 
 
-def _gait(number: int, member: Member, words: Walk, figure: Figure) -> Gait:
+def _gait(number: int, member: Creature, words: Walk, figure: Figure) -> Gait:
     legs = figure.skeleton.legs
     names = [leg.name for leg in legs]
     if isinstance(words.gait, GaitWords):

@@ -16,11 +16,14 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.posed_limb import Miss
 from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.herd import REACH, Herd
 from pipeline.simulation.locomotion.idle import Idlers
 from pipeline.simulation.locomotion.inventory import NodeTable
+from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.swing import swing
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.take import Note
@@ -65,12 +68,19 @@ class Posing:
     """Works out the poses of one herd."""
 
     def __init__(
-        self, herd: Herd, path: BodyPath, idlers: Idlers, table: NodeTable, dt: float
+        self,
+        herd: Herd,
+        path: BodyPath,
+        idlers: Idlers,
+        table: NodeTable,
+        postures: Postures,
+        dt: float,
     ) -> None:
         self.herd = herd
         self.path = path
         self.idlers = idlers
         self.table = table
+        self.postures = postures
         self.dt = dt
         self._batch = lru_cache(maxsize=4)(self._repeated)
 
@@ -90,27 +100,48 @@ class Posing:
         R, p = self.path.pose(creature, way.ravel(), phase.ravel())
         R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
         p_WB[..., 1] -= _stooped(herd, stoop, s)
-        p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB)
+        around = self._posed_bodies(steps * self.dt, R_WB, p_WB)
+        grip = self.postures.free(steps * self.dt)
+        p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         solution = settle(self._batch(n), goals.reshape(-1, 3))
         residual = solution.residual.reshape(n, -1)
         pitch = np.arcsin(np.clip(R_WB[..., 1, 0], -1.0, 1.0))
         q_idle = self.idlers.values(phase, pitch, steps * self.dt)
-        X_legs = solution.pose.X_BJ.reshape(n, -1, 4, 4)
-        X_BN = self.table.poses(X_legs, self.idlers.tree.pose(q_idle))
+        shape = (n, *herd.legs.is_joint.shape)
+        q_legs, X_legs = solution.pose.q.reshape(shape), solution.pose.X_BJ.reshape(*shape, 4, 4)
+        X_idle = self.idlers.tree.pose(q_idle)
+        misses = self.postures.move_joints(around, (q_legs, X_legs), (q_idle, X_idle))
+        X_BN = self.table.poses(X_legs.reshape(n, -1, 4, 4), X_idle)
         R_own = R_WB[:, self.table.owner]
-        q_legs = solution.pose.q.reshape(n, *herd.legs.is_joint.shape)[:, herd.legs.is_joint]
         speed = herd.stride / herd.cycle * drive
         return Poses(
             positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
             rotations=R_own @ X_BN[..., :3, :3],
-            values=np.concatenate([np.mod(phase, 1.0), speed, q_legs, q_idle], axis=1),
-            notes=[self._slipped(steps, residual, *at) for at in np.argwhere(residual > SLIP)],
+            values=np.concatenate(
+                [np.mod(phase, 1.0), speed, q_legs[:, herd.legs.is_joint], q_idle], axis=1
+            ),
+            notes=[
+                *(self._slipped(steps, residual, *at) for at in np.argwhere(residual > SLIP)),
+                *(self._missed(steps, c, miss) for c, miss in misses),
+            ],
         )
 
     def _repeated(self, n: int) -> LimbBatch:
         """Return the legs of the herd `n` times over."""
         return self.herd.legs.rows(np.tile(np.arange(len(self.herd.owner)), n))
+
+    def _posed_bodies(self, times: Array, R_WB: Array, p_WB: Array) -> dict[int, Surroundings]:
+        """Put bodies where they are asked to be; return what that is relative to."""
+        grounds = {c: self.postures.ground(c, p_WB[:, c]) for c in self.postures.of}
+        self.postures.move_bodies(times, R_WB, p_WB)
+        return {
+            c: Surroundings(times, R_WB[:, c], p_WB[:, c], *ground) for c, ground in grounds.items()
+        }
+
+    def _missed(self, steps: NDArray[np.int64], c: int, miss: Miss) -> Note:
+        text = f"{100.0 * miss.gap:.2g} % of its length from what it is asked for"
+        return Note("clamped", int(steps[miss.row]), f"{self.herd.names[c]}.{miss.limb}", text)
 
     def _slipped(self, steps: NDArray[np.int64], residual: Array, row: int, leg: int) -> Note:
         name = f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
@@ -139,16 +170,16 @@ def _stooped(herd: Herd, stoop: Array, s: Array) -> Array:
     return result
 
 
-def _overstretched(herd: Herd, tips: Array, R_WB: Array, p_WB: Array) -> Array:
+def _overstretched(herd: Herd, tips: Array, R_WB: Array, p_WB: Array, grip: Array) -> Array:
     """Return how far bodies (n, C) have yet to be lowered so that no leg is overstretched [m].
 
-    That is what no plan foresaw.
+    That is what no plan foresaw. Legs count with their `grip` (n, L) on the ground.
     """
     hips = p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips)
     reach = REACH * herd.legs.lengths
     across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1)
     highest = tips[..., 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
-    excess = hinge(hips[..., 1] - highest, 0.01 * herd.legs.lengths)
+    excess = grip * hinge(hips[..., 1] - highest, 0.01 * herd.legs.lengths)
     lower = np.zeros(p_WB.shape[:2])
     for leg, owner in enumerate(herd.owner):
         lower[:, owner] = np.maximum(lower[:, owner], excess[:, leg])

@@ -26,11 +26,12 @@ from pipeline.simulation.locomotion.inventory import (
     leg_mass,
 )
 from pipeline.simulation.locomotion.posing import Moment, Posing
+from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
-from pipeline.spec.cast import Member
+from pipeline.spec.cast import Creature
 
 BRAKING = 0.3
 """Time in which a creature that finds no foothold comes to rest [s]."""
@@ -54,7 +55,7 @@ class Walkers:
     """
 
     def __init__(
-        self, cast: Sequence[tuple[int, Member, Figure]], world: World, materials: Sequence[str]
+        self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
         self.world = world
         self.herd = herd = gather(cast)
@@ -62,7 +63,8 @@ class Walkers:
         self.footholds = Footholds(herd, world.ground, path)
         idlers = gather_idlers(herd.names, herd.figures, world.seed)
         table = NodeTable.of(herd, idlers)
-        self.posing = Posing(herd, path, idlers, table, world.clock.dt)
+        self.postures = Postures(cast, herd, idlers, world.seed)
+        self.posing = Posing(herd, path, idlers, table, self.postures, world.clock.dt)
         self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
         self.step = 0
         self._mass = leg_mass(herd)
@@ -223,6 +225,12 @@ class Walkers:
         """Put a foot down, `fraction` of a step after `step`."""
         herd, owner = self.herd, int(self.herd.owner[leg])
         self.swinging[leg] = False
+        if (
+            self.postures.of
+            and self.postures.free(np.array([step * self.world.clock.dt]))[0, leg] < 0.5
+        ):
+            # Its author has it somewhere else: it does not come down.
+            return
         hold = self.holds[leg]
         time = herd.cycle[owner] * float(herd.swings[leg])
         speed = approach_speed(self.start[leg], hold.tip, self.height[leg], hold.normal, time)

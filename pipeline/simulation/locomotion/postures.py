@@ -1,0 +1,99 @@
+"""Postures: the creatures of a herd of which their authors ask something beside walking."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.pose_plan import plan_poses
+from pipeline.simulation.figures.posed_limb import Miss
+from pipeline.simulation.figures.posture import Posture
+from pipeline.simulation.figures.surroundings import Surroundings
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.idle import Idlers
+from pipeline.simulation.seeds import generator
+from pipeline.simulation.spatial import Array, heading, turn
+from pipeline.spec.cast import Creature
+
+
+class Postures:
+    """What is asked of the creatures of a herd, by creature."""
+
+    def __init__(
+        self, cast: Sequence[tuple[int, Creature, Figure]], herd: Herd, idlers: Idlers, seed: int
+    ) -> None:
+        self.herd = herd
+        self.idlers = idlers
+        self.of: Mapping[int, Posture] = {
+            c: Posture(
+                figure,
+                plan_poses(member.pose, figure, f"cast[{number}].pose"),
+                generator(seed, f"{member.name}.pose"),
+            )
+            for c, (number, member, figure) in enumerate(cast)
+            if member.pose
+        }
+
+    def ground(self, c: int, p_WB: Array) -> tuple[Array, Array]:
+        """Return the frames R_WG (n, 3, 3), p_WG (n, 3) of the ground below a body at `p_WB`."""
+        p_WG = p_WB - [0.0, self.herd.body_height[c], 0.0]
+        return np.broadcast_to(heading(self.herd.headings[c]), (len(p_WB), 3, 3)), p_WG
+
+    def move_bodies(self, times: Array, R_WB: Array, p_WB: Array) -> None:
+        """Put bodies (n, C) where they are asked to be at `times` (n,)."""
+        for c, posture in self.of.items():
+            R, p = posture.body(times)
+            R_WG, _ = self.ground(c, p_WB[:, c])
+            R_WB[:, c] = R_WG @ R @ R_WG.transpose(0, 2, 1) @ R_WB[:, c]
+            p_WB[:, c] += turn(R_WG, p)
+
+    def free(self, times: Array) -> Array:
+        """Return what part of each leg's doing is left to itself (n, L)."""
+        result = np.ones((len(times), len(self.herd.owner)))
+        for c, posture in self.of.items():
+            for i, leg in enumerate(np.flatnonzero(self.herd.owner == c)):
+                result[:, leg] = posture.free(i, times)
+        return result
+
+    def move_joints(
+        self,
+        around: Mapping[int, Surroundings],
+        legs: tuple[Array, Array],
+        others: tuple[Array, Array],
+    ) -> list[tuple[int, Miss]]:
+        """Set joints as they are asked for.
+
+        Args:
+            around: where each of these creatures is.
+            legs: joint values (n, L, k) and frames (n, L, k, 4, 4) of all legs; changed.
+            others: those (n, M) and (n, M, 4, 4) of all other joints; changed.
+
+        Returns:
+            Creature and what it misses.
+        """
+        misses = list[tuple[int, Miss]]()
+        for c, posture in self.of.items():
+            places = self._places(c)
+            q = np.zeros((len(legs[0]), len(posture.figure.skeleton.joint_names)))
+            for joints, which, own in places:
+                q[:, joints] = (legs, others)[which][0][(slice(None), *own)]
+            q, X, missed = posture.values(q, around[c])
+            for joints, which, own in places:
+                values, frames = (legs, others)[which]
+                values[(slice(None), *own)] = q[:, joints]
+                frames[(slice(None), *own)] = X[:, joints]
+            misses.extend((c, miss) for miss in missed)
+        return misses
+
+    def _places(self, c: int) -> list[tuple[list[int], int, tuple[NDArray[np.int64] | int, ...]]]:
+        """Return joints of a creature, whether they are others than legs', and where they stand."""
+        places: list[tuple[list[int], int, tuple[NDArray[np.int64] | int, ...]]] = []
+        legs = np.flatnonzero(self.herd.owner == c)
+        for leg, limb in zip(legs, self.herd.figures[c].skeleton.legs, strict=True):
+            places.append((list(limb.joints), 0, (int(leg), np.arange(len(limb.joints)))))
+        own = np.flatnonzero(self.idlers.owner == c)
+        places.append((self.idlers.number[own].tolist(), 1, (own,)))
+        return places

@@ -1,0 +1,118 @@
+"""Tracks: values that go from key to key, and runs of keys that take over and let go.
+
+Between two keys a value moves along a cubic (Hermite) whose ends have the speeds of the
+spline through the keys, or along an ease that starts or ends at rest.
+
+Source: Sims 1987, 3.2; Catmull and Rom 1974, with keys at uneven times.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.simulation.curves import ease
+from pipeline.simulation.spatial import Array, rotation
+from pipeline.spec.keyframes import Ease
+
+AT_ONCE = 1e-9
+"""Two keys nearer in time than this are one after the other at one moment [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Values at certain times.
+
+    Attributes:
+        times: (n,) ascending [s].
+        values: (n, d).
+        eases: how each key is come to.
+    """
+
+    times: Array
+    values: Array
+    eases: tuple[Ease, ...]
+
+    @staticmethod
+    def of(keys: Sequence[tuple[float, Sequence[float], Ease]]) -> Track:
+        """Return the track through keys: time, value and ease of each."""
+        times, values, eases = zip(*keys, strict=True)
+        return Track(np.array(times, dtype=float), np.array(values, dtype=float), eases)
+
+    @cached_property
+    def _speeds(self) -> Array:
+        """Speeds (n, d) at which a spline goes through each key."""
+        n = len(self.times)
+        spline = np.array([e == "spline" for e in self.eases])
+        through = np.zeros_like(self.values)
+        # Of the parabola through a key and its neighbours; at rest at both ends.
+        for i in range(1, n - 1):
+            a, b = self.times[i] - self.times[i - 1], self.times[i + 1] - self.times[i]
+            if min(a, b) > AT_ONCE and spline[i] and spline[i + 1]:
+                before = (self.values[i] - self.values[i - 1]) / a
+                after = (self.values[i + 1] - self.values[i]) / b
+                through[i] = (b * before + a * after) / (a + b)
+        return through
+
+    def __call__(self, times: Array) -> Array:
+        """Return the values (m, d) at `times` (m,); those of the end keys beyond them."""
+        if len(self.times) == 1:
+            return np.repeat(self.values, len(times), axis=0)
+        right = np.clip(np.searchsorted(self.times, times, side="right"), 1, len(self.times) - 1)
+        left = right - 1
+        span = self.times[right] - self.times[left]
+        s = np.clip((times - self.times[left]) / np.maximum(span, AT_ONCE), 0.0, 1.0)
+        kind = np.array(self.eases)[right]
+        # Hermite's cubic; s is 0 at the left key and 1 at the right one.
+        s1, h = s[:, None], span[:, None]
+        a, b = self.values[left], self.values[right]
+        spline = a + (b - a) * s1 * s1 * (3.0 - 2.0 * s1)
+        speeds = self._speeds
+        spline = spline + h * s1 * (1.0 - s1) * ((1.0 - s1) * speeds[left] - s1 * speeds[right])
+        eased = np.select(
+            [kind == "linear", kind == "in", kind == "out"],
+            [s, s * s * (1.5 - 0.5 * s), s * (1.5 - 0.5 * s * s)],
+            ease(s),
+        )[:, None]
+        result: Array = np.where((kind == "spline")[:, None], spline, a + (b - a) * eased)
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A track that takes over from something else, and may let go of it again.
+
+    Attributes:
+        track: what it goes along.
+        taken: times between which it takes over [s].
+        let_go: times between which it lets go [s]; infinite if it never does.
+    """
+
+    track: Track
+    taken: tuple[float, float]
+    let_go: tuple[float, float] = (np.inf, np.inf)
+
+    def weight(self, times: Array) -> Array:
+        """Return how much it has to say (m,) at `times` (m,): 0 nothing, 1 all."""
+        return _risen(times, *self.taken) * (1.0 - _risen(times, *self.let_go))
+
+
+def _risen(times: Array, first: float, last: float) -> Array:
+    if not np.isfinite(last):
+        return np.zeros_like(times)
+    if last - first < AT_ONCE:
+        return (times >= last - AT_ONCE).astype(float)
+    return ease(np.clip((times - first) / (last - first), 0.0, 1.0))
+
+
+def turned(angles: Array) -> Array:
+    """Return the rotations (..., 3, 3) of angles (..., 3) about x, y and z [rad].
+
+    About z first, then x, then y, each about an axis that stays.
+    """
+    x, y, z = (rotation(axis, angles[..., k]) for k, axis in enumerate(np.eye(3)))
+    result: Array = y @ x @ z
+    return result

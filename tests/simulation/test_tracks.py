@@ -1,0 +1,85 @@
+"""Tracks: values that go from key to key."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.simulation.spatial import heading
+from pipeline.simulation.tracks import Run, Track, turned
+from pipeline.spec.keyframes import Ease
+
+EASES: tuple[Ease, ...] = ("spline", "linear", "in", "out", "in-out")
+
+KEYS = st.lists(
+    st.tuples(st.floats(0.05, 3.0), st.floats(-5, 5), st.sampled_from(EASES)),
+    min_size=1,
+    max_size=7,
+)
+
+
+def track_of(keys: list[tuple[float, float, Ease]]) -> Track:
+    times = np.cumsum([gap for gap, _, _ in keys])
+    return Track.of([(float(t), (v,), e) for t, (_, v, e) in zip(times, keys, strict=True)])
+
+
+@given(KEYS)
+def test_goes_through_every_key(keys: list[tuple[float, float, Ease]]) -> None:
+    track = track_of(keys)
+    np.testing.assert_allclose(track(track.times), track.values, atol=1e-12)
+
+
+@given(KEYS)
+def test_stays_at_its_ends(keys: list[tuple[float, float, Ease]]) -> None:
+    track = track_of(keys)
+    ends = track(np.array([track.times[0] - 1.0, track.times[-1] + 1.0]))
+    np.testing.assert_allclose(ends, track.values[[0, -1]], atol=1e-12)
+
+
+@given(KEYS)
+def test_is_continuous(keys: list[tuple[float, float, Ease]]) -> None:
+    track = track_of(keys)
+    step = 1e-6
+    before, after = track(track.times - step), track(track.times + step)
+    # No ease is faster than three times the mean speed, no spline by far.
+    fastest = np.abs(np.diff(track.values[:, 0]) / np.diff(track.times)).max(initial=0.0)
+    assert np.abs(after - before).max() <= 20 * step * max(fastest, 1.0)
+
+
+def test_a_spline_goes_through_its_keys_without_a_halt() -> None:
+    track = Track.of([(t, (t * t,), "spline") for t in (0.0, 0.7, 1.0, 2.5, 3.0)])
+    inner = track.times[1:-1]
+    step = 1e-5
+    left = (track(inner) - track(inner - step)) / step
+    right = (track(inner + step) - track(inner)) / step
+    np.testing.assert_allclose(left, right, atol=1e-3)
+    # The parabola through three keys of a parabola has its speed.
+    np.testing.assert_allclose(left[:, 0], 2 * inner, atol=1e-3)
+
+
+@pytest.mark.parametrize(("kind", "start", "end"), [("in", 0, 1), ("out", 1, 0), ("in-out", 0, 0)])
+def test_eases_rest_where_they_say(kind: Ease, start: int, end: int) -> None:
+    track = Track.of([(0.0, (0.0,), kind), (1.0, (1.0,), kind)])
+    step = 1e-6
+    speeds = np.diff(track(np.array([0.0, step, 1.0 - step, 1.0]))[:, 0])[[0, 2]] / step
+    assert (speeds > 0.5).tolist() == [bool(start), bool(end)]
+    values = track(np.linspace(0.0, 1.0, 100))[:, 0]
+    assert (np.diff(values) > 0.0).all()
+
+
+def test_a_run_takes_over_and_lets_go() -> None:
+    track = Track.of([(1.0, (0.0,), "spline")])
+    run = Run(track, (0.5, 1.0), (2.0, 2.5))
+    weights = run.weight(np.array([0.0, 0.5, 0.75, 1.0, 1.9, 2.0, 2.25, 2.5, 9.0]))
+    np.testing.assert_allclose(weights, [0, 0, 0.5, 1, 1, 1, 0.5, 0, 0], atol=1e-12)
+    at_once = Run(track, (0.0, 0.0)).weight(np.array([0.0, 1.0]))
+    np.testing.assert_array_equal(at_once, [1.0, 1.0])
+
+
+def test_angles_turn_about_the_vertical_last() -> None:
+    angle = np.radians([20.0, 70.0, -30.0])
+    tilted = turned(angle * [1, 0, 1])
+    np.testing.assert_allclose(turned(angle), heading(angle[1]) @ tilted, atol=1e-15)
+    np.testing.assert_allclose(turned(np.array([0, angle[1], 0])), heading(angle[1]), atol=1e-15)

@@ -131,7 +131,8 @@ def _follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.in
     roots = [
         i
         for i, node in enumerate(take.nodes)
-        if node.parent < 0 and (wanted is None or node.performer in wanted)
+        if (wanted is None or node.performer in wanted)
+        and (node.parent < 0 or take.nodes[node.parent].performer != node.performer)
     ]
     points = _corners(take, wanted, rows)
     middle = 0.5 * (points.min(axis=1) + points.max(axis=1))

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.simulation.attaching import Bond
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import continuous, quaternion
 from pipeline.simulation.take import (
@@ -43,7 +44,16 @@ class Recorder:
         self.values = np.zeros((rows, len(self.channels)))
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
-        self.notes: list[Note] = []
+        self._notes: dict[tuple[str, str], Note] = {}
+
+    def hang(self, bonds: Iterable[Bond]) -> None:
+        """Let performers hang on the nodes that they go along with."""
+        nodes = list(self.nodes)
+        for bond in bonds:
+            for i in bond.nodes:
+                if nodes[i].parent < 0:
+                    nodes[i] = replace(nodes[i], parent=bond.parent)
+        self.nodes = tuple(nodes)
 
     def rows(self, which: slice) -> list[Rows]:
         """Return each troupe's slice of the rows `which`, to be written into."""
@@ -75,8 +85,8 @@ class Recorder:
         """Keep what happened in one step; a note is kept once for each part and kind."""
         self.contacts.extend(contacts)
         self.events.extend(events)
-        known = {(note.kind, note.part): note for note in reversed([*self.notes, *notes])}
-        self.notes = list(known.values())[::-1]
+        for note in notes:
+            self._notes.setdefault((note.kind, note.part), note)
 
     def take(self) -> Take:
         """Return the finished take."""
@@ -103,7 +113,7 @@ class Recorder:
             ),
             contacts=tuple(self.contacts),
             events=tuple(self.events),
-            notes=tuple(self.notes),
+            notes=tuple(self._notes.values()),
         )
 
 

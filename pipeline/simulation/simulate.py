@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -13,19 +14,21 @@ import numpy as np
 
 import pipeline
 from pipeline.errors import SceneError, SimulationError
+from pipeline.simulation.attaching import bonds_of
+from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect import DETECTORS
-from pipeline.simulation.figures.figure import build_figure
+from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
-from pipeline.simulation.terrain import build_ground
+from pipeline.simulation.terrain import build_ground, level_ground
 from pipeline.simulation.troupe import Troupe, World
+from pipeline.spec.cast import Creature, Prop
 from pipeline.spec.scene import VERSION, Scene
 
-DEFAULT_MATERIAL = "brown chitin"
-"""Of performers that name none, neither themselves nor in their figures."""
-
+SKIN, THING = "brown chitin", "wood"
+"""Materials of creatures and of props that name none, neither themselves nor in their figures."""
 
 ROWS_AT_ONCE = 96
 """Rows are worked out and written together: as arrays they cost a tenth."""
@@ -43,12 +46,15 @@ class Simulation:
         clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
         self.world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
         try:
-            self.troupes: list[Troupe] = _troupes(scene, self.world)
+            figures = _figures(scene)
+            self.troupes: list[Troupe] = _troupes(scene, figures, self.world)
+            self.recorder = Recorder(
+                _header(scene, key), clock, self.world.ground, [t.inventory for t in self.troupes]
+            )
+            self.bonds = bonds_of(scene.cast, figures, self.recorder.nodes, clock)
         except SceneError as error:
             raise scene.places.located(error) from None
-        self.recorder = Recorder(
-            _header(scene, key), clock, self.world.ground, [t.inventory for t in self.troupes]
-        )
+        self.recorder.hang(self.bonds)
         self.step_number = 0
         self._kept = self._written = 0
         self._keep()
@@ -91,6 +97,8 @@ class Simulation:
     def _write(self, which: slice) -> None:
         for troupe, rows in zip(self.troupes, self.recorder.rows(which), strict=True):
             troupe.write(rows)
+        for bond in self.bonds:
+            bond.apply(self.recorder.rotations, self.recorder.positions, which)
         wrong = self.recorder.not_finite(which)
         if wrong is not None:
             row, node = wrong
@@ -131,14 +139,34 @@ def simulate(
     return simulation.take()
 
 
-def _troupes(scene: Scene, world: World) -> list[Troupe]:
-    """Sort the cast into troupes, one a room."""
-    walkers = []
-    for number, member in scene.creatures:
-        figure = build_figure(member.figure, scene.figures[member.figure], member.scale)
-        walkers.append((number, member, figure))
-    materials = [m.material or figure.material or DEFAULT_MATERIAL for _, m, figure in walkers]
-    return [Walkers(walkers, world, materials)]
+def _figures(scene: Scene) -> dict[str, Figure]:
+    """Return the figure of each creature by its name."""
+    return {
+        member.name: build_figure(member.figure, scene.figures[member.figure], member.scale)
+        for _, member in scene.creatures
+    }
+
+
+def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
+    """Sort the cast into troupes, one a room; who goes along with a parent stands level on it."""
+    troupes = list[Troupe]()
+    levels = dict.fromkeys(_level(member) for _, member in scene.creatures)
+    for level in levels:
+        walkers = [(i, m, figures[m.name]) for i, m in scene.creatures if _level(m) == level]
+        materials = [m.material or figure.material or SKIN for _, m, figure in walkers]
+        ground = world.ground if level is None else level_ground(level, world.ground)
+        troupes.append(Walkers(walkers, replace(world, ground=ground), materials))
+    props = [member for member in scene.cast if isinstance(member, Prop)]
+    if props:
+        troupes.append(Props(props, world, [member.material or THING for member in props]))
+    return troupes
+
+
+def _level(member: Creature) -> float | None:
+    """Return the height in its parent's frame that a creature stands at; None for the ground."""
+    if member.parent is None:
+        return None
+    return member.at[1] if len(member.at) == 3 else 0.0
 
 
 def versions() -> dict[str, str]:

@@ -22,6 +22,10 @@ AT_ONCE = 1e-9
 """Two keys nearer in time than this are one after the other at one moment [s]."""
 
 
+Key = tuple[float, Sequence[float], Ease]
+"""Time [s], values, and how they are come to."""
+
+
 @dataclass(frozen=True, eq=False)
 class Track:
     """Values at certain times.
@@ -37,7 +41,7 @@ class Track:
     eases: tuple[Ease, ...]
 
     @staticmethod
-    def of(keys: Sequence[tuple[float, Sequence[float], Ease]]) -> Track:
+    def of(keys: Sequence[Key]) -> Track:
         """Return the track through keys: time, value and ease of each."""
         times, values, eases = zip(*keys, strict=True)
         return Track(np.array(times, dtype=float), np.array(values, dtype=float), eases)

@@ -42,9 +42,8 @@ class Hold(Words):
     """Somebody has the prop in a hand: it goes with that link, as it was when it was taken."""
 
     by: str = Field(
-        min_length=3,
+        min_length=1,
         max_length=200,
-        pattern=r"^[^.]+\..+$",
         description="Who holds it with what, such as arm.hand: a performer and a node of its "
         "drawing or a link.",
     )

@@ -14,6 +14,7 @@ from pipeline.simulation.terrain.forbidden import forbidden_cells
 from pipeline.simulation.terrain.generators import GENERATORS
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.terrain import Ground as Words
+from pipeline.spec.values import FAR
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +47,12 @@ class Ground:
         i, j = np.clip(i, 0, n_x - 1), np.clip(j, 0, n_z - 1)
         result: NDArray[np.bool_] = self.field.inside(x, z) & ~self.forbidden[j, i]
         return result
+
+
+def level_ground(height: float, like: Ground) -> Ground:
+    """Return level ground everywhere at `height` [m], of the material of another one."""
+    field = HeightField(np.full((3, 3), height), (2.0 * FAR, 2.0 * FAR))
+    return Ground(field, np.zeros((2, 2), dtype=bool), like.material)
 
 
 def build_ground(words: Words, seed: int) -> Ground:

@@ -64,12 +64,14 @@ class Creature(Performer):
     scale: Length = Field(1.0, description="Factor on all lengths of the figure.")
     walk: Walk | None = Field(None, description="How it walks; it stands still if left out.")
     pose: Annotated[tuple[PoseKey, ...], Field(max_length=MOST_KEYS)] = Field(
-        (), description="What its joints and limbs are to do, over or instead of walking."
+        (),
+        description="What its joints and limbs are to do, over or instead of walking; the keys of "
+        "different limbs may stand in any order.",
     )
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        faults = list(faults_of_order(self.pose, "pose"))
+        faults = []
         if self.parent is None and len(self.at) == 3:
             faults.append(Fault(("at",), "a creature stands on the ground: give [x, z]"))
         if self.parent is not None and self.walk is not None:

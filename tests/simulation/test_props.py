@@ -107,11 +107,10 @@ def test_what_is_put_down_stays_with_its_parent() -> None:
     [
         (["{prop: {shape: ball}, parent: plat}"], "nobody in the cast is called 'plat'"),
         (["{prop: {shape: ball}, name: a, parent: a}"], "'a' cannot go along with itself"),
-        (
-            ["{prop: {shape: ball}, name: a, parent: b}", "{prop: {shape: ball}, name: b, parent: a}"],
-            "in a ring",
-        ),
-        (["{prop: {shape: ball}, parent: bug.tip}", "{figure: beetle, name: bug}"], "no part 'tip'"),
+        (["{name: a, parent: b, prop: {shape: ball}}", "{name: b, parent: a, prop: {shape: ball}}"],
+         "in a ring"),
+        (["{parent: bug.tip, prop: {shape: ball}}", "{figure: beetle, name: bug}"],
+         "no part 'tip'"),
         (["{figure: beetle, parent: a, walk: {}}", "{prop: {shape: ball}, name: a}"], "walk away"),
         (["{figure: beetle, at: [0, 1, 0]}"], "a creature stands on the ground"),
         (["{prop: {shape: ball}, keyframes: [{at: 0}]}"], "should say a position"),

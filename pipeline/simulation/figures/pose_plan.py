@@ -96,7 +96,7 @@ def plan_poses(keys: Sequence[PoseKey], figure: Figure, path: str) -> PosePlan:
     """Sort the keys of a figure into runs.
 
     Args:
-        keys: in the order of time.
+        keys: in any order.
         figure: whose they are.
         path: of the keys in the scene, for errors.
 
@@ -104,8 +104,9 @@ def plan_poses(keys: Sequence[PoseKey], figure: Figure, path: str) -> PosePlan:
         SceneError: if a key names what the figure has not, or asks of it what it cannot do.
     """
     plan = _Planner(PartNames(figure), path)
-    for number, key in enumerate(keys):
-        plan.take(number, key)
+    # Authors write limb after limb; what comes first in time is taken first.
+    for number in sorted(range(len(keys)), key=lambda i: keys[i].at):
+        plan.take(number, keys[number])
     if plan.problems:
         raise SceneError(plan.problems)
     return plan.finished()
@@ -219,6 +220,8 @@ class _Planner:
             if getattr(key, word) != before and thing.kind != BODY:
                 message = f"is {before} for the keys before; release it first to change that"
                 self.problems.append(Problem(f"{path}.{word}", message))
+        if key.at == known.keys[-1][0]:
+            self.problems.append(Problem(path, f"this is asked for twice at {key.at:g}"))
         known.keys.append((key.at, value, key.ease))
 
     def _release(self, key: PoseKey, name: str, path: str) -> None:

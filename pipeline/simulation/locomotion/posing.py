@@ -110,6 +110,7 @@ class Posing:
         q_idle = self.idlers.values(phase, pitch, steps * self.dt)
         shape = (n, *herd.legs.is_joint.shape)
         q_legs, X_legs = solution.pose.q.reshape(shape), solution.pose.X_BJ.reshape(*shape, 4, 4)
+        self.postures.keep_feet(goals, q_legs, residual)
         X_idle = self.idlers.tree.pose(q_idle)
         misses = self.postures.move_joints(around, (q_legs, X_legs), (q_idle, X_idle))
         X_BN = self.table.poses(X_legs.reshape(n, -1, 4, 4), X_idle)

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.goals import Placement, Preferred
 from pipeline.simulation.figures.pose_plan import plan_poses
-from pipeline.simulation.figures.posed_limb import Miss
+from pipeline.simulation.figures.posed_limb import FIRST, LATER, PULL, Miss
 from pipeline.simulation.figures.posture import Posture
+from pipeline.simulation.figures.pursuit import pursue
 from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.idle import Idlers
@@ -36,6 +38,7 @@ class Postures:
             for c, (number, member, figure) in enumerate(cast)
             if member.pose
         }
+        self._legs: dict[int, Array] = {}
 
     def ground(self, c: int, p_WB: Array) -> tuple[Array, Array]:
         """Return the frames R_WG (n, 3, 3), p_WG (n, 3) of the ground below a body at `p_WB`."""
@@ -49,6 +52,31 @@ class Postures:
             R_WG, _ = self.ground(c, p_WB[:, c])
             R_WB[:, c] = R_WG @ R @ R_WG.transpose(0, 2, 1) @ R_WB[:, c]
             p_WB[:, c] += turn(R_WG, p)
+
+    def keep_feet(self, goals: Array, q: Array, residual: Array) -> None:
+        """Keep the feet of moved bodies where they are, leg by leg from the row before.
+
+        A body that an author moves goes where no walk would have it, where `settle` may find
+        now one pose of a leg, now another.
+
+        Args:
+            goals: (n, L, 3) where the tips are to be, relative to the bodies [m].
+            q: (n, L, k) joint values of all legs; changed.
+            residual: (n, L) distances that are left [m]; changed.
+        """
+        for c, posture in self.of.items():
+            legs = np.flatnonzero(self.herd.owner == c)
+            if not posture.plan.body or not len(legs):
+                continue
+            batch = self.herd.legs.rows(legs)
+            before = self._legs.get(c, batch.preferred)
+            for row in range(len(q)):
+                wanted = Placement(goals[row, legs]), Preferred(PULL)
+                first = row == 0 and c not in self._legs
+                pursued = pursue(batch, before, wanted, most=FIRST if first else LATER)
+                q[row, legs] = before = pursued.pose.q
+                residual[row, legs] = pursued.error * batch.lengths
+            self._legs[c] = before
 
     def free(self, times: Array) -> Array:
         """Return what part of each leg's doing is left to itself (n, L)."""

@@ -6,7 +6,7 @@ STAMP  := $(VENV)/.ready
 WORKERS ?= 2
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test fast test-all check bench clean
+.PHONY: demo test fast test-all check goldens bench clean
 
 demo: $(STAMP)
 	$(BIN)/pronk render first_steps
@@ -25,6 +25,10 @@ check: $(STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Writes the goldens of scenes that are new or move otherwise; SCENES=... for some, ALL=1 for all.
+goldens: $(STAMP)
+	$(BIN)/python tests/goldens/update.py $(SCENES) $(if $(ALL),--all)
 
 bench: $(STAMP)
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

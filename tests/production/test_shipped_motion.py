@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.util
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -49,3 +51,39 @@ def test_goldens_are_small_enough_for_version_control() -> None:
     for path in MOTION.glob("*.json"):
         marks = len(read_golden(path).marks)
         assert path.stat().st_size < 75_000 + 120 * marks, path
+
+
+@pytest.fixture
+def update(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
+    """Return the script that writes goldens, at work in another folder."""
+    path = MOTION.parent / "update.py"
+    spec = importlib.util.spec_from_file_location("update", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    monkeypatch.setattr(module, "MOTION", tmp_path)
+    return module
+
+
+def test_only_goldens_that_are_due_are_written(update: ModuleType, tmp_path: Path) -> None:
+    path = tmp_path / "first_steps.json"
+    assert "written" in update.update("first_steps", False)
+    fresh = path.read_bytes()
+    # Its words say that it was made elsewhere; it holds all the same, and stays.
+    path.write_bytes(fresh.replace(b'"machine": "', b'"machine": "another '))
+    assert "written" not in update.update("first_steps", False)
+    assert path.read_bytes() != fresh
+    path.write_bytes(fresh[:999])
+    assert "cut short" in update.update("first_steps", False)
+    assert path.read_bytes() == fresh
+    (tmp_path / "gone.json").write_bytes(fresh)
+    assert update.orphans() == [tmp_path / "gone.json"]
+
+
+def test_a_name_that_is_no_scene_is_refused(
+    update: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["update.py", "first_stps"])
+    assert update.main() == 2
+    assert "did you mean 'first_steps'" in capsys.readouterr().err

@@ -58,7 +58,7 @@ class Series:
         # Small numbers of both signs become small numbers: 0, -1, 1, -2, 2, ...
         folded = ((changes << 1) ^ (changes >> 63)).T.astype("<i8")
         planes = np.frombuffer(folded.tobytes(), np.uint8).reshape(-1, 8).T
-        packed = lzma.compress(planes.tobytes(), preset=9 | lzma.PRESET_EXTREME)
+        packed = lzma.compress(planes.tobytes(), preset=4 | lzma.PRESET_EXTREME)
         return {
             "rows": len(self.multiples),
             "quanta": _runs(self.quanta),

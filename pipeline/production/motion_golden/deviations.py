@@ -43,24 +43,22 @@ class Deviations:
             amounts = self.amounts[:, n]
             first, most = int(np.argmax(beyond[:, n])), int(np.argmax(amounts))
             allowed = self.said(n, float(self.allowed[n]))
-            excess = float(amounts[most] / self.allowed[n])
             yield Difference(
                 int(self.steps[first]),
                 self.kind,
                 self.who[n],
-                f"{VERBS[self.kind]} {self.said(n, float(amounts[first]))} off"
-                + (f" (allowed: {allowed})" if self.kind != "alive" else ""),
-                excess,
+                TOLD[self.kind].format(self.said(n, float(amounts[first])), allowed),
+                float(amounts[most] / self.allowed[n]),
                 f"{self.said(n, float(amounts[most]))} at step {self.steps[most]}",
             )
 
 
-VERBS = {
-    "position": "lies",
-    "rotation": "is turned",
-    "alive": "is there or not,",
-    "scale": "is scaled",
-    "channel": "is",
+TOLD = {
+    "position": "lies {} off (allowed: {})",
+    "rotation": "is turned {} off (allowed: {})",
+    "scale": "is scaled {} off (allowed: {})",
+    "alive": "is there where the golden has none, or the other way round",
+    "channel": "is {} off (allowed: {})",
 }
 
 

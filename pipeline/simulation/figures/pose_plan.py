@@ -203,7 +203,7 @@ class _Planner:
             low, high = math.degrees(low), math.degrees(high)
         if not low - 1e-9 <= value <= high + 1e-9:
             unit = "m" if slides else "degrees"
-            message = f"goes from {low:.4g} to {high:.4g} {unit}, not to {value:g}"
+            message = f"goes from {low:.3g} to {high:.3g} {unit}, not to {value:g}"
             self.problems.append(Problem(path, message))
             return
         self._add(

@@ -36,6 +36,9 @@ FIRST, LATER = 60, 12
 MISSED = 2e-3
 """What is left of a goal that is worth a note, in lengths of the limb or radians."""
 
+FASTEST = 14.0
+"""Most that a joint turns or slides, whatever is asked [rad/s or m/s]."""
+
 WHOLE = 1.0 - 1e-9
 """Weight from which on a run has taken over whole."""
 
@@ -104,6 +107,8 @@ class PosedLimb:
             here = [target[row] for target in targets], [value[row] for value in values]
             goals = RowGoals(self.points, self.joints, *here)
             found, left = self._row(q[row : row + 1], goals, weights[row] / most[row])
+            if self._before is not None:
+                found = self._before + _bounded(found - self._before, FASTEST * around.dt)
             if left > MISSED and most[row] > WHOLE:
                 misses.append(Miss(row, self.limb.name, left))
             result[row] += most[row] * (found[0] - q[row])
@@ -136,3 +141,9 @@ class PosedLimb:
         start = self.batch.pose(np.clip(q, self.batch.lower, self.batch.upper))
         found = reach(self.batch, start, place[None], restarts=RESTARTS, rng=self.rng)
         return found.pose.q
+
+
+def _bounded(step: Array, most: float) -> Array:
+    """Return a step (1, k), shortened so that no joint moves more than `most`."""
+    largest = float(np.abs(step).max(initial=0.0))
+    return step if largest <= most else step * (most / largest)

@@ -19,10 +19,11 @@ from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
 from pipeline.simulation.figures.priority import Task, bounded_step
 from pipeline.simulation.spatial import Array
 
-STIFFNESS = 0.05
-"""λ as a part of the error, which keeps joints calm where a goal is out of reach."""
+STIFFNESS = 0.7
+"""λ as a part of the error, λ² = |e|²/2 (Sugihara 2011): out of reach it keeps joints calm, and
+where the goal is reached it vanishes."""
 
-DAMPING = 1e-4
+DAMPING = 1e-3
 """Least λ: near full extension a joint's speed stays bounded."""
 
 MOST_TURN = 0.25

@@ -16,11 +16,13 @@ class Surroundings:
 
     Attributes:
         times: (n,) [s].
+        dt: from one row to the next [s].
         R_WB, p_WB: (n, 3, 3) and (n, 3) pose of its body [m].
         R_WG, p_WG: (n, 3, 3) and (n, 3) of the ground below it, x along its heading [m].
     """
 
     times: Array
+    dt: float
     R_WB: Array
     p_WB: Array
     R_WG: Array

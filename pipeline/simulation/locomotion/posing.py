@@ -14,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.posed_limb import Miss
@@ -74,14 +75,15 @@ class Posing:
         idlers: Idlers,
         table: NodeTable,
         postures: Postures,
-        dt: float,
+        clock: Clock,
     ) -> None:
         self.herd = herd
         self.path = path
         self.idlers = idlers
         self.table = table
         self.postures = postures
-        self.dt = dt
+        self.dt = clock.dt
+        self.row_dt = clock.dt * clock.steps / clock.samples
         self._batch = lru_cache(maxsize=4)(self._repeated)
 
     def poses(self, moments: Sequence[Moment]) -> Poses:
@@ -137,7 +139,8 @@ class Posing:
         grounds = {c: self.postures.ground(c, p_WB[:, c]) for c in self.postures.of}
         self.postures.move_bodies(times, R_WB, p_WB)
         return {
-            c: Surroundings(times, R_WB[:, c], p_WB[:, c], *ground) for c, ground in grounds.items()
+            c: Surroundings(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)
+            for c, ground in grounds.items()
         }
 
     def _missed(self, steps: NDArray[np.int64], c: int, miss: Miss) -> Note:

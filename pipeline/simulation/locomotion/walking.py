@@ -64,7 +64,7 @@ class Walkers:
         idlers = gather_idlers(herd.names, herd.figures, world.seed)
         table = NodeTable.of(herd, idlers)
         self.postures = Postures(cast, herd, idlers, world.seed)
-        self.posing = Posing(herd, path, idlers, table, self.postures, world.clock.dt)
+        self.posing = Posing(herd, path, idlers, table, self.postures, world.clock)
         self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
         self.step = 0
         self._mass = leg_mass(herd)

@@ -5,6 +5,7 @@
     ├── SceneError          3    the scene is wrong; holds every problem found
     ├── ProductionError     4    simulating, rendering or writing failed
     │   ├── SimulationError      diverged or impossible; says step, time and part
+    │   │   └── MassError        a solid or a set of points has no mass properties
     │   ├── FilmingError         Mitsuba, the denoiser or the encoder failed
     │   ├── ScoringError         the score could not be written as MIDI or sound
     │   └── StoreError           an output could not be written or read
@@ -80,6 +81,10 @@ class ProductionError(PronkError):
 
 class SimulationError(ProductionError):
     """The simulation diverged or met something impossible."""
+
+
+class MassError(SimulationError):
+    """Mass properties were asked of what has none, such as an open surface."""
 
 
 class FilmingError(ProductionError):

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from pipeline.production.shading import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.flesh import flesh
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.spatial import Array
@@ -47,7 +46,7 @@ class Standing:
     def solids(self) -> list[tuple[int, bool, Array, NDArray[np.uint32]]]:
         """Link, whether it is an eye, vertices (V, 3) in the body's frame [m], and faces."""
         found = []
-        for piece in flesh(self.figure):
+        for piece in self.figure.pieces:
             vertices = self.placed(piece.link, piece.solid.vertices)
             found.append((piece.link, ".eye_" in piece.name, vertices, piece.solid.faces))
         return found

@@ -22,6 +22,10 @@ from pipeline.spec.operations.sheet import MOST_NODES, Mark, Sheet, faults_of_ch
 from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Words
 
 PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
+LinkShape = Literal["round", "straight", "box", "plate", "ball"]
+
+DENSEST = 100_000.0
+"""Some four times as dense as any metal [kg/m³]."""
 
 STICKY = 1e-3
 """How near an axis a node lands on it if nothing is said, as a part of the drawing's size."""
@@ -36,6 +40,12 @@ class Node(Words):
     )
     material: Name | None = Field(
         None, description="Material of the links that end here; the figure's if left out."
+    )
+    shape: LinkShape = Field(
+        "round",
+        description="Shape of the links that end here; round: swelling like a limb; straight: a "
+        "plain cone; box: a bar; plate: flat in the plane of the drawing; ball: a ball around "
+        "the node, on a stem if need be.",
     )
 
     @model_validator(mode="before")
@@ -93,6 +103,9 @@ class Figure(Words):
         "and by joint, such as base_pitch or joint1_bend.",
     )
     material: Name | None = Field(None, description="Material of parts that name none, by name.")
+    density: Annotated[Number, Field(gt=0, le=DENSEST)] = Field(
+        1000.0, description="Mass of the visible solids by volume [kg/m³]; water's if left out."
+    )
 
     @model_validator(mode="after")
     def _names_fit(self) -> Self:

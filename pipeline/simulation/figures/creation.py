@@ -17,7 +17,7 @@ import numpy as np
 
 from pipeline.simulation.figures.drawing import Drawing
 from pipeline.simulation.figures.network import ARM, LEG, Anatomy, Appendage
-from pipeline.simulation.spatial import Array, rotation
+from pipeline.simulation.spatial import UP, Array, rotation
 from pipeline.spec.figure import Figure as Words
 
 FOLDED = (LEG, ARM)
@@ -42,6 +42,18 @@ def create(words: Words, drawing: Drawing, anatomy: Anatomy, scale: float) -> Ar
         if appendage.kind in FOLDED:
             _fold(points, drawing, appendage, scale)
     return points
+
+
+def drawn_plane(words: Words, kind: str) -> Array:
+    """Return the unit normal (3,) of the plane that appendages of a kind were drawn in.
+
+    Upward as they were drawn; for a mammal's legs and arms it is folded down with them.
+    """
+    if words.style == "insect":
+        return UP
+    if kind in FOLDED:
+        return SIDEWAYS
+    return rotation(SIDEWAYS, math.radians(words.pitch_deg)) @ UP
 
 
 def _fold(points: Array, drawing: Drawing, appendage: Appendage, scale: float) -> None:

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.figure import Figure
+from pipeline.spec.figure import Figure, LinkShape
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +26,7 @@ class Drawing:
         places: (n, 2) positions, x to the right, y towards the tail [m].
         radii: (n,) radii of the solid around each node [m].
         materials: material of each node, empty for the figure's own.
+        shapes: shape of the links that end at each node.
         connections: pairs of node numbers, the lower first, each once.
         made_by: for each node the operation that made or moved it last, -1 for none.
     """
@@ -34,6 +35,7 @@ class Drawing:
     places: Array
     radii: Array
     materials: tuple[str, ...]
+    shapes: tuple[LinkShape, ...]
     connections: tuple[tuple[int, int], ...]
     made_by: tuple[int, ...] = ()
 
@@ -77,6 +79,7 @@ def draw(words: Figure) -> Drawing:
         places=places,
         radii=sizes * np.array([node.radius or default for node in nodes]),
         materials=tuple(node.material or "" for node in nodes),
+        shapes=tuple(node.shape for node in nodes),
         connections=tuple((a, b) for a, b in pairs),
         made_by=tuple(mark.made_by for mark in marks),
     )

@@ -8,6 +8,7 @@ from functools import cached_property
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.creation import create
 from pipeline.simulation.figures.drawing import Drawing, draw
+from pipeline.simulation.figures.flesh import Piece, flesh
 from pipeline.simulation.figures.network import Anatomy, analyse
 from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton
 from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, body_solid
@@ -27,6 +28,7 @@ class Figure:
         anatomy: its parts.
         points: (n, 3) the nodes in the creation frame [m].
         style: insect or mammal.
+        density: mass of its solids by volume [kg/m³].
         skeleton: joints and links, scaled.
     """
 
@@ -37,6 +39,7 @@ class Figure:
     anatomy: Anatomy
     points: Array
     style: str
+    density: float
     skeleton: Skeleton
 
     @cached_property
@@ -49,6 +52,11 @@ class Figure:
         return body_solid(
             self.points[nodes], self.drawing.radii[nodes] * self.scale, bones, flatness
         )
+
+    @cached_property
+    def pieces(self) -> tuple[Piece, ...]:
+        """All its visible solids, the body first."""
+        return tuple(flesh(self))
 
     @property
     def belly(self) -> float:
@@ -72,4 +80,6 @@ def build_figure(name: str, words: Words, scale: float) -> Figure:
             [Problem(f"figures.{name}.{p.path}", p.message) for p in error.problems]
         ) from None
     material = words.material or ""
-    return Figure(name, material, scale, drawing, anatomy, points, words.style, skeleton)
+    return Figure(
+        name, material, scale, drawing, anatomy, points, words.style, words.density, skeleton
+    )

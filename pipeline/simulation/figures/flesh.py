@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.network import FEELER, HEAD, LEG
+from pipeline.simulation.figures.shapes import link_solid
 from pipeline.simulation.figures.skeleton import Link
-from pipeline.simulation.figures.solids import Solid, ball, link_solid
+from pipeline.simulation.figures.solids import Solid, ball
 from pipeline.simulation.spatial import Array, normalized
+
+if TYPE_CHECKING:
+    from pipeline.simulation.figures.figure import Figure
 
 EYE_MATERIAL = "eye"
 
@@ -42,12 +46,10 @@ class Piece:
 
 def flesh(figure: Figure) -> list[Piece]:
     """Return the visible solids of `figure`, the body first."""
-    links = figure.skeleton.links
     pieces = [_body(figure)]
-    for number, link in enumerate(links[1:], start=1):
-        swelling = SWELLING.get(link.kind, 0.08)
+    for number, link in enumerate(figure.skeleton.links[1:], start=1):
         length = float(np.linalg.norm(link.ends[1] - link.ends[0]))
-        solid = link_solid(link, swelling)
+        solid = link_solid(link, SWELLING.get(link.kind, 0.08))
         pieces.append(Piece(link.name, number, solid, link.material, length))
         if link.kind == HEAD and link.is_tip:
             pieces.extend(_eyes(number, link))

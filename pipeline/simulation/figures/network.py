@@ -225,6 +225,11 @@ def _remarks(
             "say otherwise with parts: {node: body}"
         )
         yield Remark(drawing.names[min(body)], text)
+    ends = {n for chain in kinds for n in chain[1:]}
+    for n in sorted(set(links) - ends):
+        if drawing.shapes[n] != "round":
+            text = f"no link ends at '{drawing.names[n]}', so its shape is not used"
+            yield Remark(drawing.names[n], text)
     first: dict[tuple[float, float], int] = {}
     for n in sorted(links):
         x, y = drawing.places[n]

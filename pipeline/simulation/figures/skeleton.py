@@ -10,19 +10,19 @@ Source: Sims 1987, 4.2 (axes by style), 5.1 and 5.2 (axis and position).
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.adjust import adjusted_joints
-from pipeline.simulation.figures.creation import FOLDED, SIDEWAYS
+from pipeline.simulation.figures.creation import FOLDED, SIDEWAYS, drawn_plane
 from pipeline.simulation.figures.drawing import Drawing
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, Anatomy, Appendage
 from pipeline.simulation.figures.stance import Stance, insect_stance, mammal_stance
 from pipeline.simulation.spatial import UP, Array, normalized
 from pipeline.spec.figure import Figure as Words
+from pipeline.spec.figure import LinkShape
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 
@@ -46,6 +46,8 @@ class Link:
         radii: of the solid at both ends [m].
         material: name, empty for the performer's own.
         is_tip: whether its second end is the tip of an appendage.
+        shape: of its solid.
+        normal: (3,) of the plane that it was drawn in, of length one.
     """
 
     name: str
@@ -55,6 +57,8 @@ class Link:
     radii: tuple[float, float]
     material: str
     is_tip: bool
+    shape: LinkShape = "round"
+    normal: Array = field(default_factory=UP.copy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +172,8 @@ def build_skeleton(
         Link("body", "body", BODY, np.stack([middle, middle]), (girth, girth), "", False)
     )
     for name, side, appendage in _named(anatomy):
-        _add_limb(builder, name, side, appendage, points, radii, drawing.materials)
+        normal = drawn_plane(words, appendage.kind)
+        _add_limb(builder, name, side, appendage, points, radii, drawing, normal)
     joints = adjusted_joints(words.joints, builder.names, builder.stances, scale)
     stances = joints.stances
     axes = np.array(builder.axes).reshape(-1, 3)
@@ -217,10 +222,11 @@ def _add_limb(
     appendage: Appendage,
     points: Array,
     radii: Array,
-    materials: tuple[str, ...],
+    drawing: Drawing,
+    normal: Array,
 ) -> None:
     """Add the joints and links of one appendage, from its base outward."""
-    nodes = appendage.nodes
+    nodes, materials = appendage.nodes, drawing.materials
     steps = np.diff(points[list(nodes)], axis=0)
     directions = normalized(steps)
     parent = builder.carrier[nodes[0]]
@@ -245,6 +251,8 @@ def _add_limb(
                 _girths(radii[[node, after]], i == 0, materials[after] != materials[node]),
                 materials[after],
                 after == nodes[-1],
+                drawing.shapes[after],
+                normal,
             )
         )
         links.append(len(builder.links) - 1)
@@ -290,11 +298,3 @@ def _between(before: Array, after: Array) -> Array:
     """Return the direction between those of two links; of the first, where they lie together."""
     mean: Array = before + after
     return normalized(mean) if np.linalg.norm(mean) > 1e-6 else before
-
-
-def volume(link: Link) -> float:
-    """Return the volume of a link's solid, a cone frustum with round ends [m³]."""
-    a, b = link.radii
-    length = float(np.linalg.norm(link.ends[1] - link.ends[0]))
-    frustum = math.pi * length * (a * a + a * b + b * b) / 3.0
-    return frustum + 2.0 / 3.0 * math.pi * (a**3 + b**3)

@@ -1,20 +1,19 @@
-"""Solids: triangles for links and bodies, in the creation frame.
+"""Solids: closed surfaces of triangles, in the creation frame.
 
-A link is a round cone with a swelling, closed by round ends that meet the next
-link's in the joint, so that no gap opens when it bends. A body is the smooth union
-of round cones along all its connections, polygonised once.
+What links are made of are rings of vertices one after the other. A body is the smooth
+union of round cones along all its connections, polygonised once.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.skeleton import Link
 from pipeline.simulation.figures.surfacenets import surface_nets
-from pipeline.simulation.spatial import UP, Array, from_directions, normalized
+from pipeline.simulation.spatial import Array
 
 AROUND = 16
 """Vertices around a link: with smooth normals more are not seen."""
@@ -42,6 +41,35 @@ class Solid:
     faces: NDArray[np.uint32]
 
 
+def lofted(rings: Array, ends: Array) -> Solid:
+    """Return the surface through rings of vertices, closed to a point at both ends.
+
+    Args:
+        rings: (n, m, 3) one after the other along X, each running from Y to Z [m].
+        ends: (2, 3) the points before the first ring and after the last [m].
+    """
+    n, m, _ = rings.shape
+    return Solid(np.concatenate([rings.reshape(-1, 3), ends]), _lofted_faces(n, m))
+
+
+@cache
+def _lofted_faces(n: int, m: int) -> NDArray[np.uint32]:
+    """Return the faces of `n` rings of `m` vertices and two points after them."""
+    i = np.arange(n - 1)[:, None] * m
+    k = np.arange(m)
+    a, b = i + k, i + (k + 1) % m
+    sides = np.stack([a, b, a + m, b, b + m, a + m], axis=-1).reshape(-1, 3)
+    first, last = n * m, n * m + 1
+    k_next = (k + 1) % m
+    start = np.stack([np.full(m, first), k_next, k], axis=-1)
+    end = np.stack([np.full(m, last), k, k_next], axis=-1)
+    end[:, 1:] += (n - 1) * m
+    faces = np.concatenate([sides, start, end]).astype(np.uint32)
+    # Many solids share them.
+    faces.setflags(write=False)
+    return faces
+
+
 def revolve(axis_places: Array, radii: Array) -> Solid:
     """Return the surface of revolution about X with rings at `axis_places` of `radii`.
 
@@ -49,50 +77,13 @@ def revolve(axis_places: Array, radii: Array) -> Solid:
         axis_places: (n,) ascending along X [m]; the first and last ring are closed to a point.
         radii: (n,) [m].
     """
-    n = len(radii)
     angle = np.arange(AROUND) * (2 * np.pi / AROUND)
     ring = np.stack([np.zeros(AROUND), np.cos(angle), np.sin(angle)], axis=-1)
     rings = ring * radii[:, None, None]
     rings[..., 0] = axis_places[:, None]
     # The poles carry on the profile's curve to the axis.
     ends = [[axis_places[0] - radii[0] * 0.12, 0, 0], [axis_places[-1] + radii[-1] * 0.12, 0, 0]]
-    vertices = np.concatenate([rings.reshape(-1, 3), np.array(ends)])
-    i = np.arange(n - 1)[:, None] * AROUND
-    k = np.arange(AROUND)
-    a, b = i + k, i + (k + 1) % AROUND
-    sides = np.stack([a, b, a + AROUND, b, b + AROUND, a + AROUND], axis=-1).reshape(-1, 3)
-    first, last = n * AROUND, n * AROUND + 1
-    k_next = (k + 1) % AROUND
-    start = np.stack([np.full(AROUND, first), k_next, k], axis=-1)
-    end = np.stack([np.full(AROUND, last), k, k_next], axis=-1)
-    end[:, 1:] += (n - 1) * AROUND
-    return Solid(vertices, np.concatenate([sides, start, end]).astype(np.uint32))
-
-
-def link_solid(link: Link, swelling: float) -> Solid:
-    """Return the solid of a link.
-
-    Args:
-        link: with its ends and radii.
-        swelling: how much thicker than a cone it is in its thickest place, as a part.
-    """
-    a, b = link.radii
-    span = link.ends[1] - link.ends[0]
-    length = float(np.linalg.norm(span))
-    cap = np.linspace(-np.pi / 2, 0, 6)[1:]
-    s = np.linspace(0.0, 1.0, 12)[1:-1]
-    # Thickest at a third of the way, as a thigh is.
-    belly = np.sin(np.pi * s ** (np.log(0.5) / np.log(0.36)))
-    places = np.concatenate(
-        [a * np.sin(cap), length * s, length + b * np.sin(-cap[::-1])],
-    )
-    radii = np.concatenate(
-        [a * np.cos(cap), (a + (b - a) * s) * (1.0 + swelling * belly), b * np.cos(cap[::-1])]
-    )
-    solid = revolve(places, radii)
-    across = UP if abs(normalized(span)[1]) < 0.99 else np.array([1.0, 0.0, 0.0])
-    R = from_directions(span, across)
-    return Solid(solid.vertices @ R.T + link.ends[0], solid.faces)
+    return lofted(rings, np.array(ends))
 
 
 def ball(centre: Array, radius: float) -> Solid:

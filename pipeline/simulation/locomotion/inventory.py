@@ -9,17 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.flesh import flesh
-from pipeline.simulation.figures.skeleton import BODY, volume
+from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.idle import Idlers
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
-
-DENSITY = 1000.0
-"""Of flesh [kg/m³]."""
-
 
 @dataclass(frozen=True, eq=False)
 class NodeTable:
@@ -129,7 +125,7 @@ def describe(
     meshes, parts = list[Mesh](), list[Part]()
     for c, figure in enumerate(herd.figures):
         base = int(np.argmax(table.owner == c))
-        for piece in flesh(figure):
+        for piece in figure.pieces:
             count = len(piece.solid.vertices)
             meshes.append(
                 Mesh(
@@ -165,7 +161,7 @@ def leg_mass(herd: Herd) -> Array:
     """Return the masses of the legs (L,) [kg]."""
     return np.array(
         [
-            DENSITY * sum(volume(figure.skeleton.links[i]) for i in limb.links)
+            Inertia(figure).mass_of(limb.links)
             for figure in herd.figures
             for limb in figure.skeleton.legs
         ]

@@ -1,0 +1,1 @@
+"""Mass and what follows from it (Sims 1987, ch. 7)."""

@@ -174,19 +174,22 @@ def figure(
         ),
     ],
     out: Annotated[Path, typer.Option(help="Folder for the pictures.")] = Path("out"),
+    denavit: Annotated[
+        bool, typer.Option("--dh", help="Say the Denavit-Hartenberg parameters of all limbs.")
+    ] = False,
     json_lines: JsonFlag = False,
     quiet: QuietFlag = False,
     verbose: VerboseFlag = False,
 ) -> None:
-    """Say which parts a figure's drawing has, and picture it as it stands."""
+    """Say which parts a figure's drawing has and what they weigh, and picture it as it stands."""
     from pipeline.production.figure_sheet import figure_sheet, figures_of
 
     reporter = _flags(json_lines, quiet, verbose)
     for name in names:
         for one in figures_of(name):
-            sheet = figure_sheet(one, out)
+            sheet = figure_sheet(one, out, denavit)
             files = ", ".join(str(file) for file in sheet.files)
-            reporter.result(f"{sheet.text}\n  {'pictures':<11} {files}")
+            reporter.result(f"{sheet.text}\n  {'pictures':<11} {files}", figure=sheet.facts)
 
 
 @app.command()

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.inertia import Inertia
 
 
 def headline(figure: Figure) -> str:
@@ -20,17 +21,19 @@ def headline(figure: Figure) -> str:
     return ", ".join([figure.style, *(limbs or ["no limbs"]), joints, size])
 
 
-def report(figure: Figure) -> str:
-    """Return all that the analysis found, one part a line."""
+def report(figure: Figure, inertia: Inertia) -> str:
+    """Return all that the analysis found, one part a line, and what the parts weigh."""
     drawing, anatomy = figure.drawing, figure.anatomy
     nodes = counted(len(drawing.names), "node")
     connections = counted(len(drawing.connections), "connection")
     lines = [f"{figure.name}: {headline(figure)}; {nodes}, {connections}"]
     lines += _wrapped("body", f"{_names(figure, anatomy.body)}")
+    lines += _wrapped("mass", _weight(inertia))
     for appendage, limb in zip(anatomy.appendages, figure.skeleton.limbs, strict=True):
         links, joints = counted(len(limb.links), "link"), counted(len(limb.joints), "joint")
+        weight = _weights([inertia.links[i].mass for i in limb.links])
         chain = " - ".join(drawing.names[n] for n in appendage.nodes)
-        text = f"{limb.kind}, {links}, {joints}, {limb.length:.3g} m: {chain}"
+        text = f"{limb.kind}, {links}, {joints}, {limb.length:.3g} m, {weight}: {chain}"
         lines += _wrapped(limb.name, text)
     if anatomy.ignored:
         lines += _wrapped("ignored", _names(figure, anatomy.ignored))
@@ -41,6 +44,21 @@ def report(figure: Figure) -> str:
 def counted(n: int, thing: str) -> str:
     """Return a number of things: "1 joint", "2 joints"."""
     return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
+
+
+def _weight(inertia: Inertia) -> str:
+    """Return what the whole figure weighs, and where its centre of mass is."""
+    whole, body = inertia.at_rest, inertia.links[0].mass
+    # No minus before a number that is shown as zero.
+    x, y, z = (float(value) + 0.0 for value in whole.centre.round(3))
+    weight = f"{whole.mass:.4g} kg, body {body:.3g} kg"
+    return f"{weight}; centre of mass at rest ({x:.3f}, {y:.3f}, {z:.3f}) m from the body's origin"
+
+
+def _weights(masses: Sequence[float]) -> str:
+    """Return what a limb weighs, and each of its links from base to tip."""
+    one_by_one = " + ".join(f"{mass:.3g}" for mass in masses)
+    return f"{sum(masses):.3g} kg" + (f" ({one_by_one})" if len(masses) > 1 else "")
 
 
 def _names(figure: Figure, nodes: Sequence[int]) -> str:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from audio.files import put
 from pipeline.errors import SceneError, StoreError
+from pipeline.production.figure_denavit import denavit_text
+from pipeline.production.figure_facts import denavit_facts, facts
 from pipeline.production.figure_picture import figure_svg, png_of
 from pipeline.production.figure_report import report
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.figures.inertia import Inertia
 from pipeline.spec import load_figures
 
 
@@ -19,10 +23,12 @@ class Sheet:
 
     Attributes:
         text: what the analysis found.
+        facts: the same and more, for other programs.
         files: the pictures.
     """
 
     text: str
+    facts: dict[str, Any]
     files: tuple[Path, ...]
 
 
@@ -43,8 +49,13 @@ def figures_of(name: str) -> list[Figure]:
         raise scene.places.located(error) from None
 
 
-def figure_sheet(figure: Figure, out: Path) -> Sheet:
+def figure_sheet(figure: Figure, out: Path, denavit: bool = False) -> Sheet:
     """Write the pictures of a figure into a folder and return what there is to say of it.
+
+    Args:
+        figure: any.
+        out: the folder.
+        denavit: whether its Denavit-Hartenberg parameters are told as well.
 
     Raises:
         StoreError: they cannot be written.
@@ -58,4 +69,8 @@ def figure_sheet(figure: Figure, out: Path) -> Sheet:
         put(files[1], png_of(svg))
     except OSError as error:
         raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
-    return Sheet(report(figure), files)
+    inertia = Inertia(figure)
+    text, told = report(figure, inertia), facts(figure, inertia)
+    if denavit:
+        text, told = f"{text}\n{denavit_text(figure)}", {**told, "denavit": denavit_facts(figure)}
+    return Sheet(text, told, files)

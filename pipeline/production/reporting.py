@@ -74,8 +74,13 @@ class Reporter(Protocol):
     def note(self, text: str, detail: bool = False) -> None:
         """Say something by the way; details only where they were asked for."""
 
-    def result(self, text: str) -> None:
-        """Say what the command was called for, such as the file that it made."""
+    def result(self, text: str, **facts: object) -> None:
+        """Say what the command was called for, such as the file that it made.
+
+        Args:
+            text: for people.
+            facts: the same and more, for other programs.
+        """
 
 
 @contextmanager
@@ -111,7 +116,7 @@ class Quiet:
     def note(self, text: str, detail: bool = False) -> None:
         """Say nothing."""
 
-    def result(self, text: str) -> None:
+    def result(self, text: str, **facts: object) -> None:
         """Say nothing."""
 
 
@@ -146,7 +151,7 @@ class Plain:
         if self._verbose or not detail:
             self._say(text)
 
-    def result(self, text: str) -> None:
+    def result(self, text: str, **facts: object) -> None:
         """Write a line to standard output."""
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
@@ -235,9 +240,9 @@ class Machine:
         """Write a `note` object."""
         self.say({"event": "note", "text": text, "detail": detail})
 
-    def result(self, text: str) -> None:
-        """Write a `result` object."""
-        self.say({"event": "result", "text": text})
+    def result(self, text: str, **facts: object) -> None:
+        """Write a `result` object that holds the facts."""
+        self.say({"event": "result", "text": text, **facts})
 
     def say(self, words: dict[str, object]) -> None:
         """Write one object."""

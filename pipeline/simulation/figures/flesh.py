@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.figures.network import FEELER, HEAD, LEG
-from pipeline.simulation.figures.shapes import link_solid
+from pipeline.simulation.figures.shapes import link_solid, towards
 from pipeline.simulation.figures.skeleton import Link
 from pipeline.simulation.figures.solids import Solid, ball
 from pipeline.simulation.spatial import Array, normalized
@@ -71,13 +71,14 @@ def _eyes(number: int, link: Link) -> list[Piece]:
     """
     span = link.ends[1] - link.ends[0]
     length = float(np.linalg.norm(span))
-    look, part = _look(span / length, length < 1.6 * sum(link.radii))
+    is_round = link.shape == "ball" or length < 1.6 * sum(link.radii)
+    look, part = _look(span / length, is_round)
     girth = link.radii[0] + (link.radii[1] - link.radii[0]) * part
     middle = link.ends[0] + part * span
     pieces = []
     for side, sign in (("l", -1.0), ("r", 1.0)):
         direction = normalized(look * [1.0, 1.0, sign])
-        centre = middle + 0.94 * girth * direction
+        centre = middle + 0.94 * girth * towards(link, direction)
         radius = EYES[part == 1.0] * girth
         pieces.append(Piece(f"head.eye_{side}", number, ball(centre, radius), EYE_MATERIAL, girth))
     return pieces

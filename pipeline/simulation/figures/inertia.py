@@ -1,8 +1,9 @@
 """Inertia: what a figure weighs, link by link, from its visible solids and its density.
 
-Several solids may follow one link, as eyes do a head. Where solids overlap, in joints or
-where an eye lies in a head, what they have in common counts in each of them: that keeps a
-link's mass its own, whatever stands beside it, at a few parts in a hundred too much.
+Several solids may follow one link, as eyes do a head. Where solids overlap, what they have
+in common counts in each of them: a link's mass is its own, whatever stands beside it. The
+whole is too heavy by that, a little in every joint, and more where a thick neck or tail
+begins deep in the body.
 
 Source: Sims 1987, 7.1.1.
 """

@@ -19,11 +19,12 @@ from pipeline.spec.figure import LinkShape
 FLATNESS = 0.24
 """Thickness of a plate as a part of its width."""
 
-HEIGHT = 0.78
-"""Height of a bar as a part of its width."""
+WIDTH, HEIGHT = 0.86, 0.66
+"""Of a bar, as parts of a round link's: its edges lie about on the round one's surface, so
+that they come through no round link that it meets."""
 
-BEVEL = 0.14
-"""Width of a bar's bevels as a part of half its width."""
+BEVEL = 0.12
+"""Width of a bar's bevels, as a part of its radius."""
 
 NARROWING = 0.94
 """Width of a bar at its outer end, as a part of its node's, so that the sides of two bars in
@@ -48,6 +49,22 @@ def link_solid(link: Link, swelling: float) -> Solid:
     solid = SHAPES[link.shape](float(np.linalg.norm(span)), *link.radii, swelling)
     R = _frame(span, UP if link.shape == "round" else link.normal)
     return Solid(solid.vertices @ R.T + link.ends[0], solid.faces)
+
+
+def towards(link: Link, direction: Array) -> Array:
+    """Return where the surface of a link is, from its middle line, in parts of its radius.
+
+    Args:
+        link: of any shape.
+        direction: (3,) in the creation frame, of length one.
+    """
+    up = (direction @ link.normal) * link.normal
+    if link.shape == "plate":
+        return direction - (1.0 - FLATNESS) * up
+    if link.shape == "box":
+        across = float(np.linalg.norm(direction - up)) / WIDTH
+        return direction / max(across, float(np.linalg.norm(up)) / HEIGHT)
+    return direction
 
 
 def _frame(span: Array, up: Array) -> Array:
@@ -109,11 +126,12 @@ def _box(length: float, a: float, b: float, swelling: float) -> Solid:
     Its bevels also let smooth normals follow the flat sides.
     """
     del swelling
-    halves = np.array([a, a, NARROWING * b, NARROWING * b])
-    cut = BEVEL * halves
+    radii = np.array([a, a, NARROWING * b, NARROWING * b])
+    cut = BEVEL * radii
     inset = cut * [1.0, 0.0, 0.0, 1.0]
-    z, y = halves - inset, HEIGHT * halves - inset
-    x = np.array([-a, cut[0] - a, length + b - cut[2], length + b])
+    z, y = WIDTH * radii - inset, HEIGHT * radii - inset
+    start, end = -WIDTH * a, length + WIDTH * b
+    x = np.array([start, start + cut[0], end - cut[2], end])
     around = [(y, z - cut), (y - cut, z), (cut - y, z), (-y, z - cut)]
     around += [(-high, -across) for high, across in around]
     rings = np.stack([np.stack([x, high, across], axis=-1) for high, across in around], axis=1)

@@ -17,6 +17,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
 
+
 @dataclass(frozen=True, eq=False)
 class NodeTable:
     """For each node of the herd, creature by creature and link by link: what moves it.

@@ -8,13 +8,20 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 
 from pipeline import cli
+from pipeline.simulation.figures.figure import build_figure
+from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.spatial import Array
+from pipeline.spec import read_scene
 
 Pronk = Callable[..., tuple[int, str, str]]
+FIGURES = Path(__file__).parents[1] / "scenes/figures"
 
 SCENE = """\
 pronk: 1
@@ -362,3 +369,98 @@ def test_a_starter_is_right_and_is_not_overwritten(pronk: Pronk, folder: Path) -
     assert (code, out) == (2, "")
     assert err == "error: hello.yaml: is there already; choose another name\n"
     assert (folder / "hello.yaml").read_bytes() == text
+
+
+@pytest.fixture
+def unpictured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave out the pictures of figures, which take seconds."""
+    monkeypatch.setattr("pipeline.production.figure_sheet.figure_svg", lambda _: "<svg/>")
+    monkeypatch.setattr("pipeline.production.figure_sheet.png_of", lambda _: b"")
+
+
+def told_of(pronk: Pronk, name: str, *words: str) -> dict[str, Any]:
+    """Return what `pronk figure` tells other programs."""
+    code, out, _ = pronk("figure", name, "--json", *words)
+    assert code == 0
+    (line,) = out.splitlines()
+    said = json.loads(line)
+    assert said["event"] == "result"
+    return dict(said["figure"])
+
+
+@pytest.mark.usefixtures("folder", "unpictured")
+def test_figure_tells_what_all_links_weigh(pronk: Pronk) -> None:
+    told = told_of(pronk, "tiny.yaml:bug")
+    assert "denavit" not in told
+    links = {link["name"]: link for link in told["links"]}
+    assert {"body", "l1.1", "r3.3", "head.2"} <= links.keys()
+    assert told["rest"]["mass"] == pytest.approx(sum(link["mass"] for link in links.values()))
+    for link in told["links"]:
+        inertia = np.array(link["inertia"])
+        assert (inertia == inertia.T).all()
+        assert (np.linalg.eigvalsh(inertia) > 0).all()
+        assert (link["joint"] is None) == (link["name"] == "body")
+    # Told to people in the same words, a few digits each.
+    _, out, _ = pronk("figure", "tiny.yaml:bug")
+    one, two, three = (links[f"l3.{n}"]["mass"] for n in (1, 2, 3))
+    assert f"{one + two + three:.3g} kg ({one:.3g} + {two:.3g} + {three:.3g})" in out
+    x, y, _ = told["rest"]["centre"]
+    assert f"{told['rest']['mass']:.4g} kg, body {links['body']['mass']:.3g} kg" in out
+    assert f"centre of mass at rest ({x:.3f}, {y:.3f}, 0.000) m" in " ".join(out.split())
+
+
+def _turn(axis: int, angle: float) -> Array:
+    """Return the frame (4, 4) turned about x (0) or z (2)."""
+    F = np.eye(4)
+    i, j = ((1, 2), (2, 0), (0, 1))[axis]
+    F[i, i] = F[j, j] = np.cos(angle)
+    F[i, j], F[j, i] = -np.sin(angle), np.sin(angle)
+    return F
+
+
+def _step(axis: int, way: float) -> Array:
+    F = np.eye(4)
+    F[axis, 3] = way
+    return F
+
+
+def rebuilt(rows: list[dict[str, Any]], q: Array) -> Array:
+    """Return the frames (J, 4, 4) of joints from their table alone, by the notation's rule."""
+    moved: dict[str, Array] = {"body": np.eye(4)}
+    left = list(zip(rows, q, strict=True))
+    while left:
+        row, value = left.pop(0)
+        if row["parent"] not in moved:
+            left.append((row, value))
+            continue
+        theta, alpha = np.radians([row["theta_deg"], row["alpha_deg"]])
+        link = _turn(2, theta) @ _step(2, row["r"]) @ _step(0, row["a"]) @ _turn(0, alpha)
+        value_of = _step if row["kind"] == "prismatic" else _turn
+        moved[row["joint"]] = moved[row["parent"]] @ link @ value_of(2, value)
+    return np.array([moved[row["joint"]] @ np.array(row["tool"]) for row in rows])
+
+
+@pytest.mark.usefixtures("folder", "unpictured")
+@pytest.mark.parametrize("name", sorted(path.stem for path in FIGURES.glob("*.yaml")))
+def test_poses_come_back_from_the_printed_parameters(pronk: Pronk, name: str) -> None:
+    rows = told_of(pronk, name, "--dh")["denavit"]
+    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{{figure: {name}}}]\n")
+    skeleton = build_figure(name, scene.figures[name], 1.0).skeleton
+    assert [row["joint"] for row in rows] == list(skeleton.joint_names)
+    chance = np.random.default_rng(1)
+    for q in (skeleton.preferred, *chance.uniform(skeleton.lower, skeleton.upper, (3, len(rows)))):
+        assert np.abs(rebuilt(rows, q) - Tree.of(skeleton).pose(q)).max() < 1e-9
+
+
+@pytest.mark.usefixtures("folder", "unpictured")
+def test_figure_prints_a_table_of_parameters(pronk: Pronk) -> None:
+    _, out, _ = pronk("figure", "robot_arm", "--dh")
+    lines = out.splitlines()
+    begin = next(i for i, line in enumerate(lines) if "Denavit-Hartenberg" in line)
+    assert lines[begin + 1].split() == "joint after kind theta r a alpha".split()
+    assert lines[begin + 2].strip() == "arm_m1"
+    rows = [line.split() for line in lines[begin + 3 : begin + 10]]
+    assert rows[0][:3] == ["base_yaw", "body", "revolute"]
+    assert rows[5][:3] == ["joint3_bend", "joint2_bend", "prismatic"]
+    assert [float(number) for number in rows[4][3:]] == [-90.0, 0.0, 0.64, 0.0]
+    assert "-0.0000 " not in out

@@ -1,0 +1,114 @@
+"""What figures weigh, against trimesh and against the figure taken as one solid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import trimesh
+
+from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.figures.solids import Solid
+from pipeline.simulation.locomotion.inventory import leg_mass
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import Array
+
+Build = Callable[..., Figure]
+
+WORM = "{nodes: {a: [0, 0], b: [0, 1], c: [0, 2]}, chains: [[a, b, c]], radius: 0.1%s}"
+
+
+def judged(solid: Solid, density: float) -> trimesh.Trimesh:
+    mesh = trimesh.Trimesh(solid.vertices, solid.faces.astype(int), process=False)
+    mesh.density = density
+    return mesh
+
+
+def assert_same(one: MassProperties, other: MassProperties, tolerance: float = 1e-9) -> None:
+    size = float(np.sqrt(np.trace(other.inertia) / other.mass))
+    assert one.mass == pytest.approx(other.mass, rel=tolerance)
+    assert np.abs(one.centre - other.centre).max() <= tolerance * size
+    assert np.abs(one.inertia - other.inertia).max() <= tolerance * other.mass * size**2
+
+
+def posed(figure: Figure, q: Array) -> tuple[Array, Array]:
+    """Return all solids of a figure at joint values `q` as one soup, in the body's frame."""
+    skeleton = figure.skeleton
+    X_BJ = Tree.of(skeleton).pose(q)
+    vertices, faces, count = [], [], 0
+    for piece in figure.pieces:
+        here, joint = piece.solid.vertices, skeleton.links[piece.link].joint
+        if joint != BODY:
+            X = X_BJ[joint]
+            here = (here - skeleton.places[joint]) @ X[:3, :3].T + X[:3, 3]
+        vertices.append(here)
+        faces.append(piece.solid.faces.astype(int) + count)
+        count += len(here)
+    return np.concatenate(vertices), np.concatenate(faces)
+
+
+def test_every_solid_of_the_library_weighs_what_trimesh_says(shipped: Figure) -> None:
+    for piece in shipped.pieces:
+        judge = judged(piece.solid, 850.0)
+        assert judge.is_watertight, piece.name
+        mass = mass_of_solid(piece.solid.vertices, piece.solid.faces, 850.0)
+        told = MassProperties(judge.mass, judge.center_mass, judge.moment_inertia)
+        assert_same(mass, told)
+
+
+def test_a_figure_weighs_what_its_solids_do_in_any_pose(shipped: Figure) -> None:
+    inertia = Inertia(shipped)
+    chance = np.random.default_rng(1)
+    skeleton = shipped.skeleton
+    poses = [skeleton.preferred, chance.uniform(skeleton.lower, skeleton.upper)]
+    for q, mass in zip(poses, [inertia.at_rest, inertia.at(poses[1])], strict=True):
+        assert_same(mass, mass_of_solid(*posed(shipped, q), shipped.density))
+    assert inertia.at_rest.mass == pytest.approx(sum(link.mass for link in inertia.links))
+
+
+def test_eyes_weigh_in_a_head(beetle: Figure) -> None:
+    head = next(limb for limb in beetle.skeleton.limbs if limb.name == "head")
+    pieces = [piece for piece in beetle.pieces if piece.link == head.links[-1]]
+    assert [piece.name for piece in pieces] == ["head.2", "head.eye_l", "head.eye_r"]
+    whole = sum(judged(piece.solid, 1000.0).mass for piece in pieces)
+    assert Inertia(beetle).of_link(head.links[-1]).mass == pytest.approx(whole, rel=1e-9)
+
+
+def test_twice_as_large_is_eight_times_as_heavy(figure: Build) -> None:
+    one, two = (Inertia(figure(WORM % "", scale)).links[1] for scale in (1.0, 2.0))
+    assert two.mass == pytest.approx(8 * one.mass)
+    assert np.allclose(two.centre, 2 * one.centre)
+    assert np.allclose(two.inertia, 32 * one.inertia)
+
+
+def test_density_is_the_authors_word_and_waters_if_left_out(figure: Build) -> None:
+    assert figure(WORM % "").density == 1000.0
+    water, lead = Inertia(figure(WORM % "")), Inertia(figure(WORM % ", density: 11340"))
+    for one, other in zip(water.links, lead.links, strict=True):
+        assert other.mass == pytest.approx(11.34 * one.mass)
+        assert np.allclose(other.inertia, 11.34 * one.inertia)
+        assert np.allclose(other.centre, one.centre)
+
+
+def test_left_legs_weigh_what_right_legs_do(beetle: Figure) -> None:
+    inertia, legs = Inertia(beetle), beetle.skeleton.legs
+    for left, right in zip(legs[:3], legs[3:], strict=True):
+        for a, b in zip(left.links, right.links, strict=True):
+            one, other = inertia.links[a], inertia.links[b]
+            assert one.mass == pytest.approx(other.mass)
+            assert np.allclose(one.centre * [1, 1, -1], other.centre)
+            mirror = np.diag([1, 1, -1])
+            assert np.allclose(mirror @ one.inertia @ mirror, other.inertia, rtol=1e-9)
+
+
+def test_footfalls_have_the_weight_of_their_legs(scene_of: Callable[..., object]) -> None:
+    scene = scene_of("{figure: beetle, scale: 0.5}", duration=1)
+    herd = Simulation(scene).troupes[0].herd
+    legs = herd.figures[0].skeleton.legs
+    links = Inertia(herd.figures[0]).links
+    assert leg_mass(herd) == pytest.approx([sum(links[i].mass for i in leg.links) for leg in legs])

@@ -1,0 +1,186 @@
+"""Shapes of links: closed, facing outward, of the sizes that they say, and where they are told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import get_args
+
+import numpy as np
+import pytest
+import trimesh
+
+from pipeline.errors import SceneError
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.shapes import SHAPES, link_solid
+from pipeline.simulation.figures.skeleton import Link
+from pipeline.simulation.spatial import UP, Array, normalized
+from pipeline.spec.figure import LinkShape
+
+Build = Callable[..., Figure]
+NAMES = get_args(LinkShape)
+
+FIN = (
+    "{style: %s, nodes: {a: [0, -1], b: [0, 1], k_l: {at: [-1, -1], shape: box},"
+    " f_l: {at: [-2, -1.2], shape: plate}, t: {at: [0, 2], shape: ball}},"
+    " chains: [[a, b], [a, k_l, f_l], [b, t]], then: [{mirror: x, nodes: [k_l, f_l]},"
+    " {copy: [k_l, f_l], translate: [0, 1]}], radius: 0.1}"
+)
+
+
+def link(shape: LinkShape, span: Array, radii: tuple[float, float], normal: Array = UP) -> Link:
+    start = np.array([0.3, -0.2, 0.1])
+    ends = np.stack([start, start + span])
+    return Link("l1.1", "leg", 0, ends, radii, "", True, shape, normal)
+
+
+def along(one: Link) -> Array:
+    """Return the vertices in the link's frame: along it, upward, across."""
+    x = normalized(one.ends[1] - one.ends[0])
+    axes = np.stack([x, one.normal, np.cross(x, one.normal)], axis=-1)
+    return (link_solid(one, 0.2).vertices - one.ends[0]) @ axes
+
+
+def test_every_shape_of_the_language_is_made() -> None:
+    assert set(SHAPES) == set(NAMES)
+
+
+@pytest.mark.parametrize("shape", NAMES)
+def test_shapes_are_closed_and_face_outward(shape: LinkShape) -> None:
+    chance = np.random.default_rng(1)
+    for _ in range(40):
+        span = chance.normal(size=3) * 10 ** chance.uniform(-2, 1)
+        radii = 10 ** chance.uniform(-2, 0.5, 2)
+        normal = normalized(np.cross(span, chance.normal(size=3)))
+        one = link(shape, span, (float(radii[0]), float(radii[1])), normal)
+        solid = link_solid(one, 0.2)
+        judge = trimesh.Trimesh(solid.vertices, solid.faces.astype(int), process=False)
+        assert judge.is_watertight
+        assert judge.is_winding_consistent
+        assert judge.volume > 0
+        assert (judge.area_faces > 0).all()
+        # Both ends are inside, so that no gap opens in a joint: on the axis rays go out once.
+        low, high = along(one)[:, 0].min(), along(one)[:, 0].max()
+        length = np.linalg.norm(span)
+        assert high > length
+        assert low < 0 or (shape == "ball" and length - radii[1] < low + 1e-9)
+
+
+def test_a_plate_is_flat_in_the_plane_of_the_drawing() -> None:
+    one = link("plate", np.array([1.0, 0, 0]), (0.1, 0.1))
+    extent = np.ptp(along(one), axis=0)
+    assert extent[1] < 0.3 * extent[2]
+    assert extent[2] == pytest.approx(np.ptp(along(link("round", *_args(one))), axis=0)[2])
+
+
+def test_a_bar_is_flat_sided_and_no_wider_than_a_round_link() -> None:
+    one = link("box", np.array([1.0, 0, 0]), (0.1, 0.1))
+    solid = link_solid(one, 0.2)
+    normals = trimesh.Trimesh(solid.vertices, solid.faces.astype(int), process=False)
+    flat = np.abs(normals.face_normals).max(axis=-1) > 0.99
+    assert normals.area_faces[flat].sum() > 0.8 * normals.area
+    beyond = np.linalg.norm(along(one)[:, 1:], axis=-1)
+    assert beyond.max() == pytest.approx(0.1, rel=0.03)
+
+
+def test_a_ball_is_one_around_its_node() -> None:
+    for length in (0.02, 0.3, 2.0):
+        one = link("ball", np.array([length, 0, 0]), (0.05, 0.2))
+        away = np.linalg.norm(along(one) - [length, 0, 0], axis=-1)
+        stem = along(one)[:, 0] < length - 0.2
+        assert away[~stem].max() < 0.2 * 1.01
+        assert away[~stem].min() > 0.2 * 0.95
+        across = np.linalg.norm(along(one)[stem][:, 1:], axis=-1)
+        assert across.max(initial=0.0) <= 0.0500001
+        assert (length > 0.2) == stem.any()
+
+
+def test_round_links_swell_and_straight_ones_do_not() -> None:
+    straight = link("straight", np.array([0.4, 0.1, 0.2]), (0.1, 0.05))
+    round_ = link("round", np.array([0.4, 0.1, 0.2]), (0.1, 0.05))
+    assert (link_solid(straight, 0.3).vertices == link_solid(straight, 0.0).vertices).all()
+    x = along(link("straight", np.array([1.0, 0, 0]), (0.1, 0.05)))
+    between = x[(x[:, 0] > 0) & (x[:, 0] < 1)]
+    radii = np.linalg.norm(between[:, 1:], axis=-1)
+    assert np.allclose(radii, 0.1 - 0.05 * between[:, 0])
+    volumes = [
+        trimesh.Trimesh(s.vertices, s.faces.astype(int), process=False).volume
+        for s in (link_solid(straight, 0.0), link_solid(round_, 0.0), link_solid(round_, 0.3))
+    ]
+    assert volumes[0] == pytest.approx(volumes[1])
+    assert volumes[2] > 1.2 * volumes[1]
+
+
+def test_shapes_travel_with_their_nodes(figure: Build) -> None:
+    fin = figure(FIN % "insect")
+    shape = dict(zip(fin.drawing.names, fin.drawing.shapes, strict=True))
+    box, plate = ({name for name in shape if shape[name] == kind} for kind in ("box", "plate"))
+    assert box == {"k_l", "k_r", "k_2_l"}
+    assert plate == {"f_l", "f_r", "f_2_l"}
+    legs = fin.skeleton.legs
+    assert len(legs) == 3
+    for leg in legs:
+        assert [fin.skeleton.links[i].shape for i in leg.links] == ["box", "plate"]
+
+
+@pytest.mark.parametrize("style", ["insect", "mammal"])
+def test_plates_lie_in_the_plane_that_they_were_drawn_in(figure: Build, style: str) -> None:
+    """An insect's fins lie flat; a mammal's are folded down with their legs."""
+    fin = figure(FIN % style)
+    flat = 1 if style == "insect" else 2
+    for piece in fin.pieces:
+        if fin.skeleton.links[piece.link].shape == "plate":
+            centred = piece.solid.vertices - piece.solid.vertices.mean(axis=0)
+            thin = np.linalg.eigh(centred.T @ centred)[1][:, 0]
+            assert abs(thin[flat]) == pytest.approx(1.0)
+
+
+def test_a_raised_mammal_has_plates_raised_with_it(figure: Build) -> None:
+    fish = figure(
+        "{style: mammal, pitch_deg: 30, nodes: {a: [0, 0], b: [0, 1], c: [0.2, 0.5],"
+        " t: {at: [0, 2], shape: plate}}, chains: [[a, b, c, a], [b, t]], radius: 0.1}"
+    )
+    (tail,) = [one for one in fish.skeleton.links if one.shape == "plate"]
+    assert np.allclose(tail.normal, [-np.sin(np.pi / 6), np.cos(np.pi / 6), 0])
+    assert tail.normal @ (tail.ends[1] - tail.ends[0]) == pytest.approx(0, abs=1e-12)
+
+
+def test_a_shape_where_no_link_ends_is_remarked(figure: Build) -> None:
+    built = figure(FIN.replace("a: [0, -1]", "a: {at: [0, -1], shape: box}") % "insect")
+    told = [str(remark) for remark in built.anatomy.warnings]
+    assert told == ["no link ends at 'a', so its shape is not used"]
+
+
+def test_shapes_and_densities_that_are_none_are_refused(figure: Build) -> None:
+    with pytest.raises(SceneError) as caught:
+        figure(FIN.replace("shape: ball", "shape: boll") % "insect")
+    (problem,) = caught.value.problems
+    assert problem.path == "figures.thing.nodes.t.shape"
+    assert "ball" in problem.message
+    for density in ("0", "-5", "1e9", "heavy"):
+        with pytest.raises(SceneError) as caught:
+            figure(f"{(FIN % 'insect')[:-1]}, density: {density}}}")
+        assert [one.path for one in caught.value.problems] == ["figures.thing.density"]
+
+
+def test_heads_of_all_shapes_have_their_eyes_on_them(figure: Build) -> None:
+    """The surface of a head goes through its eyes: they neither float nor hide."""
+    for shape in NAMES:
+        for at in (-0.2, -0.5):
+            built = figure(
+                f"{{nodes: {{a: [0, 0], b: [0, 1], c: [0.2, 0.5], h: {{at: [0, {at}], radius: 0.12,"
+                f" shape: {shape}}}}}, chains: [[a, b, c, a], [a, h]], radius: 0.12}}"
+            )
+            head = next(p for p in built.pieces if p.name == "head.1").solid
+            mesh = trimesh.Trimesh(head.vertices, head.faces.astype(int), process=False)
+            eyes = [p.solid.vertices for p in built.pieces if ".eye_" in p.name]
+            assert len(eyes) == 2
+            for eye in eyes:
+                middle, radius = eye.mean(axis=0), float(np.ptp(eye[:, 0])) / 2
+                points = np.broadcast_to(middle, (len(mesh.faces), 3))
+                nearest = trimesh.triangles.closest_point(mesh.triangles, points)
+                away = np.linalg.norm(nearest - middle, axis=-1).min()
+                assert away < 0.8 * radius, (shape, at)
+
+
+def _args(one: Link) -> tuple[Array, tuple[float, float]]:
+    return one.ends[1] - one.ends[0], one.radii

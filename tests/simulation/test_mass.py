@@ -185,7 +185,9 @@ def test_points_have_a_tensor_and_not_three_moments(seed: int) -> None:
     X = random_pose(chance)
     assert_same(mass.in_frame(X), mass_of_points(m, moved(X, p)), 1e-10)
     point = chance.normal(size=3)
-    about = sum(one * (L @ L * np.eye(3) - np.outer(L, L)) for one, L in zip(m, p - point))
+    about = sum(
+        one * (L @ L * np.eye(3) - np.outer(L, L)) for one, L in zip(m, p - point, strict=True)
+    )
     assert np.allclose(mass.about(point), about)
 
 

@@ -123,16 +123,18 @@ def _ball(length: float, a: float, b: float, swelling: float) -> Solid:
 def _box(length: float, a: float, b: float, swelling: float) -> Solid:
     """Return a tapered bar; its edges are bevelled, its ends flat.
 
-    Its bevels also let smooth normals follow the flat sides.
+    Beside every bevel runs a second line of vertices on the side itself: smooth normals turn
+    between the two, and the rest of the side is seen flat.
     """
     del swelling
-    radii = np.array([a, a, NARROWING * b, NARROWING * b])
+    radii = np.repeat([a, NARROWING * b], 4)
     cut = BEVEL * radii
-    inset = cut * [1.0, 0.0, 0.0, 1.0]
+    inset = cut * [2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0]
     z, y = WIDTH * radii - inset, HEIGHT * radii - inset
-    start, end = -WIDTH * a, length + WIDTH * b
-    x = np.array([start, start + cut[0], end - cut[2], end])
-    around = [(y, z - cut), (y - cut, z), (cut - y, z), (-y, z - cut)]
+    x = np.repeat([-WIDTH * a, length + WIDTH * b], 4)
+    x += cut * [0.0, 0.0, 1.0, 2.0, -2.0, -1.0, 0.0, 0.0]
+    around = [(y, z - 2 * cut), (y, z - cut), (y - cut, z), (y - 2 * cut, z)]
+    around += [(-high, across) for high, across in reversed(around)]
     around += [(-high, -across) for high, across in around]
     rings = np.stack([np.stack([x, high, across], axis=-1) for high, across in around], axis=1)
     return lofted(rings, np.array([[x[0], 0.0, 0.0], [x[-1], 0.0, 0.0]]))

@@ -33,7 +33,7 @@ def report(figure: Figure, inertia: Inertia) -> str:
         links, joints = counted(len(limb.links), "link"), counted(len(limb.joints), "joint")
         weight = _weights([inertia.links[i].mass for i in limb.links])
         chain = " - ".join(drawing.names[n] for n in appendage.nodes)
-        text = f"{limb.kind}, {links}, {joints}, {limb.length:.3g} m, {weight}: {chain}"
+        text = f"{limb.kind}, {links}, {joints}, {limb.length:.3g} m: {chain}; {weight}"
         lines += _wrapped(limb.name, text)
     if anatomy.ignored:
         lines += _wrapped("ignored", _names(figure, anatomy.ignored))

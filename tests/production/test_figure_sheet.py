@@ -18,6 +18,7 @@ from pipeline.production.figure_sheet import figure_sheet, figures_of
 from pipeline.production.figure_views import FRONT, SIDE, Standing
 from pipeline.production.shading import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.solids import ball
 
 SCENE = """\
@@ -95,15 +96,16 @@ def test_a_figure_that_is_none_is_refused_at_its_line(folder: Path) -> None:
 
 
 def test_the_report_tells_all_parts(folder: Path, beetle: Figure) -> None:
-    told = report(beetle).splitlines()
+    told = report(beetle, Inertia(beetle)).splitlines()
     assert told[0].startswith("beetle: insect, 6 legs, 1 head, 1 tail, 2 feelers, 47 joints")
     for limb in beetle.skeleton.limbs:
         (line,) = [line for line in told if line.split()[0] == limb.name]
         assert f"{limb.kind}, {len(limb.links)} link" in line
     assert any("hip1_l - knee1_l - ankle1_l - foot1_l" in line for line in told)
-    worm = report(figures_of("play:worm")[0])
-    assert "ignored     x" in worm
-    assert "warning     'x' is not connected to the rest and ignored" in worm
+    worm = figures_of("play:worm")[0]
+    text = report(worm, Inertia(worm))
+    assert "ignored     x" in text
+    assert "warning     'x' is not connected to the rest and ignored" in text
 
 
 def test_the_picture_names_all_that_there_is(beetle: Figure) -> None:

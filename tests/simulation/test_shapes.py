@@ -11,6 +11,7 @@ import trimesh
 
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.shapes import SHAPES, link_solid
 from pipeline.simulation.figures.skeleton import Link
 from pipeline.simulation.spatial import UP, Array, normalized
@@ -160,6 +161,36 @@ def test_shapes_and_densities_that_are_none_are_refused(figure: Build) -> None:
         with pytest.raises(SceneError) as caught:
             figure(f"{(FIN % 'insect')[:-1]}, density: {density}}}")
         assert [one.path for one in caught.value.problems] == ["figures.thing.density"]
+
+
+@pytest.mark.parametrize("shape", NAMES)
+def test_links_as_thin_as_can_be_have_a_mass_and_thinner_ones_are_refused(
+    figure: Build, shape: LinkShape
+) -> None:
+    words = (
+        "{nodes: {a: [0, 0], b: [0, 1], c: [0.2, 0.5], d: {at: [1, 0.3], radius: %g},"
+        f" f: {{at: [4, 0.7], radius: %g, shape: {shape}}}}}, chains: [[a, b, c, a], [c, d, f]],"
+        " radius: 0.2}"
+    )
+    built = figure(words % (3.2e-6, 3.2e-6))
+    number = next(i for i, one in enumerate(built.skeleton.links) if one.is_tip)
+    solid = next(piece.solid for piece in built.pieces if piece.link == number)
+    mass = Inertia(built).of_link(number)
+    assert 0 < mass.mass < 1e-6
+    assert np.ptp(solid.vertices, axis=0).max() < 3.1
+    with pytest.raises(SceneError) as caught:
+        figure(words % (1e-4, 2e-6) if shape == "ball" else words % (2e-6, 2e-6))
+    (problem,) = caught.value.problems
+    assert problem.path == "figures.thing.nodes.f"
+    assert "from 'd' to 'f' is thinner than a millionth" in problem.message
+
+
+def test_a_body_too_thin_to_be_made_is_refused(figure: Build) -> None:
+    thin = figure(
+        "{nodes: {a: [0, 0], b: [0, 1], c: [0.2, 0.57]}, chains: [[a, b, c, a]], radius: 0.002}"
+    )
+    with pytest.raises(SceneError, match="the body is too thin for its length; give 'a'"):
+        assert thin.pieces
 
 
 def test_heads_of_all_shapes_have_their_eyes_on_them(figure: Build) -> None:

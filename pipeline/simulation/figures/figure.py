@@ -44,14 +44,23 @@ class Figure:
 
     @cached_property
     def body(self) -> Solid:
-        """The body's surface, in the creation frame."""
+        """The body's surface, in the creation frame.
+
+        Raises:
+            SceneError: it is so thin that the grid it is made on misses it.
+        """
         nodes = list(self.anatomy.body)
         number = {node: i for i, node in enumerate(nodes)}
         bones = [(number[a], number[b]) for a, b in self.anatomy.bones]
         flatness = BODY_FLATNESS if self.style == "insect" else 1.0
-        return body_solid(
+        solid = body_solid(
             self.points[nodes], self.drawing.radii[nodes] * self.scale, bones, flatness
         )
+        if not len(solid.faces):
+            name = self.drawing.names[nodes[0]]
+            message = f"the body is too thin for its length; give '{name}' a larger radius"
+            raise SceneError([Problem(f"figures.{self.name}.nodes.{name}", message)])
+        return solid
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:

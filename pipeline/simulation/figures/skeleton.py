@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.adjust import adjusted_joints
 from pipeline.simulation.figures.creation import FOLDED, SIDEWAYS, drawn_plane
 from pipeline.simulation.figures.drawing import Drawing
@@ -29,6 +30,9 @@ FORWARD = np.array([1.0, 0.0, 0.0])
 UPRIGHT = 0.9
 """Beyond this rise (the sine of its elevation) a limb stands or hangs: nothing in the
 plane of the drawing is across it."""
+
+THINNEST = 1e-6
+"""Radius of a link, as a part of its length."""
 
 BODY = -1
 """In place of a joint: the body, which no joint moves."""
@@ -162,7 +166,8 @@ def build_skeleton(
         scale: factor from the drawing to the world.
 
     Raises:
-        SceneError: if `joints` names what the figure does not have; its path begins there.
+        SceneError: if `joints` names what the figure does not have, or a link has no thickness
+            to speak of; its path begins there.
     """
     radii = drawing.radii * scale
     builder = _Builder(words.style, dict.fromkeys(anatomy.body, BODY))
@@ -238,6 +243,8 @@ def _add_limb(
         # An inner joint's axis stands across the mean of the two links it joins.
         along = directions[i] if i == 0 else _between(directions[i - 1], directions[i])
         axes = _axes(along, mammal and kind in FOLDED)
+        girths = _girths(radii[[node, after]], i == 0, materials[after] != materials[node])
+        _refuse_hair(drawing, (node, after), girths, float(np.linalg.norm(steps[i])))
         for turn, stance in stances[i].items():
             joint_name = f"{name}.{'base' if i == 0 else f'joint{i}'}_{turn}"
             parent = builder.joint(joint_name, parent, axes[turn], points[node], stance)
@@ -248,7 +255,7 @@ def _add_limb(
                 kind,
                 parent,
                 np.stack([points[node], points[after]]),
-                _girths(radii[[node, after]], i == 0, materials[after] != materials[node]),
+                girths,
                 materials[after],
                 after == nodes[-1],
                 drawing.shapes[after],
@@ -292,6 +299,19 @@ def _girths(radii: Array, is_root: bool, changes: bool) -> tuple[float, float]:
     if is_root:
         return min(first, 1.35 * second), second
     return (1.12 if changes else 1.0) * first, second
+
+
+def _refuse_hair(
+    drawing: Drawing, nodes: tuple[int, int], girths: tuple[float, float], length: float
+) -> None:
+    """Refuse a link so thin that its volume is lost in rounding."""
+    # A ball's stem is as thin as the ball.
+    is_ball = drawing.shapes[nodes[1]] == "ball"
+    if (girths[1] if is_ball else max(girths)) >= THINNEST * length:
+        return
+    before, name = (drawing.names[n] for n in nodes)
+    message = f"the link from '{before}' to '{name}' is thinner than a millionth of its length"
+    raise SceneError([Problem(drawing.path_of(name), f"{message}; give '{name}' a larger radius")])
 
 
 def _between(before: Array, after: Array) -> Array:

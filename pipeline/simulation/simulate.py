@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
@@ -19,6 +19,8 @@ from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect import DETECTORS
 from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.locomotion.inching import Inchworms
+from pipeline.simulation.locomotion.inching_chain import is_chain
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
@@ -26,6 +28,9 @@ from pipeline.simulation.terrain import build_ground, level_ground
 from pipeline.simulation.troupe import Troupe, World
 from pipeline.spec.cast import Creature, Prop
 from pipeline.spec.scene import VERSION, Scene
+
+Performer = tuple[int, Creature, Figure]
+"""Place in the cast, words and figure."""
 
 SKIN, THING = "brown chitin", "wood"
 """Materials of creatures and of props that name none, neither themselves nor in their figures."""
@@ -148,18 +153,28 @@ def _figures(scene: Scene) -> dict[str, Figure]:
 
 
 def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
-    """Sort the cast into troupes, one a room; who goes along with a parent stands level on it."""
+    """Sort the cast into troupes; who goes along with a parent stands on level ground there."""
     troupes = list[Troupe]()
-    levels = dict.fromkeys(_level(member) for _, member in scene.creatures)
-    for level in levels:
-        walkers = [(i, m, figures[m.name]) for i, m in scene.creatures if _level(m) == level]
-        materials = [m.material or figure.material or SKIN for _, m, figure in walkers]
+    for level in dict.fromkeys(_level(member) for _, member in scene.creatures):
+        here = [(i, m, figures[m.name]) for i, m in scene.creatures if _level(m) == level]
+        worms = [one for one in here if _inches(one)]
+        walkers = [one for one in here if not _inches(one)]
         ground = world.ground if level is None else level_ground(level, world.ground)
-        troupes.append(Walkers(walkers, replace(world, ground=ground), materials))
+        there = replace(world, ground=ground)
+        if walkers:
+            troupes.append(Walkers(walkers, there, _materials(walkers)))
+        if worms:
+            troupes.append(Inchworms(worms, there, _materials(worms)))
     props = [member for member in scene.cast if isinstance(member, Prop)]
     if props:
         troupes.append(Props(props, world, [member.material or THING for member in props]))
     return troupes
+
+
+def _inches(performer: Performer) -> bool:
+    """Tell whether a creature moves as an inchworm; one that is posed is its author's to move."""
+    _, member, figure = performer
+    return is_chain(figure) and not member.pose
 
 
 def _level(member: Creature) -> float | None:
@@ -167,6 +182,11 @@ def _level(member: Creature) -> float | None:
     if member.parent is None:
         return None
     return member.at[1] if len(member.at) == 3 else 0.0
+
+
+def _materials(performers: Sequence[Performer]) -> list[str]:
+    """Return what performers are made of where their figures do not say."""
+    return [m.material or figure.material or SKIN for _, m, figure in performers]
 
 
 def versions() -> dict[str, str]:

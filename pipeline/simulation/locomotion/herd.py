@@ -211,7 +211,9 @@ def _pace(number: int, member: Creature, figure: Figure, legs: Spread) -> Pace:
         message += f"at this scale less than {legs.tallest():.3g} works"
         raise SceneError([Problem(f"cast[{number}].walk.body_height", message)])
     most = legs.longest_stride(gait, height)
-    cycle, stride = _timing(words, leg, EASY * most)
+    # A leg swings like a pendulum; this many of its free periods look natural.
+    natural = 2.6 * math.sqrt(leg / GRAVITY)
+    cycle, stride = timing(words, natural, min(0.55 * leg, EASY * most))
     if member.walk and stride > most:
         message = (
             f"a stride (speed × cycle) of {stride:.3g} is more than the legs can do; at this "
@@ -228,13 +230,14 @@ def _pace(number: int, member: Creature, figure: Figure, legs: Spread) -> Pace:
     )
 
 
-def _timing(words: Walk, leg: float, easy: float) -> tuple[float, float]:
-    """Return the duration [s] and the length [m] of a cycle for legs `leg` long.
+def timing(words: Walk, cycle: float, stride: float) -> tuple[float, float]:
+    """Return the duration [s] and the length [m] of a cycle.
 
-    A stride that the author leaves open is no longer than `easy` [m].
+    Args:
+        words: what the author said of them.
+        cycle: duration if nothing is said [s].
+        stride: length if nothing is said [m].
     """
-    # A leg swings like a pendulum; this many of its free periods look natural.
-    cycle, stride = 2.6 * math.sqrt(leg / GRAVITY), min(0.55 * leg, easy)
     if words.stride is not None:
         stride = words.stride
     elif words.speed is not None and words.cycle is not None:

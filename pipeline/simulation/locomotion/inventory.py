@@ -44,7 +44,7 @@ class NodeTable:
         rest, parent = list[Array](), list[int]()
         for c, figure in enumerate(herd.figures):
             first = len(names)
-            for link, above in zip(figure.skeleton.links, _links_above(figure), strict=True):
+            for link, above in zip(figure.skeleton.links, links_above(figure), strict=True):
                 names.append(f"{herd.names[c]}.{link.name}")
                 owner.append(c)
                 frame.append(frame_of[c, link.joint])
@@ -80,7 +80,7 @@ def _frame_numbers(herd: Herd, idlers: Idlers) -> dict[tuple[int, int], int]:
     return numbers
 
 
-def _links_above(figure: Figure) -> list[int | None]:
+def links_above(figure: Figure) -> list[int | None]:
     """Return for each link the one that it hangs on, None for the body."""
     skeleton = figure.skeleton
     link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
@@ -125,23 +125,40 @@ def describe(
     )
     meshes, parts = list[Mesh](), list[Part]()
     for c, figure in enumerate(herd.figures):
-        base = int(np.argmax(table.owner == c))
-        for piece in figure.pieces:
-            count = len(piece.solid.vertices)
-            meshes.append(
-                Mesh(
-                    piece.solid.vertices.astype(np.float32),
-                    piece.solid.faces,
-                    np.full((count, 2), base + piece.link, dtype=np.int32),
-                    np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
-                )
-            )
-            material = piece.material or materials[c]
-            name = f"{herd.names[c]}.{piece.name}"
-            parts.append(
-                Part(name, herd.names[c], len(meshes) - 1, material, piece.size, (0, rows))
-            )
+        first = int(np.argmax(table.owner == c))
+        own = solids(herd.names[c], figure, first, len(meshes), materials[c], rows)
+        meshes.extend(own[0])
+        parts.extend(own[1])
     return Inventory(nodes, channels, tuple(meshes), tuple(parts))
+
+
+def solids(
+    name: str, figure: Figure, first: int, mesh: int, material: str, rows: int
+) -> tuple[list[Mesh], list[Part]]:
+    """Return the meshes and parts of one creature, each link following its own node.
+
+    Args:
+        name: of the creature.
+        figure: its.
+        first: number of its first node.
+        mesh: number of its first mesh.
+        material: for links that name none.
+        rows: of the take; parts live through all of them.
+    """
+    meshes, parts = list[Mesh](), list[Part]()
+    for piece in figure.pieces:
+        count = len(piece.solid.vertices)
+        meshes.append(
+            Mesh(
+                piece.solid.vertices.astype(np.float32),
+                piece.solid.faces,
+                np.full((count, 2), first + piece.link, dtype=np.int32),
+                np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
+            )
+        )
+        of = (mesh + len(meshes) - 1, piece.material or material, piece.size, (0, rows))
+        parts.append(Part(f"{name}.{piece.name}", name, *of))
+    return meshes, parts
 
 
 def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:

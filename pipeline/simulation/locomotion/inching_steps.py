@@ -1,0 +1,146 @@
+"""Steps of an inchworm: which end moves, from where, and where it comes down.
+
+Stretched out, its front end is set down; drawn up, its rear end. Each time base and tip
+of the chain are swapped.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.errors import SimulationError
+from pipeline.simulation.curves import bump
+from pipeline.simulation.locomotion.inching_chain import FRONT, REAR, Chain
+from pipeline.simulation.locomotion.inching_footing import Track, chord_of, next_pose
+from pipeline.simulation.locomotion.inching_pace import LYING, InchPace
+from pipeline.simulation.locomotion.inching_posing import swung
+from pipeline.simulation.spatial import Array
+
+LEAST = 0.05
+"""A step shorter than this part of the stride is none."""
+
+SAMPLES = np.linspace(0.0, 1.0, 34)[1:-1]
+"""Parts of a step at which the ground under the moving foot is looked at."""
+
+AROUND = np.linspace(0.0, 0.5, 26)
+"""How far from where it is told to be a worm may lie down, as parts of its length."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One end moves, the other one is planted.
+
+    Attributes:
+        end: which moves.
+        planted: (3,) pose of the other foot.
+        start: (3,) pose from which the foot lifts.
+        finish: (3,) pose in which it comes down.
+        height: of its arch [m].
+        lifted: phase of the gait at which it lifts, whole cycles counted.
+    """
+
+    end: int
+    planted: Array
+    start: Array
+    finish: Array
+    height: float
+    lifted: float
+
+    @property
+    def down(self) -> float:
+        """Phase at which it comes down, whole cycles counted."""
+        return self.lifted + 0.5
+
+    @property
+    def feet(self) -> tuple[Array, Array]:
+        """Poses (3,) of the rear and the front foot when it is done."""
+        return (self.finish, self.planted) if self.end == REAR else (self.planted, self.finish)
+
+
+@dataclass(frozen=True, eq=False)
+class Worm:
+    """What does not change of one worm.
+
+    Attributes:
+        name: of it.
+        chain: its joints and links.
+        pace: how it goes.
+        track: where it goes.
+        walks: whether it goes anywhere.
+    """
+
+    name: str
+    chain: Chain
+    pace: InchPace
+    track: Track
+    walks: bool
+
+    def laid_down(self) -> Step:
+        """Return how it lies at the start, as the end of a step of its rear end.
+
+        Raises:
+            SimulationError: if there is no ground for its feet near its place.
+        """
+        chain, track = self.chain, self.track
+        chord = self.pace.chords[0] if self.walks else LYING * chain.free
+        apart = 0.5 * (chord + chain.outside)
+        shifts = chain.length * np.stack([AROUND, -AROUND], axis=-1).ravel()
+        rear, front = (
+            track.lie(foot, shifts + side * apart)
+            for foot, side in zip(chain.feet, (-1.0, 1.0), strict=True)
+        )
+        chords, _ = chord_of(chain, rear, front)
+        longest = max(self.pace.bounds[1], LYING * chain.free)
+        good = (chords >= min(self.pace.bounds[0], chord)) & (chords <= longest)
+        for foot, poses in zip(chain.feet, (rear, front), strict=True):
+            good &= track.safe(foot, poses[:, 0])
+        if not good.any():
+            x, z = track.start
+            raise SimulationError(
+                f"{self.name}: finds no ground for both its ends around its start at "
+                f"[{x:g}, {z:g}]: all is forbidden or too steep; "
+                "place it elsewhere with `at`, or raise `unsteppable_slope_deg`"
+            )
+        best = int(np.argmax(good))
+        return Step(REAR, front[best], rear[best], rear[best], 0.0, -0.5)
+
+    def next(self, before: Step) -> Step | None:
+        """Return the step after `before`: the other end's. None if it finds no foothold."""
+        end = FRONT if before.end == REAR else REAR
+        feet, pace = before.feet, self.pace
+        planted, start = feet[1 - end], feet[end]
+        apart = pace.chords[end] + self.chain.outside
+        wished = float(planted[0]) + (apart if end == FRONT else -apart)
+        if wished - start[0] < LEAST * pace.stride:
+            return None
+        finish = next_pose(self.chain, self.track, feet, end, wished, pace.bounds)
+        if finish is None or finish[0] - start[0] < LEAST * pace.stride:
+            return None
+        height = self._clear(end, start, finish)
+        return Step(end, planted, start, finish, height, before.down)
+
+    def _clear(self, end: int, start: Array, finish: Array) -> float:
+        """Return how high a step must arch to clear the ground [m]."""
+        n, least = len(SAMPLES), self.pace.lifts[end]
+        low = swung(end, np.tile(start, (n, 1)), np.tile(finish, (n, 1)), np.zeros(n), SAMPLES)
+        rise = self.track.rise(self.chain.feet[end], low)
+        return float(np.maximum(rise / bump(SAMPLES) + 0.1 * least, least).max())
+
+
+def poses_of(steps: list[Step], phases: Array, end: int) -> tuple[Array, Array]:
+    """Return the poses (n, 3) of the rear and the front foot at n moments.
+
+    Args:
+        steps: in which the worm is, all of the same `end`.
+        phases: (n,) of its gait, whole cycles counted.
+        end: which foot moves.
+    """
+    planted, start, finish = (
+        np.stack([getattr(step, name) for step in steps]) for name in ("planted", "start", "finish")
+    )
+    height, lifted = (np.array([getattr(s, name) for s in steps]) for name in ("height", "lifted"))
+    s = np.clip(2.0 * (phases - lifted), 0.0, 1.0)
+    moving = swung(end, start, finish, height, s)
+    return (moving, planted) if end == REAR else (planted, moving)

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.locomotion.herd import EASY, GRAVITY, timing
+from pipeline.simulation.locomotion.herd import GRAVITY, timing
 from pipeline.simulation.locomotion.inching_chain import REAR, Chain
 from pipeline.simulation.locomotion.inching_loop import GREATEST, LEAST, bends, chord
 from pipeline.spec.cast import Creature
 from pipeline.spec.walk import Walk
 
-STRETCHED = 0.965
+STRETCHED = 0.972
 """How far the feet may be apart, as a part of the chain's length between them: a low arch
 is left, which can still be bent up or down (Sims 1987, 6.3)."""
 
@@ -24,6 +24,9 @@ the rest is for ground that is not level."""
 
 GAP = 2.3
 """Least distance of the feet's inner ends, in radii of the thickest link."""
+
+NATURAL = 0.92
+"""A stride that nobody asked for, as a part of the longest that the chain can do."""
 
 LYING = 0.985
 """How far apart the feet of a worm at rest are, as a part of the chain between them."""
@@ -78,7 +81,7 @@ def pace_of(number: int, member: Creature, chain: Chain) -> InchPace:
     shortest = min(max(_tightest(chain), GAP * chain.thickness), longest)
     most = longest - shortest
     natural = PERIODS * math.sqrt(chain.length / GRAVITY)
-    cycle, stride = timing(words, natural, EASY * most)
+    cycle, stride = timing(words, natural, NATURAL * most)
     if member.walk is not None and (stride > most or most <= 0.0):
         raise SceneError([Problem(f"cast[{number}].walk", _too_long(member, stride, most))])
     # A worm that takes short steps neither stretches nor loops as far as it could.

@@ -22,7 +22,6 @@ from pipeline.simulation.locomotion.inching_posing import Posed, posed
 from pipeline.simulation.locomotion.inching_steps import Step, Worm, poses_of
 from pipeline.simulation.locomotion.inventory import DENSITY, links_above, solids
 from pipeline.simulation.locomotion.swing import approach_speed
-from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World
 from pipeline.spec.cast import Creature
@@ -82,7 +81,10 @@ class Inchworms:
             rows.rotations[:, node : node + links] = own.rotations
             phases = np.array([phases[w] for _, _, phases in self._kept])
             # A worm that halted does so at the end of a step.
-            going = [worm.walks and p < s[w].down for (_, s, _), p in zip(self._kept, phases, strict=True)]
+            going = [
+                worm.walks and p < s[w].down
+                for (_, s, _), p in zip(self._kept, phases, strict=True)
+            ]
             speed = np.where(going, worm.pace.stride / worm.pace.cycle, 0.0)
             rows.values[:, channel] = np.mod(phases, 1.0)
             rows.values[:, channel + 1] = speed
@@ -173,11 +175,11 @@ class Inchworms:
 
 def _worm(number: int, member: Creature, figure: Figure, world: World) -> Worm:
     chain = Chain.of(figure)
-    x, z = member.at
-    track = Track(world.ground, np.array([float(x), float(z)]), float(np.radians(member.heading_deg)))
-    return Worm(
-        member.name, chain, pace_of(number, member, chain), track, member.walk is not None
+    x, z = member.at[0], member.at[-1]
+    track = Track(
+        world.ground, np.array([float(x), float(z)]), float(np.radians(member.heading_deg))
     )
+    return Worm(member.name, chain, pace_of(number, member, chain), track, member.walk is not None)
 
 
 def describe(worms: Sequence[Worm], materials: Sequence[str], rows: int) -> Inventory:

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.flesh import flesh
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.limb import limb_between
 from pipeline.simulation.figures.network import HEAD, TAIL
@@ -107,7 +106,7 @@ class Chain:
     def of(figure: Figure) -> Chain:
         """Find both ends of a figure that `is_chain`."""
         skeleton = figure.skeleton
-        pieces = flesh(figure)
+        pieces = figure.pieces
         feet = []
         for limb in (skeleton.limbs[1], skeleton.limbs[0]):
             number = limb.links[-1]

@@ -10,12 +10,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.inching_chain import FRONT, REAR, Chain, Foot
 from pipeline.simulation.spatial import Array, heading, rotation
 from pipeline.simulation.terrain import Ground
 
-NEARER = np.linspace(0.0, 1.0, 49)
+NEARER = np.linspace(0.0, 1.0, 41)
 """Places looked at from the wished one back to the present one."""
 
 UNDER = np.linspace(-0.5, 0.5, 5)
@@ -78,10 +79,10 @@ class Track:
         poses[:, 1] += self.rise(foot, poses)
         return poses
 
-    def safe(self, foot: Foot, ways: Array) -> Array:
+    def safe(self, foot: Foot, ways: Array) -> NDArray[np.bool_]:
         """Say where (n,) all of the ground under a foot may be stepped on."""
         x, z = self.places(ways[:, None] + foot.length * UNDER)
-        result: Array = self.ground.steppable(x, z).all(axis=1)
+        result: NDArray[np.bool_] = np.all(self.ground.steppable(x, z), axis=1)
         return result
 
 
@@ -93,17 +94,17 @@ def chord_of(chain: Chain, rear: Array, front: Array) -> tuple[Array, Array]:
     return np.hypot(along, up), np.arctan2(up, along)
 
 
-def next_pose(
+def next_poses(
     chain: Chain,
     track: Track,
     feet: tuple[Array, Array],
     end: int,
     wished: float,
     bounds: tuple[float, float],
-) -> Array | None:
-    """Return the pose (3,) in which a foot is put down next, None if there is none.
+) -> Array:
+    """Return poses (n, 3) in which a foot may be put down next, the best first.
 
-    The wished one, or else the nearest to it on the way back to where the foot is.
+    That is the wished one, then those on the way back to where the foot is.
 
     Args:
         chain: the worm.
@@ -118,7 +119,5 @@ def next_pose(
     other = np.broadcast_to(feet[1 - end], poses.shape)
     chords, _ = chord_of(chain, *((other, poses) if end == FRONT else (poses, other)))
     good = track.safe(chain.feet[end], ways) & (chords >= bounds[0]) & (chords <= bounds[1])
-    if not good.any():
-        return None
-    result: Array = poses[int(np.argmax(good))]
+    result: Array = poses[good]
     return result

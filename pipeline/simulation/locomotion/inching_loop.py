@@ -38,6 +38,18 @@ def chord(chain: Chain, amplitude: Array | float) -> Array:
     return result
 
 
+def neck(chain: Chain, amplitude: Array) -> Array:
+    """Return how far apart the two sides of loops of `amplitude` (n,) come [m].
+
+    Where they lean over, A > π/2, that is where they stand upright.
+    """
+    s = chain.along
+    θ = amplitude[:, None] * np.sin(2.0 * np.pi * s)
+    sides = np.where(np.abs(s - 0.5) > 0.25, np.maximum(np.cos(θ), 0.0), 0.0)
+    result: Array = chord(chain, amplitude) - (sides * chain.spans).sum(axis=1)
+    return result
+
+
 def amplitude(chain: Chain, chords: Array) -> Array:
     """Return the amplitudes (n,) of loops over `chords` (n,) [m]; see `chord`."""
     wave = np.sin(2.0 * np.pi * chain.along)

@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.locomotion.herd import GRAVITY, timing
 from pipeline.simulation.locomotion.inching_chain import REAR, Chain
-from pipeline.simulation.locomotion.inching_loop import GREATEST, LEAST, bends, chord
+from pipeline.simulation.locomotion.inching_loop import GREATEST, LEAST, bends, chord, neck
 from pipeline.spec.cast import Creature
 from pipeline.spec.walk import Walk
 
@@ -22,14 +22,11 @@ ROOM = 0.85
 """How far joints bend in the tightest loop on level ground, as a part of their limits;
 the rest is for ground that is not level."""
 
-GAP = 2.3
-"""Least distance of the feet's inner ends, in radii of the thickest link."""
+GAP = 2.05
+"""Least distance of the middles of the loop's two sides, in radii of the thickest link."""
 
 NATURAL = 0.92
 """A stride that nobody asked for, as a part of the longest that the chain can do."""
-
-LYING = 0.985
-"""How far apart the feet of a worm at rest are, as a part of the chain between them."""
 
 PERIODS = 4.6
 """Duration of a cycle in the periods of a pendulum of the worm's length, over 2π."""
@@ -78,7 +75,7 @@ def pace_of(number: int, member: Creature, chain: Chain) -> InchPace:
     words = member.walk or Walk()
     _refuse(number, member, words)
     longest = STRETCHED * chain.free
-    shortest = min(max(_tightest(chain), GAP * chain.thickness), longest)
+    shortest = min(_tightest(chain), longest)
     most = longest - shortest
     natural = PERIODS * math.sqrt(chain.length / GRAVITY)
     cycle, stride = timing(words, natural, NATURAL * most)
@@ -123,13 +120,14 @@ def _too_long(member: Creature, stride: float, most: float) -> str:
 
 
 def _tightest(chain: Chain) -> float:
-    """Return the shortest chord of a loop on level ground that the joints can bend to [m]."""
+    """Return the shortest chord of a loop on level ground that the worm can bend to [m]."""
     amplitudes = np.linspace(LEAST, GREATEST, 118)
     flat = np.zeros(len(amplitudes))
     chords = chord(chain, amplitudes)
     q = chain.joint_values(bends(chain, chords, flat, flat, flat))
     batch = chain.batches[REAR]
     good = ((q >= ROOM * batch.lower[0]) & (q <= ROOM * batch.upper[0])).all(axis=1)
+    good &= neck(chain, amplitudes) >= GAP * chain.thickness
     # The tightest of those that lead there without a joint at its limit.
     last = int(np.argmin(good)) - 1 if not good.all() else len(good) - 1
     return float(chords[last]) if last >= 0 else chain.free

@@ -26,8 +26,9 @@ from pipeline.simulation.locomotion.inching_footing import Track, chord_of
 from pipeline.simulation.locomotion.inching_loop import bends
 from pipeline.simulation.spatial import Array, turn, unturn
 
-ITERATIONS = 12
-"""Enough for nanometres: the loop already ends where the feet are, but for their tilt."""
+GAINS = (1.0,) * 10 + (0.0, 0.0)
+"""Gain of the pull towards the loop, iteration by iteration; at the end the tip is only
+brought home. Enough for nanometres: the loop already ends near where the feet are."""
 
 DAMPING = 1e-12
 """λ² where errors are lengths of the limb and radians. It is there because a chain in its
@@ -38,6 +39,9 @@ RAISES = (0.22, 0.75)
 
 LATE = 1.4
 """How much later than in the middle of its way a foot is raised the most; 1 is not later."""
+
+ALONG = (0.0, 0.25, 0.5, 0.75)
+"""Parts of a link's length at which the ground under it is looked at."""
 
 
 def swung(end: int, start: Array, finish: Array, height: Array, s: Array) -> Array:
@@ -107,18 +111,19 @@ def _joined(
     chain: Chain, base: int, rear: Array, front: Array, aim: Placement
 ) -> tuple[LimbPose, Array]:
     """Bring the tip of the chain to where it is to be, as near to a loop as can be."""
-    wished = chain.joint_values(bends(chain, *chord_of(chain, rear, front), rear[:, 2], front[:, 2]))
+    wished = chain.joint_values(
+        bends(chain, *chord_of(chain, rear, front), rear[:, 2], front[:, 2])
+    )
     if base != REAR:
         wished = wished[:, ::-1]
     n = len(rear)
     batch = chain.batches[base].rows(np.zeros(n, dtype=np.int64))
     batch = replace(batch, preferred=np.clip(wished, batch.lower, batch.upper))
     pose, damping = batch.pose(batch.preferred), np.broadcast_to(DAMPING * np.eye(6), (n, 6, 6))
-    whole = np.ones(n)
-    for _ in range(ITERATIONS):
+    for gain in GAINS:
         task = aim.task(batch, pose)
         placed = replace(pose, jacobian=task.jacobian.transpose(0, 2, 1))
-        pose = batch.pose(iterate(batch, placed, task.velocity, whole, damping))
+        pose = batch.pose(iterate(batch, placed, task.velocity, np.full(n, gain), damping))
     return _brought_home(batch, pose, aim)
 
 
@@ -133,3 +138,32 @@ def _brought_home(batch: LimbBatch, pose: LimbPose, aim: Placement) -> tuple[Lim
             getattr(pose, field)[far] = getattr(found.pose, field)
         residual[far] = found.residual
     return pose, residual
+
+
+def sunk(chain: Chain, track: Track, rear: Array, front: Array) -> Array:
+    """Return how deep the links between the feet are in the ground (n,), 0 if they are not [m].
+
+    A chain with a joint at its limit, which cannot give way, counts as sunk by its length.
+
+    Args:
+        chain: the worm.
+        track: where it goes.
+        rear: (n, 3) poses of the rear foot.
+        front: (n, 3) poses of the front foot.
+    """
+    whole = posed(chain, track, REAR, rear, front)
+    skeleton = chain.figure.skeleton
+    held = ((whole.q <= skeleton.lower) | (whole.q >= skeleton.upper)).any(axis=1)
+    depth = np.where(held, chain.length, 0.0)
+    feet = [foot.number for foot in chain.feet]
+    for number, link in enumerate(skeleton.links):
+        if number in feet:
+            continue
+        for part in ALONG:
+            inside = part * (link.ends[1] - link.ends[0])
+            p = whole.positions[:, number] + turn(whole.rotations[:, number], inside)
+            radius = link.radii[0] + part * (link.radii[1] - link.radii[0])
+            up = track.ground.normal(p[:, 0], p[:, 2])[:, 1]
+            over = track.ground.height(p[:, 0], p[:, 2]) + radius / up - p[:, 1]
+            depth = np.maximum(depth, over)
+    return depth

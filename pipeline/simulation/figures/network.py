@@ -216,13 +216,14 @@ def _remarks(
         text = f"{listed(drawing, ignored)} {are} not connected to the rest and ignored"
         yield Remark(drawing.names[min(ignored)], text)
     yield from _joined_loops(drawing, links)
-    if LEG not in kinds.values():
+    chain = _is_chain(links)
+    if LEG not in kinds.values() and not chain:
         name = drawing.names[min(body)]
         yield Remark(name, "there is no leg: the figure can stand and pose, but not walk")
-    if _is_chain(links):
+    if chain:
         text = (
             f"the figure is one chain without a branch: {listed(drawing, body)} is its body; "
-            "say otherwise with parts: {node: body}"
+            "say otherwise with parts: {node: body}. Drawn straight it walks as an inchworm"
         )
         yield Remark(drawing.names[min(body)], text)
     ends = {n for chain in kinds for n in chain[1:]}

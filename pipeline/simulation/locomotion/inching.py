@@ -14,13 +14,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.skeleton import volume
+from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.locomotion.inching_chain import FRONT, REAR, Chain
 from pipeline.simulation.locomotion.inching_footing import Track
 from pipeline.simulation.locomotion.inching_pace import pace_of
 from pipeline.simulation.locomotion.inching_posing import Posed, posed
 from pipeline.simulation.locomotion.inching_steps import Step, Worm, poses_of
-from pipeline.simulation.locomotion.inventory import DENSITY, links_above, solids
+from pipeline.simulation.locomotion.inventory import links_above, solids
 from pipeline.simulation.locomotion.swing import approach_speed
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World
@@ -127,8 +127,7 @@ class Inchworms:
         normal = track.ground.normal(x, z)
         time = 0.5 * worm.pace.cycle
         speed = approach_speed(middles[0], middles[1], taken.height, normal, time)
-        skeleton = worm.chain.figure.skeleton
-        mass = DENSITY * sum(volume(skeleton.links[i]) for i in foot.limb.links)
+        mass = Inertia(worm.chain.figure).mass_of(foot.limb.links)
         self._contacts.append(
             Contact(
                 step=step,

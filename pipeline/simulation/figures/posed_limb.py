@@ -24,7 +24,7 @@ from pipeline.simulation.figures.row_goals import RowGoals, targets_of
 from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.spatial import Array
 
-PULL = 0.03
+PULL = 0.08
 """Part of the way to the limb's own values that redundancy goes in one step."""
 
 RESTARTS = 8
@@ -131,7 +131,13 @@ class PosedLimb:
 
     def _pursued(self, start: Array, levels: list[Goal], q: Array, first: bool) -> Pursued:
         most = FIRST if first else LATER
-        return pursue(self.batch, start, [*levels, Toward(q, PULL)], least=most // 4, most=most)
+        return pursue(
+            self.batch,
+            start,
+            [*levels, Toward(q, PULL)],
+            least=1 if most == LATER else FIRST // 4,
+            most=most,
+        )
 
     def _start(self, q: Array, goals: RowGoals, weights: Array) -> Array:
         """Return joint values (1, k) to begin at: near the place of the tip, if one is asked."""

@@ -35,16 +35,18 @@ class Task:
     Attributes:
         jacobian: (L, m, n) J, without units of length; a row of zeros asks for nothing.
         velocity: (L, m) ẋ, in one step.
+        is_wish: whether it asks for joint velocities themselves.
     """
 
     jacobian: Array
     velocity: Array
+    is_wish: bool = False
 
     @staticmethod
     def wish(z: Array) -> Task:
         """Ask for joint velocities `z` (L, n) themselves."""
         count, n = z.shape
-        return Task(np.broadcast_to(np.eye(n), (count, n, n)), z)
+        return Task(np.broadcast_to(np.eye(n), (count, n, n)), z, True)
 
 
 def prioritized(tasks: Sequence[Task], damping: Array | float = 0.0, lower: float = 0.0) -> Array:
@@ -63,6 +65,10 @@ def prioritized(tasks: Sequence[Task], damping: Array | float = 0.0, lower: floa
     velocities = np.zeros((count, n))
     N = np.broadcast_to(np.eye(n), (count, n, n)).copy()
     for level, task in enumerate(tasks):
+        if task.is_wish and level == len(tasks) - 1:
+            # What is left of a wish needs no inverse: it is projected as it is.
+            rest = task.jacobian.transpose(0, 2, 1) @ _rest(task, velocities)[..., None]
+            return velocities + (N @ rest)[..., 0]
         basis, step = _serve(task, velocities, N, damping if level == 0 else lower)
         velocities = velocities + step
         N -= basis @ basis.transpose(0, 2, 1)
@@ -77,7 +83,7 @@ def _serve(task: Task, velocities: Array, N: Array, damping: Array | float) -> t
     # Directions of small σ carry rounding from outside of the null space: project again.
     V = N @ (Vt.transpose(0, 2, 1) * real[:, None, :])
     basis = np.linalg.qr(V)[0] * real[:, None, :]
-    rest = task.velocity - (task.jacobian @ velocities[..., None])[..., 0]
+    rest = _rest(task, velocities)
     λ = np.broadcast_to(damping, (len(σ),))[:, None]
     inverse = np.where(real, σ / np.maximum(σ * σ + λ * λ, 1e-300), 0.0)
     along = (U.transpose(0, 2, 1) @ rest[..., None])[..., 0] * inverse
@@ -106,13 +112,13 @@ def bounded_step(
     λ = np.broadcast_to(damping, (len(q),))[:, None]
     for turn in range(6 * q.shape[1]):
         reduced = [
-            Task(task.jacobian * ~held[:, None, :], task.velocity - _times(task, moved))
+            Task(task.jacobian * ~held[:, None, :], _rest(task, moved), task.is_wish)
             for task in tasks
         ]
         step = np.where(held, moved, prioritized(reduced, damping, LOWER_DAMPING))
         bounded = np.minimum(np.maximum(step, lower), upper)
         over = (bounded != step) & ~held
-        pull = ((first.velocity - _times(first, step))[:, None] @ first.jacobian)[:, 0]
+        pull = (_rest(first, step)[:, None] @ first.jacobian)[:, 0]
         pull -= λ * λ * step
         inward = np.where(moved <= lower, pull, -pull) > RELEASE
         inward &= held & batch.is_joint
@@ -131,6 +137,7 @@ RELEASE = 1e-9
 """Gain in squared error for a joint's movement that makes it worth letting go of its limit."""
 
 
-def _times(task: Task, velocities: Array) -> Array:
-    result: Array = (task.jacobian @ velocities[..., None])[..., 0]
+def _rest(task: Task, velocities: Array) -> Array:
+    """Return what joint velocities leave of a task (L, m)."""
+    result: Array = task.velocity - (task.jacobian @ velocities[..., None])[..., 0]
     return result

@@ -50,7 +50,7 @@ class Pursued:
 
 
 def pursue(
-    batch: LimbBatch, start: Array, goals: Sequence[Goal], *, least: int = 3, most: int = 12
+    batch: LimbBatch, start: Array, goals: Sequence[Goal], *, least: int = 1, most: int = 12
 ) -> Pursued:
     """Follow goals from joint values that are near them.
 

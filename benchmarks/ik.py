@@ -3,7 +3,8 @@
 Six, a hundred and a thousand legs of the beetle follow a foot's path with warm starts. Side
 by side in one run: our batch; the same damped iterations, preferred values and limits
 included, with MuJoCo's kinematics and Jacobians, leg by leg; the same with kinematics in
-plain numpy. All stop at the same distance from the goal.
+plain numpy; and mink, whose steps are quadratic programs, where it is installed (the extra
+`bench`). All stop at the same distance from the goal.
 
 Prints microseconds a leg and step, and how many times faster the batch is.
 
@@ -18,6 +19,11 @@ from collections.abc import Callable
 
 import mujoco
 import numpy as np
+
+try:
+    import mink
+except ImportError:
+    mink = None
 
 from pipeline.simulation.figures.figure import build_figure
 from pipeline.simulation.figures.inverse import ALPHA, DAMPING, TOLERANCE, solve
@@ -81,15 +87,20 @@ def in_mujoco(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
     return follow
 
 
-def _model(skeleton: Skeleton, limb: Limb) -> mujoco.MjModel:
+def _model(
+    skeleton: Skeleton, limb: Limb, limits: tuple[Array, Array] | None = None
+) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     body, above = spec.worldbody, np.zeros(3)
-    for j in limb.joints:
+    for i, j in enumerate(limb.joints):
         body = body.add_body(pos=skeleton.places[j] - above)
         body.mass, body.inertia, body.explicitinertial = 1.0, [1.0, 1.0, 1.0], True
-        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=skeleton.axes[j])
+        joint = body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=skeleton.axes[j])
+        if limits is not None:
+            joint.range = np.degrees([limits[0][i], limits[1][i]])
+            joint.limited = mujoco.mjtLimited.mjLIMITED_TRUE
         above = skeleton.places[j]
-    body.add_site(pos=limb.tip - above)
+    body.add_site(name="tip", pos=limb.tip - above)
     return spec.compile()
 
 
@@ -114,6 +125,35 @@ def _iterate(
     else:
         q += J.T @ np.linalg.solve(J @ J.T + damping, error)
     np.minimum(np.maximum(q, lower, out=q), upper, out=q)
+
+
+def with_mink(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
+    """Follow leg by leg with mink: a task for the tip, joint limits, damping."""
+    legs = []
+    for limb in limbs:
+        lower, upper, preferred = _bounds(skeleton, limb)
+        model = _model(skeleton, limb, (lower, upper))
+        tip = mink.FrameTask("tip", "site", position_cost=1.0, orientation_cost=0.0)
+        limits = [mink.ConfigurationLimit(model)]
+        legs.append((limb, mink.Configuration(model, preferred.copy()), tip, limits))
+
+    def follow(goals: Array) -> float:
+        worst = 0.0
+        for (limb, configuration, tip, limits), goal in zip(legs, goals, strict=True):
+            tip.set_target(mink.SE3.from_translation(goal))
+            damping = (DAMPING * limb.length) ** 2
+            while True:
+                error = goal - configuration.data.site_xpos[0]
+                if (left := float(np.sqrt(error @ error))) <= TOLERANCE * limb.length:
+                    break
+                velocity = mink.solve_ik(
+                    configuration, [tip], 1.0, "daqp", damping=damping, limits=limits
+                )
+                configuration.integrate_inplace(velocity, 1.0)
+            worst = max(worst, left)
+        return worst
+
+    return follow
 
 
 def leg_by_leg(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
@@ -181,10 +221,14 @@ def main(steps: int) -> None:
         ours = timed(batched(legs), legs, max(runs, 20))
         theirs = timed(in_mujoco(skeleton, limbs), legs, runs)
         plain = timed(leg_by_leg(skeleton, limbs), legs, max(4, runs // 4))
-        print(
+        line = (
             f"{count:5d} legs: batch {ours:6.1f}   MuJoCo {theirs:6.1f} ({theirs / ours:.1f})"
             f"   numpy {plain:6.1f} ({plain / ours:.1f})"
         )
+        if mink is not None:
+            program = timed(with_mink(skeleton, limbs), legs, max(4, runs // 4))
+            line += f"   mink {program:6.1f} ({program / ours:.1f})"
+        print(line)
 
 
 if __name__ == "__main__":

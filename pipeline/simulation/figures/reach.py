@@ -20,8 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.branches import branches
 from pipeline.simulation.figures.closest import closest
-from pipeline.simulation.figures.extension import extend, in_region, reach_of
+from pipeline.simulation.figures.extension import ball, extend, in_region, reach_of
 from pipeline.simulation.figures.goals import Goal, Placement
 from pipeline.simulation.figures.inverse import ALPHA, NEAR, SEGMENT, TOLERANCE, Solution
 from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose
@@ -43,6 +44,9 @@ MOST_TURN = 0.2
 
 DRAWS = 32
 """Joint values drawn for one restart; it begins at those nearest to the goal."""
+
+NATURAL = 1e-2
+"""How far off a tip may begin, in lengths of the limb, for joints one radian nearer to rest."""
 
 STILL = 1e-6
 """Movement for lower goals below which they have what they can get [rad or m]."""
@@ -97,6 +101,8 @@ def reach(
     """
     aim = Placement(goals, orientation)
     state, iterations = _begin(batch, start, aim, most)
+    state, more = _other_way(batch, start, state, aim, most)
+    iterations += more
     for _ in range(restarts):
         if rng is None:
             raise ValueError("restarts need a generator of random numbers")
@@ -144,6 +150,25 @@ def _begin(batch: LimbBatch, start: LimbPose, aim: Placement, most: int) -> tupl
         rest = np.setdiff1d(np.arange(len(state.error)), rows[done])
         return _again(batch, state, aim, rest, state.pose.q[rest], most)
     return _approach(batch, state, aim, most)
+
+
+def _other_way(
+    batch: LimbBatch, start: LimbPose, state: _State, aim: Placement, most: int
+) -> tuple[_State, int]:
+    """Let limbs that fell short on a long way take another branch, if it ends at the goal."""
+    begun = _error(batch, start, aim)
+    beyond = np.linalg.norm(aim.places - batch.places[:, 0], axis=-1) > reach_of(batch)
+    stuck = (state.error > TOLERANCE) & (begun > SEGMENT) & ~beyond & ball(batch).any(axis=1)
+    rows = np.flatnonzero(stuck)
+    if not len(rows):
+        return state, 0
+    own, there = batch.rows(rows), aim.rows(rows)
+    ways = branches(own, there.places)
+    left = np.stack([_error(own, own.pose(q), there) for q in ways])
+    apart = np.abs(ways - own.preferred).max(axis=-1)
+    q = ways[(left + NATURAL * apart).argmin(axis=0), np.arange(len(rows))]
+    found, count = _again(batch, state, aim, rows, q, most)
+    return found.where(found.error <= TOLERANCE, state), count
 
 
 def _again(

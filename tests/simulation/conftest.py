@@ -224,9 +224,18 @@ SHIPPED = sorted(
 )
 
 
+def _library(name: str) -> Figure:
+    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{{figure: {name}}}]\n")
+    return build_figure(name, scene.figures[name], 1.0)
+
+
+@pytest.fixture(scope="session")
+def library() -> Callable[[str], Figure]:
+    """Build shipped figures by their names."""
+    return _library
+
+
 @pytest.fixture(scope="session", params=SHIPPED)
 def shipped(request: pytest.FixtureRequest) -> Figure:
     """Each figure of the library in turn."""
-    name = request.param
-    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{{figure: {name}}}]\n")
-    return build_figure(name, scene.figures[name], 1.0)
+    return _library(request.param)

@@ -64,17 +64,9 @@ def _chain(axes: Array, lengths: tuple[float, ...], slides: tuple[bool, ...] = (
 Z = np.array([0.0, 0.0, 1.0])
 
 
-def _one_way(skeleton: Skeleton, limb: Limb) -> bool:
-    """Say whether no inner joint bends far to both sides of straight."""
-    inner = [j for j in limb.joints if "joint" in skeleton.joint_names[j]]
-    low = (skeleton.extended - skeleton.lower)[inner]
-    high = (skeleton.upper - skeleton.extended)[inner]
-    return bool((np.minimum(low, high) < 0.3).all())
-
-
 @pytest.mark.parametrize("count", COUNTS)
 def test_reachable_goals_are_reached(shipped: Figure, count: int) -> None:
-    """From the preferred pose at once by most, with restarts by all but one of a thousand."""
+    """From the preferred pose at once by 97 % of each limb's, with restarts by 99.9 % of all."""
     skeleton = shipped.skeleton
     limbs = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs for _ in range(count)])
     goals = limbs.pose(_uniform(limbs, np.random.default_rng(1))).tips
@@ -87,13 +79,14 @@ def test_reachable_goals_are_reached(shipped: Figure, count: int) -> None:
         apart = np.linalg.norm(limbs.pose(solution.pose.q).tips - goals, axis=-1)
         assert np.allclose(apart, solution.residual, atol=1e-12)
     met = (once.residual <= 1e-4 * limbs.lengths).reshape(-1, count).mean(axis=1)
-    rates = {limb.name: rate for limb, rate in zip(skeleton.limbs, met, strict=True)}
-    print(f"{shipped.name}: {met.mean():.1%} at once;", rates)  # noqa: T201
-    legs = [met[i] for i, leg in enumerate(skeleton.limbs) if leg.kind == "leg"]
-    if all(_one_way(skeleton, leg) for leg in skeleton.legs) and legs:
-        assert np.mean(legs) >= 0.97
-    assert met.min() >= 0.8
-    assert (again.residual <= 1e-4 * limbs.lengths).mean() >= 0.999
+    met_again = (again.residual <= 1e-4 * limbs.lengths).mean()
+    rates = ", ".join(
+        f"{limb.name} {rate:.1%}" for limb, rate in zip(skeleton.limbs, met, strict=True)
+    )
+    print(f"{shipped.name}: {met.mean():.2%} at once, {met_again:.3%} again; {rates}")  # noqa: T201
+    assert met.min() >= 0.97
+    assert met.mean() >= 0.99
+    assert met_again >= 0.999
 
 
 def test_the_same_seed_gives_the_same_pose(beetle: Figure) -> None:

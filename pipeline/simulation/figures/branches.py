@@ -9,7 +9,7 @@ which is the swivel of the limb about the line from base to goal.
 
 Notation: g goal and t tip, both from the base; a₁, a₂, a₃ axes of the ball joint.
 
-Source: Murray, Li and Sastry 1994, ch. 3, 2.2 (subproblem 2 of Paden and Kahan); Tolani,
+Source: Murray, Li and Sastry 1994, ch. 3, 3.2 (subproblem 2 of Paden and Kahan); Tolani,
 Goswami and Badler 2000 (swivel).
 """
 

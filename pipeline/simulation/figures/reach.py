@@ -2,7 +2,8 @@
 
 First the tips are brought to their goals: near full extension by its own method, elsewhere
 by damped pseudo-inverse iterations along a path of segments. Limbs that a limit has
-stopped short may start again from other joint values. Then the goals of lower priority
+stopped short on a long way take another branch, which geometry knows; they may also start
+again from joint values that are drawn. Then the goals of lower priority
 have what redundancy is left, and the tips are settled a last time.
 
 `inverse.solve` is the fast part of it that walking needs.
@@ -46,7 +47,8 @@ DRAWS = 32
 """Joint values drawn for one restart; it begins at those nearest to the goal."""
 
 NATURAL = 1e-2
-"""How far off a tip may begin, in lengths of the limb, for joints one radian nearer to rest."""
+"""How much farther off a tip may begin on another branch, in lengths of the limb, for joints
+one radian nearer to rest."""
 
 STILL = 1e-6
 """Movement for lower goals below which they have what they can get [rad or m]."""
@@ -86,7 +88,8 @@ def reach(
         batch: the limbs.
         start: within the limits; along a motion the pose of the step before.
         goals: (L, 3) places of the tips relative to their bases [m]. One out of reach gives
-            the closest pose that is found, with its residual.
+            the closest pose that is found, with its residual. A tip less than a segment
+            from its goal stays on its branch: along a motion a knee never flips.
         orientation: (L, 3, 3) R_BF of the tips; without it they are free.
         secondary: goals of lower priority, each at no cost of those before it.
         restarts: how often limbs that fell short start again from values drawn between
@@ -155,7 +158,11 @@ def _begin(batch: LimbBatch, start: LimbPose, aim: Placement, most: int) -> tupl
 def _other_way(
     batch: LimbBatch, start: LimbPose, state: _State, aim: Placement, most: int
 ) -> tuple[_State, int]:
-    """Let limbs that fell short on a long way take another branch, if it ends at the goal."""
+    """Let limbs that fell short on a long way take another branch, if it ends at the goal.
+
+    The branch is the one whose tip is nearest to its goal and whose joints are nearest to
+    rest: no chance is in it.
+    """
     begun = _error(batch, start, aim)
     beyond = np.linalg.norm(aim.places - batch.places[:, 0], axis=-1) > reach_of(batch)
     stuck = (state.error > TOLERANCE) & (begun > SEGMENT) & ~beyond & ball(batch).any(axis=1)

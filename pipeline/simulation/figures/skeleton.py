@@ -238,7 +238,7 @@ def _add_limb(
     joints, links = list[int](), list[int]()
     mammal = builder.style == "mammal"
     kind = appendage.kind
-    stances = mammal_stance(kind, steps) if mammal else insect_stance(kind, len(steps))
+    stances = mammal_stance(kind, side, steps) if mammal else insect_stance(kind, len(steps))
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis stands across the mean of the two links it joins.
         along = directions[i] if i == 0 else _between(directions[i - 1], directions[i])

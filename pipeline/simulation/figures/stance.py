@@ -70,6 +70,19 @@ STRAIGHT_DEG = 8.0
 SLACK_DEG = {LEG: -22.0, ARM: 26.0}
 """How a limb that is drawn straight is bent at rest: a knee backward, an elbow forward."""
 
+BEND_DEG = {LEG: 160.0, ARM: 150.0}
+"""How far a knee or an elbow bends from straight: calf on thigh, forearm on upper arm."""
+
+SHOULDER = {"pitch": degrees(-60, 170, 4), "yaw": degrees(-80, 80, 0)}
+"""A mammal's shoulder: back and forward, and about the arm itself. A person's, whose arms
+reach farther than most (American Academy of Orthopaedic Surgeons 1965)."""
+
+SPREAD_DEG = (-35.0, 150.0, 6.0)
+"""How far a mammal's arm goes inward and outward at the shoulder, and hangs clear at rest."""
+
+WRIST_DEG = (-60.0, 70.0, 8.0)
+"""A wrist back and forward, and at rest; unlike an elbow it bends both ways."""
+
 
 def insect_stance(kind: str, links: int) -> list[dict[str, Stance]]:
     """Return, for each node of an insect's appendage but its tip, its joints in their order.
@@ -110,11 +123,12 @@ def leg_elevations(links: int) -> list[float]:
     return [LEG_RISE_DEG] + [second + step * i for i in range(links - 1)]
 
 
-def mammal_stance(kind: str, steps: Array) -> list[dict[str, Stance]]:
+def mammal_stance(kind: str, side: str, steps: Array) -> list[dict[str, Stance]]:
     """Return, for each node of a mammal's appendage but its tip, its joints in their order.
 
     Args:
         kind: leg, arm, head, tail or feeler.
+        side: l, m or r.
         steps: (n, 3) its links in the creation frame, from base to tip [m].
     """
     if kind not in SLACK_DEG:
@@ -123,14 +137,35 @@ def mammal_stance(kind: str, steps: Array) -> list[dict[str, Stance]]:
     angles = np.unwrap(np.arctan2(steps[:, 0], -steps[:, 1]))
     inner = [_drawn_bend(kind, math.degrees(bend)) for bend in np.diff(angles)]
     if kind == ARM:
-        base = {"pitch": degrees(-80, 170, 4), "roll": degrees(-100, 100, 0)}
-        base["yaw"] = degrees(-80, 80, 0)
+        base = {"pitch": SHOULDER["pitch"], "roll": _spread_of(side), "yaw": SHOULDER["yaw"]}
+        if len(inner) > 1:
+            inner[-1] = _wrist(math.degrees(inner[-1].extended))
     else:
         # A leg that runs back over its own hip cannot come under it.
         under = math.degrees(_under_the_hip(steps, angles, inner))
         base = {"pitch": degrees(-85, 85, min(max(under, -85.0), 85.0))}
         base |= {"roll": degrees(-40, 40, 0), "yaw": degrees(-45, 45, 0)}
     return [base, *({"bend": stance} for stance in inner)]
+
+
+def _spread_of(side: str) -> Stance:
+    """Return the roll of a shoulder, which is positive towards the left."""
+    inward, outward, rest = SPREAD_DEG
+    if side == "l":
+        return degrees(inward, outward, rest)
+    if side == "r":
+        return degrees(-outward, -inward, -rest)
+    return degrees(inward, -inward, 0.0)
+
+
+def _wrist(straight: float) -> Stance:
+    """Return the stance of a wrist whose hand follows the forearm at `straight` [degrees]."""
+    back, forward, rest = WRIST_DEG
+    if abs(straight) >= STRAIGHT_DEG:
+        rest = -straight
+    # However sharply it was drawn, what it was drawn at is within its limits.
+    lower, upper = min(straight + back, 0.0), max(straight + forward, 0.0)
+    return degrees(lower, upper, straight + rest, straight)
 
 
 def _under_the_hip(steps: Array, angles: Array, inner: Sequence[Stance]) -> float:
@@ -147,5 +182,5 @@ def _drawn_bend(kind: str, bend: float) -> Stance:
         rest = SLACK_DEG[kind]
     way = math.copysign(1.0, rest or bend)
     # However sharply it was drawn, what it was drawn at is within its limits.
-    far = -bend + way * max(160.0, abs(bend))
+    far = -bend + way * max(BEND_DEG[kind], abs(bend))
     return degrees(min(-bend, far), max(-bend, far), rest, -bend)

@@ -64,6 +64,10 @@ class Clock:
         """Return the exact time [s] of a moment; `fraction` is taken as it is stored."""
         return (step + Fraction(fraction)) / (self.rate * self.steps)
 
+    def step_from(self, time: float) -> int:
+        """Return the first step that is not before `time` [s]."""
+        return math.ceil(time * float(self.rate * self.steps) - 1e-9)
+
     def step_at(self, time: float) -> int:
         """Return the last step that is not after `time` [s]."""
         return math.floor(time * float(self.rate * self.steps) + 1e-9)

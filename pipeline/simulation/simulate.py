@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.errors import SceneError, SimulationError
+from pipeline.errors import Problem, SceneError, SimulationError
 from pipeline.simulation.attaching import bonds_of
 from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.clock import Clock
@@ -23,6 +23,7 @@ from pipeline.simulation.locomotion.inching import Inchworms
 from pipeline.simulation.locomotion.inching_chain import is_chain
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.recorder import Recorder
+from pipeline.simulation.script import Script
 from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
 from pipeline.simulation.terrain import build_ground, level_ground
 from pipeline.simulation.troupe import Troupe, World
@@ -60,6 +61,9 @@ class Simulation:
         except SceneError as error:
             raise scene.places.located(error) from None
         self.recorder.hang(self.bonds)
+        self.script = Script(scene.script, clock)
+        _refuse_to_direct(scene, self.troupes)
+        self._arrived: tuple[str, ...] = ()
         self.step_number = 0
         self._kept = self._written = 0
         self._keep()
@@ -73,6 +77,7 @@ class Simulation:
 
     def step(self) -> None:
         """Advance the world by one step."""
+        self._read()
         self._advance()
         self.step_number += 1
         self._keep()
@@ -83,6 +88,12 @@ class Simulation:
     def take(self) -> Take:
         """Return what has happened, once finished."""
         return self.recorder.take()
+
+    def _read(self) -> None:
+        """Show everybody what the script asks of them, and let them see the step before."""
+        orders = self.script.orders(self.step_number, self._arrived)
+        for troupe in self.troupes:
+            troupe.read(orders)
 
     def _advance(self) -> None:
         for troupe in self.troupes:
@@ -118,6 +129,7 @@ class Simulation:
         facts = [troupe.facts() for troupe in self.troupes]
         contacts = [contact for fact in facts for contact in fact.contacts]
         notes = [note for fact in facts for note in fact.notes]
+        self._arrived = tuple(name for fact in facts for name in fact.arrived)
         return sorted(contacts, key=lambda c: (c.fraction, c.part)), notes
 
     def _detect(self, contacts: list[Contact]) -> list[SoundEvent]:
@@ -169,6 +181,22 @@ def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Tro
     if props:
         troupes.append(Props(props, world, [member.material or THING for member in props]))
     return troupes
+
+
+def _refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
+    """Refuse instructions to those who follow none.
+
+    Raises:
+        SceneError: if there are any.
+    """
+    worms = {w.name for troupe in troupes if isinstance(troupe, Inchworms) for w in troupe.worms}
+    problems = [
+        Problem(f"script[{i}].who", f"'{one.who}' is an inchworm, which follows no script")
+        for i, one in enumerate(scene.script)
+        if one.who in worms
+    ]
+    if problems:
+        raise scene.places.located(SceneError(problems))
 
 
 def _inches(performer: Performer) -> bool:

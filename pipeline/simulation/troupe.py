@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.terrain import Ground
@@ -67,16 +68,21 @@ class Facts:
     Attributes:
         contacts: that began in it.
         notes: that the author should have.
+        arrived: who has come to the end of its way in it.
     """
 
     contacts: tuple[Contact, ...] = ()
     notes: tuple[Note, ...] = ()
+    arrived: tuple[str, ...] = ()
 
 
 class Troupe(Protocol):
     """The passes of the step that a troupe takes part in."""
 
     inventory: Inventory
+
+    def read(self, orders: Orders) -> None:
+        """Take in what the script asks of its members from this step on."""
 
     def advance(self, step: int) -> None:
         """Go from `step` to `step + 1`; may take sub-steps."""

@@ -9,7 +9,18 @@ from typing import Any
 
 from pipeline.spec.scene import Scene
 
-SIMULATED = ("pronk", "rate", "frames", "seed", "samples", "steps", "terrain", "figures", "cast")
+SIMULATED = (
+    "pronk",
+    "rate",
+    "frames",
+    "seed",
+    "samples",
+    "steps",
+    "terrain",
+    "figures",
+    "cast",
+    "script",
+)
 """The parts of a scene that the simulation reads: not its looks, its camera or its sound."""
 
 

@@ -26,7 +26,7 @@ def faults_of_references(scene: object) -> list[Fault]:
     Args:
         scene: a scene, or the mapping that is to become one.
     """
-    finders = (_figures, _repeated_names, _materials, _followed, _attached)
+    finders = (_figures, _repeated_names, _materials, _followed, _attached, _scripted)
     return list(islice((fault for find in finders for fault in find(scene)), MOST_FAULTS))
 
 
@@ -98,6 +98,28 @@ def _attached(scene: object) -> Iterator[Fault]:
                 yield Fault(("cast", i, *place), message)
             elif name == names[i]:
                 yield Fault(("cast", i, *place), f"'{name}' cannot go along with itself")
+
+
+def _scripted(scene: object) -> Iterator[Fault]:
+    names = _names(scene)
+    for i, instruction in _items(_get(scene, "script")):
+        who = (("who",), _get(instruction, "who"))
+        arrived = (("when", "arrived"), _get(_get(instruction, "when"), "arrived"))
+        for place, name in (who, arrived):
+            if not isinstance(name, str):
+                continue
+            if name not in names:
+                message = f"nobody in the cast is called '{name}', {hint(name, names)}"
+                yield Fault(("script", i, *place), message)
+            elif not _walks(scene, name):
+                yield Fault(("script", i, *place), f"'{name}' does not walk; give it walk: {{}}")
+
+
+def _walks(scene: object, name: str) -> bool:
+    member = dict(_items(_get(scene, "cast")))[_names(scene).index(name)]
+    if isinstance(member, Mapping):
+        return "walk" in member
+    return _get(member, "walk") is not None
 
 
 def _names(scene: object) -> list[str]:

@@ -14,6 +14,7 @@ from pipeline.spec.figure import Figure
 from pipeline.spec.places import Places
 from pipeline.spec.rate import Rate, rate_of
 from pipeline.spec.references import faults_of_references
+from pipeline.spec.script import Instruction
 from pipeline.spec.terrain import FlatTerrain, Terrain
 from pipeline.spec.timing import (
     DEFAULT_SAMPLES,
@@ -61,6 +62,9 @@ class Scene(Words):
     figures: dict[Name, Figure] = Field({}, description="Drawings of figures, by name.")
     cast: Annotated[tuple[Member, ...], Field(min_length=1), AfterValidator(_named)] = Field(
         description="Who is in the scene."
+    )
+    script: Annotated[tuple[Instruction, ...], Field(max_length=10_000)] = Field(
+        (), description="What performers are to do, and when."
     )
     materials: dict[Name, Material] = Field(
         {}, description="The author's own materials, usable wherever a material is named."

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.faults import Fault, fault, refuse
-from pipeline.spec.values import Length, LengthOrZero, Name, Number, Phase, Words
+from pipeline.spec.values import Length, LengthOrZero, Name, Number, Phase, Point, Words
 
 CONTRADICTION = 1e-6
 """Relative difference between stride and speed * cycle that is still rounding."""
@@ -76,6 +76,29 @@ class Walk(Words):
     step_height: LengthOrZero | None = Field(
         None, description="How high a foot clears the ground between two footholds [m]."
     )
+
+    path: Annotated[tuple[Point, ...], Field(max_length=1000)] = Field(
+        (),
+        description="Waypoints [x, z] that it goes through, one after the other, from where it "
+        "starts; without any it goes straight ahead [m].",
+    )
+    repeat: Literal["once", "loop", "back and forth"] = Field(
+        "once",
+        description="What comes after the last waypoint: it stops, goes to its start and on, or "
+        "turns and comes back the same way.",
+    )
+
+    @model_validator(mode="after")
+    def _path_leads_somewhere(self) -> Self:
+        faults = [
+            Fault(("path", i), "is where the one before is; give another place")
+            for i in range(1, len(self.path))
+            if self.path[i] == self.path[i - 1]
+        ]
+        if self.repeat != "once" and not self.path:
+            faults.append(Fault(("repeat",), "needs a path that is repeated", at_key=True))
+        refuse(faults)
+        return self
 
     @model_validator(mode="after")
     def _stride_agrees(self) -> Self:

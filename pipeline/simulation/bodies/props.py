@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.bodies.shapes import bottom, solid_of
+from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.tracks import Key, Track, turned
@@ -44,6 +45,9 @@ class Props:
         self.inventory = _inventory(cast, materials, world.clock.rows)
         self._steps: list[int] = []
         self._step = 0
+
+    def read(self, orders: Orders) -> None:
+        """Take in nothing: no script moves a prop."""
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""

@@ -1,4 +1,4 @@
-"""Body path: how the body follows the ground and bounces with the gait.
+"""Body path: how the body follows its route and the ground, and bounces with the gait.
 
 The body's pose is a function of the way it has gone and of the phase of its gait, so
 a step can be planned for where the body will be.
@@ -8,13 +8,16 @@ Source: Sims 1987, 10.1.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import cyclic, hinge
-from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.herd import GRAVITY, Herd
+from pipeline.simulation.locomotion.route import Route, direction
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 
@@ -35,14 +38,26 @@ BOUNCE = np.array([-1.0, -0.1, 1.0, 0.1])
 """One bounce, from one coming down of feet to the next: they give, then push."""
 
 
-class BodyPath:
-    """Poses of the bodies of a herd on a ground."""
+BANK = 0.6
+"""How much of the lean that balances a body on a curve it takes on."""
 
-    def __init__(self, herd: Herd, ground: Ground) -> None:
+MOST_BANK = math.radians(14.0)
+
+
+class BodyPath:
+    """Poses of the bodies of a herd on a ground.
+
+    Attributes:
+        herd: the creatures.
+        ground: what they go over.
+        routes: their ways over the plane; a route may be changed where its creature has not
+            been yet.
+    """
+
+    def __init__(self, herd: Herd, ground: Ground, routes: Sequence[Route]) -> None:
         self.herd = herd
         self.ground = ground
-        self.directions = np.stack([np.cos(herd.headings), -np.sin(herd.headings)], axis=-1)
-        self.R_heading = heading(herd.headings)
+        self.routes = list(routes)
 
     @cached_property
     def _samples(self) -> tuple[Array, Array, NDArray[np.int64]]:
@@ -75,8 +90,8 @@ class BodyPath:
             R_WB (N, 3, 3) and p_WB (N, 3) [m].
         """
         herd = self.herd
-        xz = herd.starts[creature] + travelled[:, None] * self.directions[creature]
-        height, slope, crest = self._under(creature, xz)
+        xz, turned, lean = self.on_route(creature, travelled)
+        height, slope, crest = self._under(creature, xz, turned)
         beat = cyclic(BOUNCE, herd.beats[creature] * (phase - self._first_down[creature]))
         # The belly has to clear the ground under it.
         tall = herd.body_height[creature]
@@ -85,8 +100,25 @@ class BodyPath:
             [xz[:, 0], height + tall + lift + herd.bounciness[creature] * beat, xz[:, 1]], axis=-1
         )
         pitch = PITCH_FOLLOWS * np.arctan(slope[:, 0])
-        roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1])
-        return self.R_heading[creature] @ pitched_and_rolled(pitch, roll), p
+        roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1]) - lean
+        return heading(turned) @ pitched_and_rolled(pitch, roll), p
+
+    def on_route(self, creature: NDArray[np.int64], travelled: Array) -> tuple[Array, Array, Array]:
+        """Return places (N, 2) [m], headings (N,) and how far curves make bodies lean (N,) [rad].
+
+        Args:
+            creature: (N,) which creatures.
+            travelled: (N,) way gone since the start [m].
+        """
+        xz, turned, lean = np.empty((len(creature), 2)), *np.empty((2, len(creature)))
+        speeds = self.herd.stride / self.herd.cycle
+        for c in np.unique(creature):
+            own = creature == c
+            route, way = self.routes[c], travelled[own]
+            xz[own], turned[own] = route.at(way)
+            balance = np.arctan(route.curvature(way) * speeds[c] ** 2 / GRAVITY)
+            lean[own] = np.clip(BANK * balance, -MOST_BANK, MOST_BANK)
+        return xz, turned, lean
 
     @cached_property
     def _first_down(self) -> Array:
@@ -95,8 +127,10 @@ class BodyPath:
             [herd.down[herd.owner == c].min(initial=1.0) for c in range(len(herd.names))]
         )
 
-    def _under(self, creature: NDArray[np.int64], xz: Array) -> tuple[Array, Array, Array]:
-        """Fit a plane to the ground under bodies.
+    def _under(
+        self, creature: NDArray[np.int64], xz: Array, turned: Array
+    ) -> tuple[Array, Array, Array]:
+        """Fit a plane to the ground under bodies at `xz` (N, 2), headings `turned` (N,).
 
         Returns:
             Its height (N,) [m], its slopes along and across (N, 2), and how far the ground
@@ -104,7 +138,7 @@ class BodyPath:
         """
         offsets, weights, middle = self._samples
         own = offsets[creature]
-        c, s = (f[:, None] for f in self.directions[creature].T)
+        c, s = (f[:, None] for f in direction(turned).T)
         # Along the heading and across it, to the right: (c, s) turned by a quarter.
         x = xz[:, 0, None] + own[..., 0] * c - own[..., 1] * s
         z = xz[:, 1, None] + own[..., 0] * s + own[..., 1] * c

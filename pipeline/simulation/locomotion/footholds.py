@@ -77,7 +77,9 @@ class Footholds:
         self.ground = ground
         self.path = path
 
-    def next(self, leg: int, present: Array, travelled: float, phase: float) -> Foothold | None:
+    def next(
+        self, leg: int, present: Array, travelled: float, phase: float, stride: float
+    ) -> Foothold | None:
         """Return where `leg`, about to lift, is to come down.
 
         Args:
@@ -85,12 +87,13 @@ class Footholds:
             present: (3,) where its tip is [m].
             travelled: way that the body has gone [m].
             phase: of the gait at lifting, whole cycles counted.
+            stride: way that the body now goes in a cycle [m].
 
         Returns:
             None if there is no foothold within reach.
         """
         swing, _ = self._times(leg)
-        R, p, wished = self._stance(leg, travelled, phase, phase + swing)
+        R, p, wished = self._stance(leg, travelled, phase, phase + swing, stride)
         here = present[[0, 2]]
         line = here + NEARER[:, None] * (wished - here)
         return self._best(leg, (line, self._around(leg, wished)), R, p)
@@ -102,8 +105,16 @@ class Footholds:
             leg: which.
             phase: its gait's phase from which its foot has been down, at most 0.
         """
-        R, p, wished = self._stance(leg, 0.0, 0.0, phase)
+        stride = float(self.herd.stride[self.herd.owner[leg]])
+        R, p, wished = self._stance(leg, 0.0, 0.0, phase, stride)
         return self._best(leg, (self._around(leg, wished),), R, p)
+
+    def rest(self, leg: int, travelled: float, phase: float) -> Array:
+        """Return where a foot rests (2,) below a body that has gone `travelled` [m]."""
+        owner = self.herd.owner[leg]
+        R, p = self.path.pose(np.array([owner]), np.array([travelled]), np.array([phase]))
+        result: Array = (p[0] + R[0] @ self._rest(leg))[[0, 2]]
+        return result
 
     def _around(self, leg: int, middle: Array) -> Array:
         """Return places (n, 2) on rings around `middle`, the nearest first [m]."""
@@ -169,7 +180,7 @@ class Footholds:
         return rest
 
     def _stance(
-        self, leg: int, travelled: float, phase: float, down: float
+        self, leg: int, travelled: float, phase: float, down: float, stride: float
     ) -> tuple[Array, Array, Array]:
         """Return what a foothold is for, if the creature goes on as it goes.
 
@@ -178,6 +189,7 @@ class Footholds:
             travelled: way that its body has gone [m].
             phase: of the gait at that, whole cycles counted.
             down: phase at which the foot comes down.
+            stride: way that the body goes in a cycle [m].
 
         Returns:
             R_WB (m, 3, 3) and p_WB (m, 3) of the body while the foot is there, and where
@@ -186,7 +198,7 @@ class Footholds:
         swing, stance = self._times(leg)
         moments = down + np.append(stance * STANCE, stance + LAGS * swing)
         owner = self.herd.owner[leg]
-        way = travelled + (moments - phase) * self.herd.stride[owner]
+        way = travelled + (moments - phase) * stride
         R, p = self.path.pose(np.full(len(moments), owner), way, moments)
         middle = len(STANCE) // 2
         wished: Array = (p[middle] + R[middle] @ self._rest(leg))[[0, 2]]

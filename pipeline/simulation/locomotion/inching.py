@@ -22,6 +22,7 @@ from pipeline.simulation.locomotion.inching_posing import Posed, posed
 from pipeline.simulation.locomotion.inching_steps import Step, Worm, poses_of
 from pipeline.simulation.locomotion.inventory import links_above, solids
 from pipeline.simulation.locomotion.swing import approach_speed
+from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World
 from pipeline.spec.cast import Creature
@@ -55,6 +56,9 @@ class Inchworms:
         self._kept: list[tuple[int, tuple[Step, ...], tuple[float, ...]]] = []
         for w in range(len(self.worms)):
             self._lift(0, w)
+
+    def read(self, orders: Orders) -> None:
+        """Take in nothing: nobody directs an inchworm yet, which is said when it is asked for."""
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""

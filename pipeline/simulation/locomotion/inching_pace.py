@@ -38,6 +38,8 @@ IDLE_WORDS = {
     "gait": "has no legs to time: its ends take turns",
     "body_height": "lies on the ground: its loop is as high as its stride makes it",
     "bounciness": "has no body that bounces",
+    "path": "goes straight on, and follows no path",
+    "repeat": "goes straight on, and follows no path",
 }
 """Words of walking that mean nothing to an inchworm, and why."""
 

@@ -102,7 +102,7 @@ class Posing:
         R, p = self.path.pose(creature, way.ravel(), phase.ravel())
         R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
         p_WB[..., 1] -= _stooped(herd, stoop, s)
-        around = self._posed_bodies(steps * self.dt, R_WB, p_WB)
+        around = self._posed_bodies(steps * self.dt, way, R_WB, p_WB)
         grip = self.postures.free(steps * self.dt)
         p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
@@ -134,10 +134,16 @@ class Posing:
         """Return the legs of the herd `n` times over."""
         return self.herd.legs.rows(np.tile(np.arange(len(self.herd.owner)), n))
 
-    def _posed_bodies(self, times: Array, R_WB: Array, p_WB: Array) -> dict[int, Surroundings]:
+    def _posed_bodies(
+        self, times: Array, way: Array, R_WB: Array, p_WB: Array
+    ) -> dict[int, Surroundings]:
         """Put bodies where they are asked to be; return what that is relative to."""
-        grounds = {c: self.postures.ground(c, p_WB[:, c]) for c in self.postures.of}
-        self.postures.move_bodies(times, R_WB, p_WB)
+        if not self.postures.of:
+            return {}
+        creature = np.tile(np.arange(way.shape[1]), len(way))
+        turned = self.path.on_route(creature, way.ravel())[1].reshape(way.shape)
+        grounds = {c: self.postures.ground(c, turned[:, c], p_WB[:, c]) for c in self.postures.of}
+        self.postures.move_bodies(times, turned, R_WB, p_WB)
         return {
             c: Surroundings(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)
             for c, ground in grounds.items()

@@ -40,16 +40,21 @@ class Postures:
         }
         self._legs: dict[int, Array] = {}
 
-    def ground(self, c: int, p_WB: Array) -> tuple[Array, Array]:
-        """Return the frames R_WG (n, 3, 3), p_WG (n, 3) of the ground below a body at `p_WB`."""
-        p_WG = p_WB - [0.0, self.herd.body_height[c], 0.0]
-        return np.broadcast_to(heading(self.herd.headings[c]), (len(p_WB), 3, 3)), p_WG
+    def ground(self, c: int, turned: Array, p_WB: Array) -> tuple[Array, Array]:
+        """Return the frames R_WG (n, 3, 3), p_WG (n, 3) of the ground below a body.
 
-    def move_bodies(self, times: Array, R_WB: Array, p_WB: Array) -> None:
-        """Put bodies (n, C) where they are asked to be at `times` (n,)."""
+        Args:
+            c: whose.
+            turned: (n,) its heading [rad].
+            p_WB: (n, 3) where it is [m].
+        """
+        return heading(turned), p_WB - [0.0, self.herd.body_height[c], 0.0]
+
+    def move_bodies(self, times: Array, turned: Array, R_WB: Array, p_WB: Array) -> None:
+        """Put bodies (n, C), headed as `turned` (n, C), where they are to be at `times` (n,)."""
         for c, posture in self.of.items():
             R, p = posture.body(times)
-            R_WG, _ = self.ground(c, p_WB[:, c])
+            R_WG, _ = self.ground(c, turned[:, c], p_WB[:, c])
             R_WB[:, c] = R_WG @ R @ R_WG.transpose(0, 2, 1) @ R_WB[:, c]
             p_WB[:, c] += turn(R_WG, p)
 

@@ -12,11 +12,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.directing import obey
 from pipeline.simulation.locomotion.footholds import Foothold, Footholds
+from pipeline.simulation.locomotion.going import Going
 from pipeline.simulation.locomotion.herd import gather
 from pipeline.simulation.locomotion.idle import gather_idlers
 from pipeline.simulation.locomotion.inventory import (
@@ -28,23 +31,22 @@ from pipeline.simulation.locomotion.inventory import (
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear
+from pipeline.simulation.locomotion.wayfinding import route_of
+from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Creature
 
-BRAKING = 0.3
-"""Time in which a creature that finds no foothold comes to rest [s]."""
+CLOSE = 0.08
+"""Distance of a foot from where it rests, as a part of its leg, that is closed up."""
 
 
 class Walkers:
     """All creatures on legs: their state, and how it advances.
 
     Attributes of the state:
-        gone: (2, C) way gone [m], and phase of the gait, whole cycles counted.
-        going: (2, C) by how much both grow in a step.
-        drive: (C,) part of the asked speed at which it goes; 0 once halted.
-        halted: (C,) whether it found no foothold.
+        going: how far it has gone, and how fast it goes.
         start, end, height: of each leg's swing, (L, 3), (L, 3), (L,) [m]; a leg that
             stands does so at `end`.
         holds: the footholds that the legs stand on or are on their way to.
@@ -59,7 +61,13 @@ class Walkers:
     ) -> None:
         self.world = world
         self.herd = herd = gather(cast)
-        path = BodyPath(herd, world.ground)
+        film = float(world.clock.time_of(world.clock.last_step))
+        far = herd.stride / herd.cycle * film + herd.stride
+        routes = [
+            route_of(member, herd.footprint[c], float(far[c]))
+            for c, (_, member, _) in enumerate(cast)
+        ]
+        path = BodyPath(herd, world.ground, routes)
         self.footholds = Footholds(herd, world.ground, path)
         idlers = gather_idlers(herd.names, herd.figures, world.seed)
         table = NodeTable.of(herd, idlers)
@@ -69,10 +77,8 @@ class Walkers:
         self.step = 0
         self._mass = leg_mass(herd)
         self._foot_materials = foot_materials(herd, materials)
-        creatures, legs = len(herd.names), len(herd.owner)
-        self.gone, self.going = np.zeros((2, creatures)), self._full_pace()
-        self.drive = np.where(herd.walks, 1.0, 0.0)
-        self.halted = np.zeros(creatures, dtype=bool)
+        legs = len(herd.owner)
+        self.going = Going(herd, path, world.clock.dt)
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
@@ -80,29 +86,44 @@ class Walkers:
         self.swinging = np.zeros(legs, dtype=bool)
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
+        self._arrived: list[str] = []
         self._kept: list[Moment] = []
         self._set_down()
 
     @property
     def travelled(self) -> Array:
         """(C,) way gone since the start [m]."""
-        result: Array = self.gone[0]
-        return result
+        return self.going.way
 
     @property
     def phase(self) -> Array:
         """(C,) phases of the gaits, whole cycles counted."""
-        result: Array = self.gone[1]
-        return result
+        return self.going.phase
+
+    @property
+    def halted(self) -> NDArray[np.bool_]:
+        """(C,) whether it found no foothold."""
+        return self.going.halted
 
     # --- the passes of the step -------------------------------------------------
+
+    def read(self, orders: Orders) -> None:
+        """Take in what the script asks from this step on."""
+        for name, given in orders.items():
+            if name in self.herd.names:
+                for order in given:
+                    obey(self.going, self.herd.names.index(name), order)
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         self._contacts.clear()
         self._notes.clear()
         before = self.phase
-        self._go_on()
+        airborne = np.bincount(self.herd.owner[self.swinging], minlength=len(self.herd.names)) > 0
+        stood = self.going.arrived
+        self.going.advance(airborne)
+        came = np.flatnonzero(self.going.arrived & ~stood)
+        self._arrived = [self.herd.names[c] for c in came]
         self._take_steps(step, before)
         self.step = step + 1
 
@@ -111,8 +132,8 @@ class Walkers:
         self._kept.append(
             Moment(
                 step=self.step,
-                gone=self.gone,
-                drive=self.drive,
+                gone=self.going.gone,
+                drive=self.going.drive,
                 start=self.start.copy(),
                 end=self.end.copy(),
                 height=self.height.copy(),
@@ -133,7 +154,7 @@ class Walkers:
 
     def facts(self) -> Facts:
         """Return the footfalls and notes of the last step."""
-        return Facts(tuple(self._contacts), tuple(self._notes))
+        return Facts(tuple(self._contacts), tuple(self._notes), tuple(self._arrived))
 
     # --- the start --------------------------------------------------------------
 
@@ -166,27 +187,6 @@ class Walkers:
 
     # --- one step ---------------------------------------------------------------
 
-    def _go_on(self) -> None:
-        """Advance ways and phases."""
-        if self.halted.any():
-            self._brake()
-        self.gone = self.gone + self.going
-
-    def _brake(self) -> None:
-        """Let creatures that halted come to rest on their feet."""
-        herd, dt = self.herd, self.world.clock.dt
-        slower = np.maximum(self.drive - dt / BRAKING, 0.0)
-        self.drive = np.where(self.halted, slower, self.drive)
-        # The phase goes on until the last foot is down.
-        airborne = np.bincount(herd.owner[self.swinging], minlength=len(herd.names)) > 0
-        self.going = self._full_pace() * [self.drive, ~self.halted | airborne]
-
-    def _full_pace(self) -> Array:
-        """Return by how much way and phase grow in a step (2, C) while nobody halts."""
-        herd = self.herd
-        cycles = self.world.clock.dt / herd.cycle
-        return np.stack([cycles * herd.stride, np.where(herd.walks, cycles, 0.0)])
-
     def _take_steps(self, step: int, before: Array) -> None:
         """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""
         herd = self.herd
@@ -197,19 +197,28 @@ class Walkers:
             self._touch(step, int(leg), float((down_at[leg] - base[leg]) / span))
         # The first foot-up after the step began; an end of a step belongs to the next one.
         up_at = base + np.mod(herd.up - base, 1.0)
-        moving = ~self.swinging & (up_at < phase) & ~self.halted[herd.owner]
-        for leg in np.flatnonzero(moving & herd.walks[herd.owner]):
-            self._lift(step, int(leg), float(up_at[leg]))
+        moving = ~self.swinging & (up_at < phase) & self.going.may_lift()[herd.owner]
+        for leg in np.flatnonzero(moving):
+            if not self.going.arrived[herd.owner[leg]] or self._is_astray(int(leg)):
+                self._lift(step, int(leg), float(up_at[leg]))
+
+    def _is_astray(self, leg: int) -> bool:
+        """Tell whether a foot of a body at rest is not where it would rest."""
+        way, phase = self.travelled[self.herd.owner[leg]], self.phase[self.herd.owner[leg]]
+        rest = self.footholds.rest(leg, float(way), float(phase))
+        gap = np.linalg.norm(self.end[leg, [0, 2]] - rest)
+        return bool(gap > CLOSE * self.herd.legs.lengths[leg])
 
     def _lift(self, step: int, leg: int, phase: float) -> None:
         """Plan the swing of a foot that lifts at `phase`; halt if it has nowhere to go."""
         herd, owner = self.herd, int(self.herd.owner[leg])
-        if self.halted[owner]:
+        if self.going.halted[owner]:
             return
-        way = self.travelled[owner] - (self.phase[owner] - phase) * herd.stride[owner]
-        place = self.footholds.next(leg, self.end[leg], float(way), phase)
+        stride = float(self.going.stride[owner])
+        way = float(self.travelled[owner]) - (float(self.phase[owner]) - phase) * stride
+        place = self.footholds.next(leg, self.end[leg], way, phase, stride)
         if place is None:
-            self.halted[owner] = True
+            self.going.halted[owner] = True
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
             self._notes.append(Note("stopped", step, name, "no foothold within reach"))
             return

@@ -1,0 +1,55 @@
+"""Script: from timed and conditional instructions to the orders of a step.
+
+An instruction is given once: at the first step at or after its time, or in the step after
+what it waits for has happened for the first time since the instruction before it.
+
+Source: Sims 1987, 3.2.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+
+from pipeline.simulation.clock import Clock
+from pipeline.spec.script import Do, Instruction, Wait
+
+Orders = Mapping[str, Sequence[Do]]
+"""What each performer is to do now, by its name."""
+
+
+class Script:
+    """The instructions of a scene that are not given yet."""
+
+    def __init__(self, instructions: Sequence[Instruction], clock: Clock) -> None:
+        self.clock = clock
+        self._timed: dict[int, list[tuple[str, Do]]] = {}
+        self._waiting: list[Instruction] = []
+        for one in instructions:
+            if one.at is None:
+                self._waiting.append(one)
+            else:
+                self._at(clock.step_from(one.at), one.who, one.do)
+
+    def orders(self, step: int, arrived: Collection[str]) -> Orders:
+        """Return what is to be done from `step` on.
+
+        Args:
+            step: that is about to be taken.
+            arrived: who has just come to the end of its way.
+        """
+        due = self._timed.pop(step, [])
+        for one in self._waiting:
+            if one.when is not None and one.when.arrived in arrived:
+                due.append((one.who, one.do))
+        self._waiting = [
+            one for one in self._waiting if one.when is None or one.when.arrived not in arrived
+        ]
+        given: dict[str, list[Do]] = {}
+        for who, do in due:
+            given.setdefault(who, []).append(do)
+            if isinstance(do, Wait):
+                self._at(step + max(self.clock.step_from(do.wait), 1), who, "walk")
+        return given
+
+    def _at(self, step: int, who: str, do: Do) -> None:
+        self._timed.setdefault(step, []).append((who, do))

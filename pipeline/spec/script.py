@@ -1,0 +1,93 @@
+"""Script: instructions to performers, at a time or when something has happened (Sims, 3.2.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from pipeline.spec.faults import Fault, refuse
+from pipeline.spec.keyframes import Angle, Time
+from pipeline.spec.values import Name, Number, Point, Words
+
+
+class GoTo(Words):
+    """Walk to a place and stop there."""
+
+    go_to: Point = Field(description="Where to, [x, z] [m].")
+
+
+class TurnBy(Words):
+    """Turn: on the spot who stands, along an arc who walks."""
+
+    turn_deg: Angle = Field(description="By how much; positive turns to the left [degrees].")
+
+
+class SetSpeed(Words):
+    """Go faster or slower from now on."""
+
+    speed: Annotated[Number, Field(gt=0, le=1000)] = Field(
+        description="The new speed on level ground [m/s]."
+    )
+
+
+class Wait(Words):
+    """Stop, and go on later."""
+
+    wait: Annotated[Number, Field(gt=0, le=1e6)] = Field(
+        description="How long it stops before it goes on [s]."
+    )
+
+
+Plain = Literal["stop", "walk"]
+"""Stop here; walk straight on."""
+
+FORMS: Mapping[str, type[Words]] = {
+    "go_to": GoTo,
+    "turn_deg": TurnBy,
+    "speed": SetSpeed,
+    "wait": Wait,
+}
+"""What can be done, by the key that says it."""
+
+
+def _form(words: Any) -> str | None:
+    if isinstance(words, str):
+        return "a word"
+    if isinstance(words, Mapping):
+        return next((FORMS[key].__name__ for key in words if key in FORMS), "GoTo")
+    return type(words).__name__ if isinstance(words, Words) else None
+
+
+Do = Annotated[
+    Annotated[Plain, Tag("a word")]
+    | Annotated[GoTo, Tag("GoTo")]
+    | Annotated[TurnBy, Tag("TurnBy")]
+    | Annotated[SetSpeed, Tag("SetSpeed")]
+    | Annotated[Wait, Tag("Wait")],
+    Discriminator(_form),
+]
+
+
+class When(Words):
+    """Something that happens."""
+
+    arrived: Name = Field(description="Who has come to the end of its way and stands there.")
+
+
+class Instruction(Words):
+    """What somebody is to do, and when."""
+
+    at: Time | None = Field(None, description="When, from the start of the film [s].")
+    when: When | None = Field(
+        None, description="What has to have happened, each time again only once."
+    )
+    who: Name = Field(description="Who is to do it.")
+    do: Do = Field(description="stop, walk, or go_to, turn_deg, speed or wait.")
+
+    @model_validator(mode="after")
+    def _has_a_time(self) -> Self:
+        if (self.at is None) == (self.when is None):
+            refuse([Fault((), "should have either at or when")])
+        return self

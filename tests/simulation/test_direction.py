@@ -1,0 +1,163 @@
+"""Direction: paths through waypoints, and what a script asks of walkers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import Array
+
+from .conftest import Walk, scene_of, walk_through
+
+ROW = 1 / 96
+
+BEETLE = "{{name: b, figure: beetle, scale: 0.6, at: [0, 0], {}}}"
+
+
+def walked(words: str, script: str = "", duration: float = 6) -> Walk:
+    """Return a beetle's walk."""
+    more = f"script: [{script}]" if script else ""
+    return walk_through(scene_of(BEETLE.format(words), duration=duration, more=more))
+
+
+def places(walk: Walk) -> Array:
+    """Return where the body is over the plane (K, 2) [m]."""
+    i = [node.name for node in walk.take.nodes].index("b.body")
+    return walk.take.positions[:, i][:, [0, 2]]
+
+
+def headings(walk: Walk) -> Array:
+    """Return where it looks (K,) [rad], continuous."""
+    R = walk.simulation.recorder.rotations[:, 0]
+    return np.unwrap(np.arctan2(-R[:, 2, 0], R[:, 0, 0]))
+
+
+def speeds(walk: Walk) -> Array:
+    """Return how fast it goes (K - 1,) [m/s]."""
+    return np.linalg.norm(np.diff(places(walk), axis=0), axis=-1) / ROW
+
+
+def test_goes_through_its_waypoints_and_rests_on_closed_feet_at_the_last() -> None:
+    waypoints = [[1.2, 0.2], [1.8, 1.2], [1.0, 1.8]]
+    walk = walked(f"walk: {{path: {waypoints}}}", duration=8)
+    p = places(walk)
+    for waypoint in waypoints:
+        assert np.linalg.norm(p - waypoint, axis=-1).min() < 0.02
+    np.testing.assert_allclose(p[-1], waypoints[-1], atol=1e-6)
+    assert speeds(walk)[-10:].max() == 0.0
+    assert walk.standing[-1].all()
+    walkers = walk.walkers
+    for leg, tip in enumerate(walk.tips[-1]):
+        rest = walkers.footholds.rest(leg, float(walkers.travelled[0]), float(walkers.phase[0]))
+        assert np.linalg.norm(tip[[0, 2]] - rest) < 0.1 * walkers.herd.legs.lengths[leg]
+    # Slowing down is no jolt.
+    assert np.abs(np.diff(speeds(walk))).max() / ROW < 6.0
+
+
+def test_looks_where_it_goes() -> None:
+    walk = walked("walk: {path: [[1.2, 0.2], [1.8, 1.2], [1.0, 1.8]]}", duration=4)
+    way = np.diff(places(walk), axis=0)
+    going = np.linalg.norm(way, axis=-1) > 1e-3
+    ahead = np.unwrap(np.arctan2(-way[going, 1], way[going, 0]))
+    assert np.abs(np.degrees(ahead - headings(walk)[:-1][going])).max() < 4.0
+
+
+def test_paces_back_and_forth() -> None:
+    walk = walked("walk: {path: [[0.8, 0]], repeat: back and forth}", duration=13)
+    x = places(walk)[:, 0]
+    assert x.max() == pytest.approx(0.8, abs=0.01)
+    turns = np.flatnonzero(np.abs(x - 0.8) < 1e-3)
+    assert x[turns[-1] :].min() < 0.05
+    assert np.abs(headings(walk)).max() > np.pi - 0.05
+
+
+def test_turns_on_the_spot_at_a_sharp_corner() -> None:
+    walk = walked("walk: {path: [[0.8, 0], [0.1, 0.1]]}", duration=9)
+    assert np.linalg.norm(places(walk) - [0.8, 0], axis=-1).min() < 1e-3
+    np.testing.assert_allclose(places(walk)[-1], [0.1, 0.1], atol=1e-6)
+    assert np.abs(np.diff(headings(walk))).max() / ROW < 2.0
+
+
+def test_goes_round_and_round() -> None:
+    walk = walked("walk: {path: [[0.8, 0], [0.8, 0.8], [0, 0.8]], repeat: loop}", duration=10)
+    p = places(walk)
+    home = np.linalg.norm(p, axis=-1) < 0.05
+    assert (np.diff(np.flatnonzero(home)) > 100).sum() >= 1
+    assert speeds(walk)[96:].min() > 0.2
+
+
+def test_feet_stay_put_on_curves() -> None:
+    walk = walked("walk: {path: [[0.8, 0], [0.8, 0.8], [0, 0.8]], repeat: loop}", duration=5)
+    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
+    assert moved[walk.standing[1:] & walk.standing[:-1]].max() < 1e-6
+    assert walk.standing.sum(axis=1).min() >= 3
+
+
+def test_goes_to_a_place_and_on_when_it_has_arrived() -> None:
+    script = (
+        "{at: 0.5, who: b, do: {go_to: [1, 0.6]}},"
+        " {when: {arrived: b}, who: b, do: {go_to: [0.2, 0.9]}}"
+    )
+    walk = walked("walk: {}", script, duration=9)
+    p = places(walk)
+    first = int(np.linalg.norm(p - [1, 0.6], axis=-1).argmin())
+    np.testing.assert_allclose(p[first], [1, 0.6], atol=1e-3)
+    np.testing.assert_allclose(p[-1], [0.2, 0.9], atol=1e-6)
+
+
+def test_stops_waits_and_goes_on() -> None:
+    walk = walked("walk: {}", "{at: 1, who: b, do: {wait: 2}}", duration=5)
+    v = speeds(walk)
+    assert v[192:280].max() == 0.0
+    assert v[-1] > 0.9 * v[48:90].mean()
+    stopped = walked("walk: {}", "{at: 1, who: b, do: stop}", duration=5)
+    assert speeds(stopped)[192:].max() == 0.0
+
+
+@pytest.mark.parametrize("angle", [90, -60])
+def test_turns_by_what_it_is_told(angle: int) -> None:
+    walking = walked("walk: {}", f"{{at: 0.5, who: b, do: {{turn_deg: {angle}}}}}", duration=5)
+    assert np.degrees(headings(walking)[-1]) == pytest.approx(angle, abs=1.0)
+    standing = walked(
+        "walk: {}",
+        f"{{at: 0, who: b, do: stop}}, {{when: {{arrived: b}}, who: b, do: {{turn_deg: {angle}}}}}",
+    )
+    assert np.degrees(headings(standing)[-1]) == pytest.approx(angle, abs=1.0)
+    assert np.linalg.norm(places(standing)[-1] - places(standing)[250]) < 1e-6
+
+
+def test_changes_its_speed() -> None:
+    walk = walked("walk: {speed: 0.5}", "{at: 1, who: b, do: {speed: 0.3}}", duration=4)
+    v = speeds(walk)
+    assert v[40:90].mean() == pytest.approx(0.5, rel=0.02)
+    assert v[-60:].mean() == pytest.approx(0.3, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("words", "script", "message"),
+    [
+        ("walk: {}", "{at: 1, who: x, do: stop}", "nobody in the cast is called 'x'"),
+        ("heading_deg: 0", "{at: 1, who: b, do: stop}", "'b' does not walk"),
+        ("walk: {}", "{who: b, do: stop}", "should have either at or when"),
+        ("walk: {}", "{at: 1, when: {arrived: b}, who: b, do: stop}", "either at or when"),
+        ("walk: {}", "{at: 1, who: b, do: {go_too: [0, 0]}}", "did you mean 'go_to'"),
+        ("walk: {}", "{at: 1, who: b, do: halt}", "halt"),
+        ("walk: {path: [[1, 1], [1, 1]]}", "", "is where the one before is"),
+        ("walk: {repeat: loop}", "", "needs a path"),
+        ("walk: {path: [[1]]}", "", "must hold 2 values"),
+    ],
+)
+def test_refuses(words: str, script: str, message: str) -> None:
+    with pytest.raises(SceneError, match=message) as caught:
+        walked(words, script)
+    assert all(problem.line > 0 for problem in caught.value.problems)
+
+
+def test_an_inchworm_follows_no_script_and_no_path() -> None:
+    worm = "{name: w, figure: inchworm, walk: {}}"
+    with pytest.raises(SceneError, match="follows no script"):
+        Simulation(scene_of(worm, more="script: [{at: 1, who: w, do: stop}]"))
+    with pytest.raises(SceneError, match="path"):
+        Simulation(scene_of(worm.replace("walk: {}", "walk: {path: [[1, 1]]}")))

@@ -235,7 +235,4 @@ def _rate(take: Take) -> float:
 
 
 def _ground(take: Take) -> HeightField:
-    n_x, n_z = take.terrain.cells
-    low, high = take.terrain.vertices[0], take.terrain.vertices[-1]
-    heights = take.terrain.vertices[:, 1].reshape(n_z + 1, n_x + 1)
-    return HeightField(heights, (float(high[0] - low[0]), float(high[2] - low[2])))
+    return HeightField.of_vertices(take.terrain.vertices, take.terrain.cells)

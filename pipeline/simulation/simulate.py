@@ -50,8 +50,8 @@ class Simulation:
 
     def __init__(self, scene: Scene, key: str = "") -> None:
         clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
-        self.world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
         try:
+            self.world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
             figures = _figures(scene)
             self.troupes: list[Troupe] = _troupes(scene, figures, self.world)
             self.recorder = Recorder(

@@ -8,23 +8,44 @@ from pipeline.spec.loading import load_figure, load_figures, load_scene, read_sc
 from pipeline.spec.operations import Operation
 from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.shipped import find_scene, library, shipped_scenes
-from pipeline.spec.terrain import FlatTerrain, FractalTerrain, HillsTerrain, Terrain
+from pipeline.spec.terrain import (
+    BouldersTerrain,
+    DitchesTerrain,
+    FlatTerrain,
+    FractalTerrain,
+    HillsTerrain,
+    ImageTerrain,
+    MeshTerrain,
+    RampTerrain,
+    StairsTerrain,
+    StonesTerrain,
+    SumTerrain,
+    Terrain,
+)
 from pipeline.spec.walk import GaitWords, Walk
 from pipeline.spec.writing import dump
 
 __all__ = [
     "VERSION",
+    "BouldersTerrain",
     "Creature",
+    "DitchesTerrain",
     "Figure",
     "FlatTerrain",
     "FractalTerrain",
     "GaitWords",
     "HillsTerrain",
+    "ImageTerrain",
     "Member",
+    "MeshTerrain",
     "Node",
     "Operation",
     "Prop",
+    "RampTerrain",
     "Scene",
+    "StairsTerrain",
+    "StonesTerrain",
+    "SumTerrain",
     "Terrain",
     "Walk",
     "dump",

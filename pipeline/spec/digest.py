@@ -8,6 +8,7 @@ from collections.abc import Collection
 from typing import Any
 
 from pipeline.spec.scene import Scene
+from pipeline.spec.terrain import simulated
 
 SIMULATED = (
     "pronk",
@@ -56,6 +57,8 @@ def _part(scene: Scene, part: str) -> Any:
     if part not in Scene.model_fields:
         raise KeyError(part)
     words = scene.model_dump(mode="json", include={part})[part]
+    if part == "terrain":
+        return simulated(words)
     if part != "figures":
         return words
     used = sorted({member.figure for _, member in scene.creatures})

@@ -16,6 +16,7 @@ from pipeline.spec.overrides import override
 from pipeline.spec.references import faults_of_references
 from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.shipped import find_figure
+from pipeline.spec.terrain import beside as named_in_full
 from pipeline.spec.timing import faults_of_timing
 from pipeline.spec.tree import Leaf, Row, Table, plain
 from pipeline.spec.values import NAME_PATTERN
@@ -151,13 +152,14 @@ def _scene(
     tree, wrong = override(tree, overrides)
     search = Search(beside, file)
     tree = search.complete(tree)
+    tree, nameless = named_in_full(tree, beside)
     scene, invalid = check(Scene, tree)
     if scene is None:
         # What does not fit together is found by the model only when all else is right.
         words = plain(tree)
         faults = [*faults_of_timing(words), *faults_of_references(words)]
         invalid = _merged(invalid, problems_of_faults(tree, faults))
-    problems = [*problems, *wrong, *search.problems, *invalid]
+    problems = [*problems, *wrong, *nameless, *search.problems, *invalid]
     if scene is None or problems:
         raise SceneError(in_order(problems, [file, *search.files]))
     return scene.standing_in(tree)

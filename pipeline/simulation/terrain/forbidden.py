@@ -29,41 +29,55 @@ def forbidden_cells(
         unsteppable_slope: slopes at or above this angle cannot be stepped on [rad].
         foot_radius: how far downhill of them it is still forbidden [m].
     """
-    steep = np.linalg.norm(field.gradients, axis=-1) >= math.tan(unsteppable_slope)
-    zones: NDArray[np.bool_] = steep.any(axis=0)
+    rise_x, rise_z = field.rises
+    limit = math.tan(unsteppable_slope) ** 2
+    steep_x, steep_z = rise_x**2, rise_z**2
+    triangles = [
+        (rise_x[:-1], rise_z[:, 1:], steep_x[:-1] + steep_z[:, 1:] >= limit),
+        (rise_x[1:], rise_z[:, :-1], steep_x[1:] + steep_z[:, :-1] >= limit),
+    ]
+    zones: NDArray[np.bool_] = triangles[0][2] | triangles[1][2]
     if foot_radius == 0.0 or not zones.any():
         return zones
+    near = _near(field.cell, foot_radius)
+    margin = int(np.abs(near).max(initial=0))
+    # With a margin around it no neighbour needs to be looked for.
+    wide = np.pad(zones, margin)
     # The two triangles of a cell may fall to different sides.
-    for gradient, source in zip(field.gradients, steep, strict=True):
-        _mark_downhill(zones, field.cell, gradient, source, foot_radius)
-    return zones
+    for along_x, along_z, steep in triangles:
+        source = np.flatnonzero(np.pad(steep, margin))
+        _mark_downhill(wide, source, (along_x[steep], along_z[steep]), field.cell, near)
+    return np.ascontiguousarray(wide[margin:-margin, margin:-margin]) if margin else zones
+
+
+def _near(cell: tuple[float, float], radius: float) -> NDArray[np.int64]:
+    """Return the offsets (i, j) of cells that have points within `radius` of this one's."""
+    reach = [math.ceil(radius / side) for side in cell]
+    i, j = np.meshgrid(*(np.arange(-r, r + 1) for r in reach))
+    gap = np.hypot(np.maximum(np.abs(i) - 1, 0) * cell[0], np.maximum(np.abs(j) - 1, 0) * cell[1])
+    some = (gap <= radius) & ((i != 0) | (j != 0))
+    return np.stack([i[some], j[some]], axis=-1)
 
 
 def _mark_downhill(
-    zones: NDArray[np.bool_],
+    wide: NDArray[np.bool_],
+    source: NDArray[np.int64],
+    gradient: tuple[Array, Array],
     cell: tuple[float, float],
-    gradient: Array,
-    source: NDArray[np.bool_],
-    foot_radius: float,
+    near: NDArray[np.int64],
 ) -> None:
-    """Set `zones` within `foot_radius` downhill of where `source` is set."""
-    dx, dz = cell
-    reach_x, reach_z = math.ceil(foot_radius / dx), math.ceil(foot_radius / dz)
-    for j in range(-reach_z, reach_z + 1):
-        for i in range(-reach_x, reach_x + 1):
-            # The nearest points of two cells (i, j) apart.
-            gap = math.hypot(max(abs(i) - 1, 0) * dx, max(abs(j) - 1, 0) * dz)
-            if (i, j) == (0, 0) or gap > foot_radius:
-                continue
-            # Some point of that cell lies downhill of some point of this one.
-            fall = -(gradient[..., 0] * i * dx + gradient[..., 1] * j * dz)
-            across = np.abs(gradient[..., 0]) * dx + np.abs(gradient[..., 1]) * dz
-            _mark(zones, source & (fall + across > 0.0), i, j)
+    """Set the cells of `wide` that are near and downhill of `source`.
 
-
-def _mark(zones: NDArray[np.bool_], source: NDArray[np.bool_], i: int, j: int) -> None:
-    """Set `zones` where `source`, moved by i columns and j rows, is set."""
-    rows, columns = zones.shape
-    to_j, to_i = slice(max(j, 0), rows + min(j, 0)), slice(max(i, 0), columns + min(i, 0))
-    from_j, from_i = slice(max(-j, 0), rows + min(-j, 0)), slice(max(-i, 0), columns + min(-i, 0))
-    zones[to_j, to_i] |= source[from_j, from_i]
+    Args:
+        wide: zones with a margin.
+        source: steep cells, as places in the ravelled `wide`.
+        gradient: rise along x and z of each of them, per metre.
+        cell: length of a cell along x and z [m].
+        near: (n, 2) offsets of neighbours that are near enough.
+    """
+    flat, columns = wide.ravel(), wide.shape[1]
+    over_x, over_z = gradient[0] * cell[0], gradient[1] * cell[1]
+    across = np.abs(over_x) + np.abs(over_z)
+    for i, j in near.tolist():
+        # Some point of that cell lies downhill of some point of this one.
+        flat[source[over_x * i + over_z * j < across] + (j * columns + i)] = True

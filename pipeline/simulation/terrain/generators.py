@@ -1,90 +1,65 @@
-"""Generators: the words of a terrain -> heights of its grid, one function a kind.
+"""Generators: the words of a terrain -> its surface about the origin, one function a kind.
 
-A new kind is a model in `pipeline/spec/terrain.py`, a function here and a line in
-`GENERATORS`.
+A new kind is a model in `pipeline/spec/terrain/`, a function in a file of this room and a
+line in `GENERATORS`.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 
-from pipeline.simulation.spatial import Array
-from pipeline.spec.terrain import FlatTerrain, FractalTerrain, HillsTerrain
+from pipeline.errors import SceneError
+from pipeline.simulation.terrain.boulders import boulders
+from pipeline.simulation.terrain.built import ditches, ramp, stairs
+from pipeline.simulation.terrain.from_file import below
+from pipeline.simulation.terrain.grid_mesh import mesh
+from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.image import image
+from pipeline.simulation.terrain.stones import stones
+from pipeline.simulation.terrain.wild import flat, fractal, hills
+from pipeline.spec.terrain import (
+    BouldersTerrain,
+    DitchesTerrain,
+    FlatTerrain,
+    FractalTerrain,
+    HillsTerrain,
+    ImageTerrain,
+    MeshTerrain,
+    RampTerrain,
+    StairsTerrain,
+    StonesTerrain,
+    SumTerrain,
+)
 from pipeline.spec.terrain import Ground as Words
 
 
-def flat(words: FlatTerrain, chance: np.random.Generator) -> Array:
-    """Return level ground at height 0."""
-    del chance
-    return np.zeros((words.cells[1] + 1, words.cells[0] + 1))
+def total(words: SumTerrain, chance: np.random.Generator) -> HeightField:
+    """Return the sum of terrains; each draws from a seed of its own.
 
-
-def fractal(words: FractalTerrain, chance: np.random.Generator) -> Array:
-    """Return fractional Brownian ground, `height` from its lowest to its highest point.
-
-    Each halving of the size of features keeps `roughness` of their height, so the
-    Hurst exponent is H = -log2 roughness; the spectrum falls with the power H + 1 of
-    the wave number and is level below the largest feature.
-
-    Source: Voss 1985, spectral synthesis.
+    Raises:
+        SceneError: a file that a term names does not hold what it should.
     """
-    hurst = -math.log2(max(words.roughness, 1e-3))
-    largest = words.scale if words.scale is not None else max(words.size) / 2
-    k, spectrum = _noise(words, chance)
-    spectrum *= np.maximum(k, 1.0 / largest) ** -(hurst + 1.0)
-    return _spanning(_to_heights(spectrum, words), words.height)
+    heights = np.zeros((words.cells[1] + 1, words.cells[0] + 1))
+    for i, (term, own) in enumerate(zip(words.of, chance.spawn(len(words.of)), strict=True)):
+        try:
+            heights += GENERATORS[type(term)](term, own).heights
+        except SceneError as error:
+            raise below(error, f"of[{i}]") from None
+    return HeightField(heights, words.size)
 
 
-def hills(words: HillsTerrain, chance: np.random.Generator) -> Array:
-    """Return smooth hills about `spacing` apart and `height` high."""
-    k, spectrum = _noise(words, chance)
-    # A band of waves one third of their mean wide: regular enough to be hills,
-    # irregular enough not to be an egg box.
-    centre = 1.0 / words.spacing
-    spectrum *= np.exp(-0.5 * ((k - centre) / (centre / 3.0)) ** 2)
-    return _spanning(_to_heights(spectrum, words), words.height)
-
-
-def _noise(words: Words, chance: np.random.Generator) -> tuple[Array, Array]:
-    """Return wave numbers [1/m] and white noise of the spectrum, both (n_z', n_x' // 2 + 1).
-
-    The domain is a quarter larger than the ground, so that opposite edges do not match.
-    """
-    n_x, n_z = _domain(words)
-    k_x = np.fft.rfftfreq(n_x, words.size[0] / words.cells[0])
-    k_z = np.fft.fftfreq(n_z, words.size[1] / words.cells[1])
-    k = np.hypot(*np.meshgrid(k_x, k_z))
-    noise = chance.standard_normal((2, n_z, n_x // 2 + 1))
-    spectrum = noise[0] + 1j * noise[1]
-    spectrum[0, 0] = 0.0
-    return k, spectrum
-
-
-def _domain(words: Words) -> tuple[int, int]:
-    n_x, n_z = ((n + n // 4 + 2) // 2 * 2 for n in words.cells)
-    return n_x, n_z
-
-
-def _to_heights(spectrum: Array, words: Words) -> Array:
-    n_x, n_z = _domain(words)
-    whole = np.fft.irfft2(spectrum, s=(n_z, n_x))
-    return np.ascontiguousarray(whole[: words.cells[1] + 1, : words.cells[0] + 1])
-
-
-def _spanning(heights: Array, height: float) -> Array:
-    """Scale to `height` between lowest and highest point, with the mean at 0."""
-    span = float(np.ptp(heights))
-    if span == 0.0:
-        return np.zeros_like(heights)
-    result: Array = (heights - heights.mean()) * (height / span)
-    return result
-
-
-GENERATORS: dict[type[Words], Callable[..., Array]] = {
+GENERATORS: dict[type[Words], Callable[..., HeightField]] = {
     FlatTerrain: flat,
     FractalTerrain: fractal,
     HillsTerrain: hills,
+    BouldersTerrain: boulders,
+    StairsTerrain: stairs,
+    RampTerrain: ramp,
+    DitchesTerrain: ditches,
+    StonesTerrain: stones,
+    ImageTerrain: image,
+    MeshTerrain: mesh,
+    SumTerrain: total,
 }

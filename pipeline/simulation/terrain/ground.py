@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.errors import SceneError
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.forbidden import forbidden_cells
+from pipeline.simulation.terrain.from_file import below
 from pipeline.simulation.terrain.generators import GENERATORS
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.terrain import Ground as Words
@@ -41,11 +43,8 @@ class Ground:
 
     def steppable(self, x: Array, z: Array) -> NDArray[np.bool_]:
         """Say where a foot may be put; outside the grid it may not."""
-        n_x, n_z = self.field.cells
-        i = np.floor((np.asarray(x) / self.field.size[0] + 0.5) * n_x).astype(np.int64)
-        j = np.floor((np.asarray(z) / self.field.size[1] + 0.5) * n_z).astype(np.int64)
-        i, j = np.clip(i, 0, n_x - 1), np.clip(j, 0, n_z - 1)
-        result: NDArray[np.bool_] = self.field.inside(x, z) & ~self.forbidden[j, i]
+        forbidden = self.forbidden[self.field.cell_of(x, z)]
+        result: NDArray[np.bool_] = self.field.inside(x, z) & ~forbidden
         return result
 
 
@@ -59,8 +58,14 @@ def build_ground(words: Words, seed: int) -> Ground:
     """Build the ground that `words` describe.
 
     The terrain draws from the scene's seed under the name "terrain".
+
+    Raises:
+        SceneError: a file that the words name does not hold what it should.
     """
-    heights = GENERATORS[type(words)](words, generator(seed, "terrain"))
-    field = HeightField(heights, (float(words.size[0]), float(words.size[1])))
+    try:
+        field = GENERATORS[type(words)](words, generator(seed, "terrain"))
+    except SceneError as error:
+        raise below(error, "terrain") from None
+    field = field.placed(words.at, math.radians(words.heading_deg))
     zones = forbidden_cells(field, math.radians(words.unsteppable_slope_deg), words.foot_radius)
     return Ground(field, zones, words.material)

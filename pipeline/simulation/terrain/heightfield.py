@@ -4,11 +4,17 @@ The grid has (n_z + 1, n_x + 1) vertices. Each cell is cut along the diagonal fr
 its low corner to its high corner, and every question about the surface is
 answered on these triangles, so that feet stand on what the renderer draws.
 
+The grid G has a pose in the world W: its middle lies at (x, z) and it is turned about
++Y. World places are taken to the grid by the inverse, two products a point. Sims also
+has quadrilaterals, and interpolates their heights linearly between four corners; such
+a patch is curved, so what is drawn would no longer be what is stood on.
+
 Source: Sims 1987, 8.1.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,15 +26,61 @@ from pipeline.simulation.spatial import Array, normalized
 
 @dataclass(frozen=True, eq=False)
 class HeightField:
-    """Heights over a rectangle centred on the origin.
+    """Heights over a rectangle.
 
     Attributes:
         heights: (n_z + 1, n_x + 1) heights [m]; rows run along z, columns along x.
         size: extent along x and z [m].
+        at: world place (x, z) of its middle [m].
+        heading: angle by which it is turned about +Y [rad].
     """
 
     heights: Array
     size: tuple[float, float]
+    at: tuple[float, float] = (0.0, 0.0)
+    heading: float = 0.0
+
+    @staticmethod
+    def of_vertices(vertices: Array, cells: tuple[int, int]) -> HeightField:
+        """Return the field whose grid vertices (V, 3) these are."""
+        n_x, n_z = cells
+        low, along_x, high = vertices[0], vertices[n_x], vertices[-1]
+        run, across = along_x - low, high - along_x
+        return HeightField(
+            vertices[:, 1].reshape(n_z + 1, n_x + 1),
+            (math.hypot(run[0], run[2]), math.hypot(across[0], across[2])),
+            (float(low[0] + high[0]) / 2.0, float(low[2] + high[2]) / 2.0),
+            math.atan2(-run[2], run[0]),
+        )
+
+    def placed(self, at: tuple[float, float], heading: float) -> HeightField:
+        """Return the field moved so that what was its origin lies at `at`, turned about it."""
+        origin = HeightField(self.heights, self.size, at, heading)
+        x, z = origin.to_world(*np.asarray(self.at))
+        return HeightField(self.heights, self.size, (float(x), float(z)), heading)
+
+    @cached_property
+    def _turn(self) -> tuple[float, float] | None:
+        """Cosine and sine of the heading, None for a grid that stands along x and z."""
+        return (math.cos(self.heading), math.sin(self.heading)) if self.heading else None
+
+    def to_grid(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Take world places to the frame of the grid, whose middle is (0, 0)."""
+        x, z = np.asarray(x, dtype=float) - self.at[0], np.asarray(z, dtype=float) - self.at[1]
+        if self._turn is None:
+            return x, z
+        c, s = self._turn
+        return c * x - s * z, s * x + c * z
+
+    def to_world(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Take places in the frame of the grid to the world."""
+        if self._turn is not None:
+            x, z = self._turned(x, z)
+        return x + self.at[0], z + self.at[1]
+
+    def _turned(self, x: Array, z: Array) -> tuple[Array, Array]:
+        c, s = self._turn or (1.0, 0.0)
+        return c * x + s * z, c * z - s * x
 
     @cached_property
     def cells(self) -> tuple[int, int]:
@@ -45,14 +97,19 @@ class HeightField:
     def _flat(self) -> Array:
         return np.ascontiguousarray(self.heights).ravel()
 
+    def _on_grid(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Return world places counted in cells from the low corner of the grid."""
+        x, z = self.to_grid(x, z)
+        n_x, n_z = self.cells
+        return (x / self.size[0] + 0.5) * n_x, (z / self.size[1] + 0.5) * n_z
+
     def _locate(self, x: Array, z: Array) -> tuple[NDArray[np.int64], Array, Array]:
         """Return the low corner of the cell under each point and the place within it.
 
         Points outside are taken to the nearest edge.
         """
         n_x, n_z = self.cells
-        u = (np.asarray(x, dtype=float) / self.size[0] + 0.5) * n_x
-        v = (np.asarray(z, dtype=float) / self.size[1] + 0.5) * n_z
+        u, v = self._on_grid(x, z)
         u, v = np.clip(u, 0.0, n_x), np.clip(v, 0.0, n_z)
         i = np.minimum(u.astype(np.int64), n_x - 1)
         j = np.minimum(v.astype(np.int64), n_z - 1)
@@ -80,15 +137,23 @@ class HeightField:
         lower = u >= v
         along_x = np.where(lower, h10 - h00, h11 - h01) / self.cell[0]
         along_z = np.where(lower, h11 - h10, h01 - h00) / self.cell[1]
-        return np.stack([along_x, along_z], axis=-1)
+        return np.stack(self._turned(along_x, along_z), axis=-1)
 
     def normal(self, x: Array, z: Array) -> Array:
         """Return the unit normals (..., 3) of the triangles at (x, z)."""
         g = self.gradient(x, z)
         return normalized(np.stack([-g[..., 0], np.ones_like(g[..., 0]), -g[..., 1]], axis=-1))
 
+    def cell_of(self, x: Array, z: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Return row and column of the cell under each point, the nearest for points outside."""
+        n_x, n_z = self.cells
+        u, v = self._on_grid(x, z)
+        i, j = np.floor(u).astype(np.int64), np.floor(v).astype(np.int64)
+        return np.clip(j, 0, n_z - 1), np.clip(i, 0, n_x - 1)
+
     def inside(self, x: Array, z: Array) -> NDArray[np.bool_]:
         """Say which points lie over the grid."""
+        x, z = self.to_grid(x, z)
         result: NDArray[np.bool_] = (np.abs(x) <= self.size[0] / 2) & (
             np.abs(z) <= self.size[1] / 2
         )
@@ -100,7 +165,7 @@ class HeightField:
         n_x, n_z = self.cells
         x = np.linspace(-self.size[0] / 2, self.size[0] / 2, n_x + 1)
         z = np.linspace(-self.size[1] / 2, self.size[1] / 2, n_z + 1)
-        gx, gz = np.meshgrid(x, z)
+        gx, gz = self.to_world(*np.meshgrid(x, z))
         return np.stack([gx, self.heights, gz], axis=-1).reshape(-1, 3)
 
     @cached_property
@@ -112,12 +177,21 @@ class HeightField:
         triangles = np.stack([a, d, b, a, c, d], axis=-1).reshape(-1, 3)
         return triangles.astype(np.uint32)
 
-    @cached_property
+    @property
+    def rises(self) -> tuple[Array, Array]:
+        """Rise per metre along x (n_z + 1, n_x) and z (n_z, n_x + 1) of the edges of cells.
+
+        The triangle at a cell's low z has the rises of its edges at low z and at high x, the
+        other one those at high z and at low x; all in the frame of the grid.
+        """
+        return np.diff(self.heights, axis=1) / self.cell[0], (
+            np.diff(self.heights, axis=0) / self.cell[1]
+        )
+
+    @property
     def gradients(self) -> Array:
         """(2, n_z, n_x, 2): rise along x and z of both triangles of each cell, per metre."""
-        h = self.heights
-        (dx, dz) = self.cell
-        h00, h10, h01, h11 = h[:-1, :-1], h[:-1, 1:], h[1:, :-1], h[1:, 1:]
-        first = np.stack([(h10 - h00) / dx, (h11 - h10) / dz], axis=-1)
-        second = np.stack([(h11 - h01) / dx, (h01 - h00) / dz], axis=-1)
+        x, z = self.rises
+        first = np.stack([x[:-1], z[:, 1:]], axis=-1)
+        second = np.stack([x[1:], z[:, :-1]], axis=-1)
         return np.stack([first, second])

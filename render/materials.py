@@ -20,19 +20,36 @@ from render.words import Material
 STEEP = "vertex_steep"
 """Mesh attribute: share of bare rock at a vertex, 0 to 1."""
 
+TINTED = "face_tinted"
+"""Mesh attribute: 1 on faces that are shown in the colour of a warning, else 0."""
+
+WARNING, TINT = (0.85, 0.12, 0.06), 0.55
+"""The colour of a warning, sRGB, and its share of a tinted surface."""
+
 _PATCH_TILES = 9.0
 """The map of patches spans this many tiles of the pattern."""
 
 
-def bsdf(words: Material, textured: bool) -> dict[str, Any]:
+def bsdf(words: Material, textured: bool, tinted: bool = False) -> dict[str, Any]:
     """Return the BSDF of a material as a dictionary for `mi.load_dict`.
 
     Args:
         words: the material, written out in full.
         textured: whether the surface has texture coordinates.
+        tinted: whether it carries the attribute `TINTED`.
     """
+    surface = _surface(words, textured)
+    if tinted:
+        warned = _blend(
+            {"type": "uniform", "value": TINT}, surface, _principled(words, _flat(WARNING))
+        )
+        surface = _blend({"type": "mesh_attribute", "name": TINTED}, surface, warned)
+    return {"type": "twosided", "bsdf": surface}
+
+
+def _surface(words: Material, textured: bool) -> dict[str, Any]:
     if words.texture == "none" or not textured:
-        return {"type": "twosided", "bsdf": _principled(words, _flat(words.color))}
+        return _principled(words, _flat(words.color))
     surface = _pattern(words, words.texture, words.color, 1.0, 0.0)
     if words.color2 is not None:
         second = _pattern(words, words.texture, words.color2, 1.37, 37.0)
@@ -42,7 +59,7 @@ def bsdf(words: Material, textured: bool) -> dict[str, Any]:
         surface = _blend({"type": "mesh_attribute", "name": STEEP}, surface, rock)
     if words.bump > 0:
         surface = _bump(words, surface)
-    return {"type": "twosided", "bsdf": surface}
+    return surface
 
 
 def shows_rock(words: Material) -> bool:

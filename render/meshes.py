@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import ShotError
-from render.materials import STEEP, bsdf, shows_rock
+from render.materials import STEEP, TINTED, bsdf, shows_rock
 from render.shot import Mesh
 from render.words import Material
 
@@ -38,6 +38,7 @@ class Group:
         smooth: whether they have vertex normals.
         faces: (F, 3) indices into the vertices of all members.
         steep_deg: slope about which rock shows, or None.
+        tinted: (F,) faces in the colour of a warning, or None.
     """
 
     members: tuple[int, ...]
@@ -46,6 +47,7 @@ class Group:
     smooth: bool
     faces: NDArray[np.uint32]
     steep_deg: float | None
+    tinted: NDArray[np.bool_] | None
 
 
 def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[Group, ...]:
@@ -54,14 +56,15 @@ def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[G
     Raises:
         ShotError: a mesh names a material that the shot has not, or its arrays do not fit.
     """
-    members: dict[tuple[str, bool, bool, str], list[int]] = {}
+    members: dict[tuple[str, bool, bool, bool, str], list[int]] = {}
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
         name = mesh.name if len(mesh.vertices) >= ALONE else ""
-        members.setdefault((mesh.material, mesh.uv is not None, mesh.smooth, name), []).append(i)
+        alike = mesh.material, mesh.uv is not None, mesh.smooth, mesh.tinted is not None, name
+        members.setdefault(alike, []).append(i)
     return tuple(
         _group(tuple(places), meshes, materials[material], material, textured, smooth)
-        for (material, textured, smooth, _), places in members.items()
+        for (material, textured, smooth, _, _), places in members.items()
     )
 
 
@@ -76,6 +79,9 @@ def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
         raise ShotError(f"mesh {mesh.name!r} has a face with a vertex beyond its {n}")
     if mesh.uv is not None and mesh.uv.shape != (n, 2):
         raise ShotError(f"mesh {mesh.name!r} has uv of shape {mesh.uv.shape}, not ({n}, 2)")
+    if mesh.tinted is not None and mesh.tinted.shape != mesh.faces.shape[:1]:
+        told = f"has tints for {len(mesh.tinted)} faces, not {len(mesh.faces)}"
+        raise ShotError(f"mesh {mesh.name!r} {told}")
 
 
 def _group(
@@ -92,13 +98,15 @@ def _group(
         for i, s in zip(members, starts, strict=False)
     ]
     steep = words.steep_deg if textured and shows_rock(words) else None
-    return Group(members, material, textured, smooth, np.concatenate(faces), steep)
+    tints = [t for t in (meshes[i].tinted for i in members) if t is not None]
+    tinted = np.concatenate(tints) if tints else None
+    return Group(members, material, textured, smooth, np.concatenate(faces), steep, tinted)
 
 
 def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     """Return a group as a new mesh of Mitsuba."""
     props = mi.Properties()
-    props["mesh_bsdf"] = mi.load_dict(bsdf(words, group.textured))
+    props["mesh_bsdf"] = mi.load_dict(bsdf(words, group.textured, group.tinted is not None))
     count = sum(len(meshes[i].vertices) for i in group.members)
     mesh = mi.Mesh(
         group.material,
@@ -110,6 +118,8 @@ def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     )
     if group.steep_deg is not None:
         mesh.add_attribute(STEEP, 1, [0.0] * count)
+    if group.tinted is not None:
+        mesh.add_attribute(TINTED, 1, group.tinted.astype(np.float32).tolist())
     values = mi.traverse(mesh)
     _write(values, "faces", group.faces)
     if group.textured:

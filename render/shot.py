@@ -35,6 +35,8 @@ class Mesh:
         material: a key of `Shot.materials`.
         uv: (V, 2) float32 or None, texture coordinates [m] along the surface.
         smooth: shade with interpolated vertex normals.
+        tinted: (F,) faces that are shown in the colour of a warning, None for none. Constant
+            over a film.
     """
 
     name: str
@@ -43,13 +45,16 @@ class Mesh:
     material: str
     uv: NDArray[np.float32] | None = None
     smooth: bool = True
+    tinted: NDArray[np.bool_] | None = None
 
     @cached_property
     def topology(self) -> bytes:
         """Digest of all that must not change between the frames of one build."""
         head = f"{self.name}|{self.material}|{self.smooth}|{len(self.vertices)}"
         uv = b"" if self.uv is None else self.uv.tobytes()
-        return hashlib.blake2b(head.encode() + self.faces.tobytes() + uv, digest_size=16).digest()
+        tint = b"" if self.tinted is None else b"tinted" + self.tinted.tobytes()
+        words = head.encode() + self.faces.tobytes() + uv + tint
+        return hashlib.blake2b(words, digest_size=16).digest()
 
     @cached_property
     def digest(self) -> bytes:

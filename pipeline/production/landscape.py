@@ -2,7 +2,7 @@
 
 Where feet go the mesh is the terrain itself. Beyond its edge the ground goes on to
 the horizon in widening rings that start at the edge's own vertices, so that no seam
-and no end of the world is seen.
+and no end of the world is seen. Forbidden zones can be tinted, cell by cell.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
+from pipeline.simulation.terrain.heightfield import HeightField
 from render.shot import Mesh
 
 RINGS = 26
@@ -21,14 +22,21 @@ GROWTH = 1.32
 """How much wider each ring is than the one before."""
 
 
-def ground_meshes(terrain: TerrainRecord) -> tuple[Mesh, ...]:
-    """Return the terrain and its far field, with texture coordinates in metres."""
+def ground_meshes(terrain: TerrainRecord, show_forbidden: bool = False) -> tuple[Mesh, ...]:
+    """Return the terrain and its far field, with texture coordinates in metres.
+
+    Args:
+        terrain: the ground.
+        show_forbidden: whether its forbidden zones are tinted.
+    """
     near = Mesh(
         name="terrain",
         vertices=terrain.vertices.astype(np.float32),
         faces=terrain.faces,
         material=terrain.material,
         uv=terrain.vertices[:, [0, 2]].astype(np.float32),
+        # The two triangles of a cell stand one after the other, cells row by row.
+        tinted=np.repeat(terrain.forbidden.ravel(), 2) if show_forbidden else None,
     )
     vertices, faces = _far_field(terrain)
     far = Mesh(
@@ -48,10 +56,13 @@ def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
     terrain mirrored at its edge, ever smoother and calmer with the distance.
     """
     n_x, n_z = terrain.cells
+    field = HeightField.of_vertices(terrain.vertices, terrain.cells)
     grid = terrain.vertices.reshape(n_z + 1, n_x + 1, 3)
     loop = _border(n_x, n_z)
     edge = grid[loop[:, 1], loop[:, 0]]
-    half = np.abs(terrain.vertices[:, [0, 2]]).max(axis=0)
+    # Rings lie about the middle of the grid, along its own axes.
+    rim = np.stack(field.to_grid(edge[:, 0], edge[:, 2]), axis=-1)
+    half = np.array(field.size) / 2
     middle = float(grid[..., 1].mean())
     cell = float((half * 2).min() / max(n_x, n_z))
     rings, width, out = [edge], cell * 2.0, 0.0
@@ -59,12 +70,12 @@ def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
         out += width
         width *= GROWTH
         # Each ring is the border of a rectangle grown by the same factor on all sides.
-        stretch = 1.0 + out / half
-        xz = edge[:, [0, 2]] * stretch
+        xz = rim * (1.0 + out / half)
         calm = float(np.exp(-out / (1.2 * half.min())))
         height = middle + calm * (_mirrored_height(grid, half, xz) - middle)
         height = _smoothed(height, out / cell)
-        rings.append(np.stack([xz[:, 0], height, xz[:, 1]], axis=-1))
+        x, z = field.to_world(xz[:, 0], xz[:, 1])
+        rings.append(np.stack([x, height, z], axis=-1))
     n = len(edge)
     a = np.arange(RINGS)[:, None] * n + np.arange(n)
     b = np.arange(RINGS)[:, None] * n + (np.arange(n) + 1) % n

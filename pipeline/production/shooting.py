@@ -31,7 +31,7 @@ class Shooting:
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         self.poses = camera_poses(take, scene.camera, self.film.size[0] / self.film.size[1])
         self.materials = _materials(scene, take)
-        self._ground = ground_meshes(take.terrain)
+        self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)
         self._skin = Skin.of(take)
 
     def shot(self, frame: int) -> Shot:

@@ -128,6 +128,34 @@ def test_collapsed_triangles_stay_finite(renderer: Renderer, make_shot: Make) ->
     assert np.isfinite(renderer.render(hidden).light).all()
 
 
+def test_tinted_faces_are_red_and_the_others_as_they_were(
+    renderer: Renderer, make_shot: Make
+) -> None:
+    from_above = CameraPose((0.0, 9.0, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0))
+    film = Film(size=(64, 64), samples=16, depth=2, denoise="off")
+    shot = make_shot(camera=from_above, film=film)
+    # Two triangles, cut from one corner of the picture to the other.
+    ground = shot.meshes[0]
+    assert ground.faces.shape == (2, 3)
+
+    def seen(*tinted: bool) -> np.ndarray:
+        tint = np.array(tinted) if tinted else None
+        return renderer.render(replace(shot, meshes=(replace(ground, tinted=tint),))).light
+
+    plain, none, one, both = seen(), seen(False, False), seen(False, True), seen(True, True)
+
+    def red(light: np.ndarray) -> np.ndarray:
+        return light[..., 0] / light.sum(axis=-1)
+
+    np.testing.assert_allclose(none.mean(axis=(0, 1)), plain.mean(axis=(0, 1)), rtol=0.05)
+    row, column = np.indices((64, 64))
+    upper = row < column - 3
+    lower = row > column + 3
+    halves = [float(np.mean(red(one)[half] > 0.55)) for half in (upper, lower)]
+    assert sorted(halves) == pytest.approx([0.0, 1.0], abs=0.02)
+    assert red(both).min() > red(plain).max()
+
+
 @pytest.mark.parametrize("lit", ["day", "noon", "golden hour", "overcast", "studio"])
 def test_every_light_is_finite_and_well_exposed(
     renderer: Renderer, make_shot: Make, lit: str
@@ -145,6 +173,9 @@ def test_a_wrong_shot_says_what_is_wrong(renderer: Renderer, make_shot: Make) ->
     here = CameraPose((1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
     with pytest.raises(ShotError, match="cannot look at"):
         renderer.render(replace(shot, camera=here))
+    short = replace(shot.meshes[1], tinted=np.zeros(3, bool))
+    with pytest.raises(ShotError, match="has tints for 3 faces, not 4"):
+        renderer.render(replace(shot, meshes=(shot.meshes[0], short, shot.meshes[2])))
     torn = replace(shot.meshes[1], vertices=np.full((4, 3), np.nan, np.float32))
     with pytest.raises(ShotError, match="not finite"):
         renderer.render(replace(shot, meshes=(shot.meshes[0], torn, shot.meshes[2])))

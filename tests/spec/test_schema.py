@@ -89,6 +89,20 @@ def test_every_word_is_described():
     assert undescribed == []
 
 
+@pytest.mark.parametrize(
+    "terrain",
+    [
+        "boulders",
+        {"preset": "stones", "jitter": 0, "at": [3, 4], "heading_deg": 20},
+        {"kind": "image", "file": "land.png", "cells": [40, 40]},
+        {"kind": "mesh", "file": "land.obj", "up": "z"},
+        {"kind": "sum", "of": ["stairs", {"preset": "rocks", "height": 0.1}]},
+    ],
+)
+def test_terrains_are_accepted(terrain):
+    assert accepts(schema(), {**SMALLEST, "terrain": terrain})
+
+
 @pytest.mark.parametrize("scene", [SMALLEST, FULL], ids=["smallest", "full"])
 def test_scenes_are_accepted(scene):
     assert accepts(schema(), scene)
@@ -124,6 +138,8 @@ def test_figure_files_are_accepted_by_their_schema_alone(path):
         (["terrain"], {"kind": "flat", "height": 3}),
         (["terrain"], {"preset": "hills", "size": [1, 2, 3]}),
         (["terrain"], {"preset": "hills", "size": [1]}),
+        (["terrain"], {"kind": "image"}),
+        (["terrain"], {"kind": "sum", "of": ["hill"]}),
         (["figures", "ant", "nodes", "head"], [0]),
         (["figures", "ant", "nodes", "head"], [0, 1, 2]),
         (["figures", "ant", "nodes", "a.b"], [0, 0]),

@@ -50,6 +50,20 @@ def test_everything_is_written_out_and_read_back():
     assert "unsteppable_slope_deg: 40.0" in text
 
 
+@pytest.mark.parametrize(
+    "terrain",
+    [
+        *("stairs", "ramp", "ditches", "stones", "boulders", "dunes"),
+        {"kind": "image", "file": "/land.png", "size": [4, 5]},
+        {"kind": "sum", "material": "rock", "of": ["stairs", {"preset": "rocks", "height": 0.1}]},
+    ],
+)
+def test_terrains_are_written_out_and_read_back(terrain, monkeypatch):
+    monkeypatch.setattr("pipeline.spec.terrain.files._cannot_be_read", lambda path: "")
+    given = scene(terrain=terrain)
+    assert read_scene(dump(given)) == given
+
+
 @given(
     title=st.text(max_size=200),
     duration=st.floats(1e-9, 4000, allow_subnormal=False),
@@ -91,6 +105,7 @@ def test_any_text_name_and_number_survives_the_writing(title, duration, at, name
         {"sound": {}},
         {"materials": {"goo": "bone"}},
         {"duration": None, "frames": 1},
+        {"terrain": {**WORDS["terrain"], "show_forbidden": True}},
         {"figures": {**WORDS["figures"], "idle": {"nodes": {"a": [0, 0]}}}},
     ],
 )
@@ -107,6 +122,7 @@ def test_what_the_simulation_does_not_read_leaves_its_key(change):
         {"samples": 2},
         {"steps": 8},
         {"terrain": "hills"},
+        {"terrain": {**WORDS["terrain"], "at": [1, 0]}},
         {"figures": {"bug": {**WORDS["figures"]["bug"], "radius": 0.2}}},
         {"cast": [*WORDS["cast"][:1], {"figure": "bug", "heading_deg": -30}]},
         {"cast": WORDS["cast"][:1]},

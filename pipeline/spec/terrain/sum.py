@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.terrain.built import DitchesTerrain, RampTerrain, StairsTerrain, StonesTerrain
@@ -76,7 +77,10 @@ class SumTerrain(Grid):
 
 
 def _with(term: Any, grid: Mapping[str, Any]) -> Any:
-    term = _term(term)
+    try:
+        term = _term(term)
+    except PydanticCustomError:
+        return term  # It is refused where it stands, when the terms are read.
     return {**grid, **term} if isinstance(term, Mapping) else term
 
 

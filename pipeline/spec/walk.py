@@ -41,7 +41,22 @@ class GaitWords(Words):
         return self
 
 
-GaitName = Literal["trot", "wave", "tripod"]
+GaitName = Literal[
+    "trot",
+    "wave",
+    "tripod",
+    "ripple",
+    "walk",
+    "amble",
+    "pace",
+    "canter",
+    "transverse gallop",
+    "rotary gallop",
+    "bound",
+    "run",
+    "hop",
+    "skip",
+]
 
 
 def _form_of_gait(words: Any) -> str | None:
@@ -59,7 +74,16 @@ Gait = Annotated[
 class Walk(Words):
     """How a figure walks; what is left out is chosen to suit its legs."""
 
-    gait: Gait = Field("trot", description="A gait by name, or foot-up and foot-down phases.")
+    gait: Gait = Field(
+        "trot",
+        description="A gait by name, or foot-up and foot-down phases. `trot` and `wave` suit any "
+        "legs; the others are for as many legs as the animals have that go so.",
+    )
+    duty: Annotated[Number, Field(ge=0.05, le=0.95)] | None = Field(
+        None,
+        description="Part of the cycle that each foot is down; its swing is lengthened or "
+        "shortened around its middle. The gait's own if left out.",
+    )
     cycle: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
         None, description="Duration of one gait cycle [s]."
     )

@@ -93,6 +93,9 @@ class BodyPath:
         xz, turned, lean = self.on_route(creature, travelled)
         height, slope, crest = self._under(creature, xz, turned)
         beat = cyclic(BOUNCE, herd.beats[creature] * (phase - self._first_down[creature]))
+        for c, bounce in herd.bounces.items():
+            own = creature == c
+            beat[own] = bounce.beat(phase[own])
         # The belly has to clear the ground under it.
         tall = herd.body_height[creature]
         lift = hinge(crest + herd.belly[creature] - tall, CORNER * tall)

@@ -3,22 +3,22 @@
 Phases run from 0 to 1. A foot swings from its foot-up to its foot-down phase and
 stands from there to its next foot-up.
 
-Source: Sims 1987, 9.2 and 10.3.
+Source: Sims 1987, 9.2.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import GaitWords
 
-TROT_SWING = 0.42
-"""Part of the cycle that a trotting foot is in the air: under a half, so that feet
-coming down are firm before the others leave."""
+TOGETHER = 1e-6
+"""Difference between phases that are still one, as a part of the cycle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +33,11 @@ class Gait:
     up: Array
     down: Array
 
+    @staticmethod
+    def of(down: Array, duty: Array | float) -> Gait:
+        """Return the gait of feet that come down at `down` and stand for `duty` of the cycle."""
+        return Gait(np.mod(down + duty, 1.0), np.mod(down, 1.0))
+
     @property
     def swing(self) -> Array:
         """(n,) part of the cycle that each foot is in the air."""
@@ -40,37 +45,52 @@ class Gait:
         return result
 
     @property
+    def duty(self) -> Array:
+        """(n,) part of the cycle that each foot is down."""
+        return 1.0 - self.swing
+
+    @property
     def beats(self) -> int:
         """How many times a cycle feet come down."""
         return len(np.unique(np.round(self.down, 6)))
 
+    def with_duty(self, duty: float) -> Gait:
+        """Return the gait whose feet are down for `duty` of the cycle, each swing's middle kept."""
+        middle = self.up + 0.5 * self.swing
+        half = 0.5 * (1.0 - duty)
+        return Gait(np.mod(middle - half, 1.0), np.mod(middle + half, 1.0))
 
-def trot(sides: Sequence[str], ranks: Sequence[int]) -> Gait:
-    """Return the gait in which diagonal neighbours move together.
+    def standing(self, phase: Array) -> NDArray[np.bool_]:
+        """Return which feet (..., n) are down at `phase` (...)."""
+        into = np.mod(np.asarray(phase)[..., None] - self.up, 1.0)
+        result: NDArray[np.bool_] = into >= self.swing
+        return result
 
-    A walk for two legs, a trot for four, a tripod gait for six.
+    def flights(self) -> Array:
+        """Return when all feet are off the ground.
 
-    Args:
-        sides: "l", "r" or "m" of each leg.
-        ranks: place of each leg on its side, front to back.
-    """
-    up = np.array([((rank + (side == "r")) % 2) * 0.5 for side, rank in _pairs(sides, ranks)])
-    return Gait(up, np.mod(up + TROT_SWING, 1.0))
+        Returns:
+            (k, 2) phase at which each flight begins, and how long it lasts, in cycles.
+        """
+        if not len(self.up):
+            return np.zeros((0, 2))
+        moments = np.unique(np.concatenate([self.up, self.down]))
+        spans = np.diff(moments, append=moments[0] + 1.0)
+        free = ~self.standing(moments + 0.5 * spans).any(axis=-1) & (spans > TOGETHER)
+        # Within a flight nothing goes up or comes down: every foot is in the air already.
+        return np.stack([moments[free], spans[free]], axis=-1)
 
+    # --- the course of phases, whole cycles counted ------------------------------
 
-def wave(sides: Sequence[str], ranks: Sequence[int]) -> Gait:
-    """Return the gait in which each side lifts its feet in turn, from back to front.
+    def next_up(self, phase: float) -> Array:
+        """Return the phases (n,) at which feet go up next, at `phase` or after it."""
+        result: Array = phase + np.mod(self.up - phase, 1.0)
+        return result
 
-    Both sides move together: a bound for four legs, a hop for two. Each side is timed
-    by the legs that it has, so a missing limb is made up for.
-    """
-    counts = {side: sides.count(side) for side in set(sides)}
-    up, swing = [], []
-    for side, rank in _pairs(sides, ranks):
-        n = counts[side]
-        up.append((n - 1 - rank) / n)
-        swing.append(min(1.0 / n, 0.5))
-    return Gait(np.array(up), np.mod(np.array(up) + np.array(swing), 1.0))
+    def down_after(self, up: Array) -> Array:
+        """Return the phases (n,) at which feet come down that went up at `up` (n,)."""
+        result: Array = up + self.swing
+        return result
 
 
 def written(words: GaitWords, names: Sequence[str]) -> Gait:
@@ -79,15 +99,3 @@ def written(words: GaitWords, names: Sequence[str]) -> Gait:
         np.array([words.up[name] for name in names]) % 1.0,
         np.array([words.down[name] for name in names]) % 1.0,
     )
-
-
-def _pairs(sides: Sequence[str], ranks: Sequence[int]) -> list[tuple[str, int]]:
-    return list(zip(sides, ranks, strict=True))
-
-
-GAITS: dict[str, Callable[[Sequence[str], Sequence[int]], Gait]] = {
-    "trot": trot,
-    "tripod": trot,
-    "wave": wave,
-}
-"""Gaits by name. A tripod gait is what a trot is on six legs."""

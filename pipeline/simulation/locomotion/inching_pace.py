@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.locomotion.herd import GRAVITY, timing
 from pipeline.simulation.locomotion.inching_chain import REAR, Chain
 from pipeline.simulation.locomotion.inching_loop import GREATEST, LEAST, bends, chord, neck
+from pipeline.simulation.locomotion.pace import GRAVITY, timing
 from pipeline.spec.cast import Creature
 from pipeline.spec.walk import Walk
 
@@ -36,6 +36,7 @@ LIFTS = (0.045, 0.10)
 
 IDLE_WORDS = {
     "gait": "has no legs to time: its ends take turns",
+    "duty": "has no legs to time: its ends take turns",
     "body_height": "lies on the ground: its loop is as high as its stride makes it",
     "bounciness": "has no body that bounces",
     "path": "goes straight on, and follows no path",

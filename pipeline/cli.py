@@ -31,6 +31,10 @@ app = typer.Typer(
 )
 
 
+plots = typer.Typer(no_args_is_help=True, help="Draw what a scene's creatures do, over time.")
+app.add_typer(plots, name="plot")
+
+
 class Preset(enum.StrEnum):
     """Quality of the frames."""
 
@@ -279,6 +283,23 @@ def sheet(
     reporter = _flags(json_lines, quiet, verbose)
     order = _order(scene, sets, out, preset, backend)
     reporter.result(f"{contact_sheet(order, count, columns, reporter)}")
+
+
+@plots.command("gait")
+def plot_gait(
+    scene: SceneName,
+    out: Out = Path("out"),
+    sets: Sets = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Draw when the feet of all walkers are down, as planned and as they were."""
+    from pipeline.production import gait_plot
+
+    reporter = _flags(json_lines, quiet, verbose)
+    svg, png = gait_plot.plot_gait(_order(scene, sets, out), reporter)
+    reporter.result(f"{svg}, {png}")
 
 
 @app.command()

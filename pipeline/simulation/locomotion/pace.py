@@ -26,7 +26,7 @@ CLEARANCE = 1.25
 EASY = 0.85
 """A stride that nobody asked for, as a part of the longest that the legs can do."""
 
-RUNS_AT, WALKS_AT, STANDS_AT = 0.9, 0.94, 0.99
+RUNS_AT, WALKS_AT, STANDS_AT = 0.92, 0.94, 0.99
 """Greatest body height that is chosen by itself, as a part of the tallest possible."""
 
 GRAVITY = 9.81

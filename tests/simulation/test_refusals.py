@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -31,6 +32,13 @@ STANDS = "{figure: beetle, name: other, at: [5, 5]}"
         ("{figure: beetle, walk: {stride: 3}}", "walk", ["stride", "at most"]),
         ("{figure: beetle, walk: {body_height: 2.5}}", "walk.body_height", ["2.5", "less than"]),
         ("{figure: dog, walk: {gait: tripod}}", "walk.gait", ["6 legs", "'dog' has 4", "trot"]),
+        ("{figure: dog, walk: {gait: hop}}", "walk.gait", ["one leg or one pair", "or bound"]),
+        ("{figure: beetle, walk: {gait: canter}}", "walk.gait", ["two pairs", "(3 left, 3 right)"]),
+        (
+            "{figure: hopper, walk: {gait: run}}",
+            "walk.gait",
+            ["one pair", "1 leg (0 left"],
+        ),
         (
             "{figure: dog, walk: {gait: {up: {l1: 0, x: 0.5}, down: {l1: 0.5, x: 0}}}}",
             "walk.gait.up",
@@ -55,7 +63,7 @@ def test_what_a_figure_cannot_do(
 def test_the_greatest_stride_and_height_that_a_message_names_work(scene_of: SceneOf) -> None:
     with pytest.raises(SceneError) as caught:
         Simulation(scene_of("{figure: beetle, walk: {stride: 3}}"))
-    most = float(caught.value.problems[0].message.split("at most ")[1].split(" ")[0])
+    most = float(caught.value.problems[0].message.split("at most ")[1].split(";")[0])
     member = f"{{figure: beetle, walk: {{stride: {0.995 * most}}}}}"
     take = simulate(scene_of(member, duration=3))
     assert not take.notes
@@ -65,6 +73,32 @@ def test_the_greatest_stride_and_height_that_a_message_names_work(scene_of: Scen
     Simulation(
         scene_of(f"{{figure: beetle, walk: {{body_height: {0.9 * highest}, stride: 0.05}}}}")
     )
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"stride": 3},
+        {"speed": 4, "cycle": 0.9},
+        {"speed": 4, "cycle": 0.9, "duty": 0.7},
+        {"stride": 3, "body_height": 0.6},
+        {"stride": 3, "speed": 2, "gait": "ripple"},
+        {"stride": 3, "speed": 2, "cycle": 1.5},
+    ],
+)
+def test_all_that_a_message_offers_for_a_stride_works(
+    scene_of: SceneOf, words: dict[str, float | str]
+) -> None:
+    def scene(changed: dict[str, float | str]) -> Scene:
+        walk = ", ".join(f"{word}: {value}" for word, value in changed.items())
+        return scene_of(f"{{figure: beetle, walk: {{{walk}}}}}")
+
+    with pytest.raises(SceneError) as caught:
+        Simulation(scene(words))
+    offers = re.split(", | or ", caught.value.problems[0].message.split("; take ")[1])
+    assert len(offers) >= 2
+    for offer in offers:
+        Simulation(scene({**words, **dict(re.findall(r"(\w+): ([\d.]+)", offer))}))
 
 
 @pytest.mark.parametrize(

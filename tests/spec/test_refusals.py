@@ -198,7 +198,11 @@ ONE_MISTAKE = [
      "must be 'three-quarter', 'side', 'front', 'back' or 'top', is the text 'sid'; "
      "did you mean 'side'?"),
     ("{speed: 0.5}", "{gait: §trto}", "cast[0].walk.gait",
-     "must be 'trot', 'wave' or 'tripod', is the text 'trto'; did you mean 'trot'?"),
+     "must be 'trot', 'wave', 'tripod', 'ripple', 'walk', 'amble', 'pace', 'canter', "
+     "'transverse gallop', 'rotary gallop', 'bound', 'run', 'hop' or 'skip', is the text 'trto'; "
+     "did you mean 'trot'?"),
+    ("{speed: 0.5}", "{duty: §1.5}", "cast[0].walk.duty",
+     "must be at most 0.95, is 1.5"),
     ("{speed: 0.5}", "{gait: {up: {l1: 0, r1: 0.5}, §down: {l1: 0.5}}}", "cast[0].walk.gait.down",
      "says nothing of leg 'r1', which up names"),
     ("{speed: 0.5}", "{gait: {up: {l1: 0.5}, down: {l1: §0.5}}}", "cast[0].walk.gait.down.l1",

@@ -101,9 +101,12 @@ class GaitChange:
 
     def down_after(self, up: Array) -> Array:
         """Return the phases (n,) at which feet come down that went up at `up` (n,)."""
-        each = np.arange(len(up))
-        lifted = self.leg_phase(up)[each, each]
-        return self._when(lifted + self._swing(up))
+        return self._when(self._clock(up) + self._swing(up))
+
+    def _clock(self, phase: Array) -> Array:
+        """Return what each leg's own clock shows (n,) at a phase of its own (n,)."""
+        result: Array = phase - self.before.up - self._done(phase) * self.shift
+        return result
 
     def _swing(self, phase: Array) -> Array:
         """Return how long (n,) feet swing that go up at `phase` (n,), by their own clocks."""
@@ -120,10 +123,9 @@ class GaitChange:
         ends = clock + np.stack([self.before.up, self.before.up + self.shift])
         low: Array = ends.min(axis=0)
         high: Array = ends.max(axis=0)
-        each = np.arange(len(clock))
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            late = self.leg_phase(middle)[each, each] >= clock
+            late = self._clock(middle) >= clock
             low, high = np.where(late, low, middle), np.where(late, middle, high)
         return high
 

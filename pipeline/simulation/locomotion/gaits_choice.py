@@ -37,7 +37,7 @@ def chosen(
         if words.gait not in gaits:
             message = (
                 f"a gait '{words.gait}' needs {NEEDS[words.gait]}, '{member.figure}' has {rows}; "
-                f"take {_listed(list(gaits))}"
+                f"take {listed(list(gaits))}"
             )
             raise SceneError([Problem(path, message)])
         gait = gaits[words.gait]
@@ -56,5 +56,6 @@ def _written(path: str, member: Creature, words: GaitWords, figure: Figure) -> G
     return written(words, names)
 
 
-def _listed(names: list[str]) -> str:
-    return f"{', '.join(names[:-1])} or {names[-1]}"
+def listed(names: Sequence[str]) -> str:
+    """Return what there is to choose from, as words."""
+    return " or ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)

@@ -10,7 +10,7 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits import Gait
-from pipeline.simulation.locomotion.gaits_choice import chosen
+from pipeline.simulation.locomotion.gaits_choice import chosen, listed
 from pipeline.simulation.locomotion.gaits_flight import Bounce
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Creature
@@ -188,13 +188,7 @@ def too_long(
     """
     cycle, stride = rhythm
     most = legs.longest_stride(gait, height)
-    ways = []
-    if words.stride is not None:
-        ways.append(f"stride: {_below(most)}")
-    if words.speed is not None:
-        ways.append(f"speed: {_below(most / cycle)}")
-        if words.cycle is not None:
-            ways.append(f"cycle: {_below(most / words.speed)}")
+    ways = _other_timings(words, cycle, most)
     # All that the duty changes is how much of the stride a foot has to stand through.
     duty = float(gait.duty.max()) * most / stride
     if duty >= LEAST_DUTY:
@@ -205,9 +199,21 @@ def too_long(
     message = (
         f"a stride (speed × cycle) of {stride:.3g} is more than the legs can do: at a body height "
         f"of {height:.3g} they reach over {_below(most * float(gait.duty.max()))} of ground, and "
-        f"stride = reach / duty, at most {_below(most)}; {' or '.join(ways)} works"
+        f"stride = reach / duty, at most {_below(most)}; take {listed(ways)}"
     )
     return Problem(f"cast[{number}].walk", message)
+
+
+def _other_timings(words: Walk, cycle: float, most: float) -> list[str]:
+    """Return what to write instead of the author's stride, speed or cycle so that it works."""
+    stride = _below(most)
+    if words.stride is not None and words.speed is not None and words.cycle is not None:
+        return [f"stride: {stride} with speed: {float(stride) / cycle:.9g}"]
+    if words.stride is not None:
+        return [f"stride: {stride}"]
+    if words.speed is not None and words.cycle is not None:
+        return [f"speed: {_below(most / cycle)}", f"cycle: {_below(most / words.speed)}"]
+    return []
 
 
 def _height_for(stride: float, gait: Gait, legs: Spread, height: float) -> float | None:

@@ -130,7 +130,7 @@ def pace_of(number: int, member: Creature, figure: Figure, legs: Spread) -> Pace
     flight = Bounce.of(gait) if member.walk else None
     # Straight legs have no room for a stride: who walks stands a little lower.
     least = STANDS_AT if member.walk is None else WALKS_AT if flight is None else RUNS_AT
-    height = min(height, least * legs.tallest())
+    height = min(height, least * legs.tallest() - _rise(gait, flight, leg))
     height = height if words.body_height is None else words.body_height
     if height >= legs.tallest():
         message = f"the legs do not reach the ground from {height:g}; "
@@ -161,11 +161,23 @@ def _rhythm(
         # The more beats, the smaller: the body is shaken no harder.
         bounce = 0.018 * leg * min((2.0 / gait.beats) ** 2, 1.0)
         return *timing(words, PERIODS * pendulum, min(EASY_STRIDE * leg, most)), bounce
-    quick = QUICK_PERIODS[0] if len(flight.flights) == 1 else QUICK_PERIODS[1]
-    most = EASY * legs.longest_stride(gait, height, TRAILS)
-    cycle, stride = timing(words, quick * pendulum, min(QUICK_STRIDE * leg, most))
+    most = EASY * legs.longest_stride(gait, height + _rise(gait, flight, leg), TRAILS)
+    cycle, stride = timing(words, _quick(flight, leg), min(QUICK_STRIDE * leg, most))
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
     return cycle, stride, min(flight.amplitude * GRAVITY * cycle * cycle, HIGHEST_BOUNCE * leg)
+
+
+def _quick(flight: Bounce, leg: float) -> float:
+    """Return the duration of a cycle with flights that nobody asked for [s]."""
+    return QUICK_PERIODS[min(len(flight.flights), 2) - 1] * math.sqrt(leg / GRAVITY)
+
+
+def _rise(gait: Gait, flight: Bounce | None, leg: float) -> float:
+    """Return how far a body has flown up while feet still trail [m]."""
+    if flight is None:
+        return 0.0
+    heights = flight.height(gait.up + TRAILS * gait.swing)
+    return max(float(heights.max()), 0.0) * GRAVITY * _quick(flight, leg) ** 2
 
 
 def too_long(

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.locomotion.gaits_flight import Bounce
-from pipeline.simulation.locomotion.pace import REACH as REACH
-from pipeline.simulation.locomotion.pace import Spread, pace_of
+from pipeline.simulation.locomotion.pace import pace_of
+from pipeline.simulation.locomotion.spread import REACH as REACH
+from pipeline.simulation.locomotion.spread import Spread
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Creature
 

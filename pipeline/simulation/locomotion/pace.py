@@ -10,15 +10,12 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits import Gait
-from pipeline.simulation.locomotion.gaits_choice import chosen, listed
+from pipeline.simulation.locomotion.gaits_choice import chosen
 from pipeline.simulation.locomotion.gaits_flight import Bounce
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.locomotion.pace_remedies import too_long
+from pipeline.simulation.locomotion.spread import Spread
 from pipeline.spec.cast import Creature
 from pipeline.spec.walk import Walk
-
-REACH = 0.97
-"""How far a leg may stretch, as a part of its length: beyond lies the singularity of
-full extension (Sims 1987, 6.3)."""
 
 CLEARANCE = 1.25
 """Least height of a body over level ground, as a multiple of the depth of its belly."""
@@ -30,9 +27,6 @@ RUNS_AT, WALKS_AT, STANDS_AT = 0.92, 0.94, 0.99
 """Greatest body height that is chosen by itself, as a part of the tallest possible."""
 
 GRAVITY = 9.81
-
-LEAST_DUTY = 0.05
-"""Part of the cycle that a foot has to be down at least."""
 
 PERIODS, QUICK_PERIODS = 2.6, (1.5, 1.85)
 """Duration of a cycle in the periods of a pendulum of the legs' length, over 2π: of a gait
@@ -71,42 +65,6 @@ class Pace:
     bounciness: float
     step_height: float
     flight: Bounce | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """The legs of one creature at rest.
-
-    Attributes:
-        hips, feet: (n, 3) relative to the body [m].
-        lengths: (n,) stretched out [m].
-    """
-
-    hips: Array
-    feet: Array
-    lengths: Array
-
-    def tallest(self) -> float:
-        """Return the greatest body height from which all feet reach level ground [m]."""
-        across = np.abs(self.feet[:, 2] - self.hips[:, 2])
-        room = (REACH * self.lengths) ** 2 - across**2
-        return float((np.sqrt(np.maximum(room, 0.0)) - self.hips[:, 1]).min())
-
-    def longest_stride(self, gait: Gait, height: float, trails: float = 0.0) -> float:
-        """Return the longest cycle over level ground that the legs can do [m].
-
-        Args:
-            gait: phases of the legs.
-            height: of the body [m].
-            trails: part of its swing for which a foot is to stay within reach of its place.
-        """
-        across = np.abs(self.feet[:, 2] - self.hips[:, 2])
-        drop = height + self.hips[:, 1]
-        room = (REACH * self.lengths) ** 2 - drop**2 - across**2
-        # Half of the ground covered in stance lies before the foot at rest, half behind it.
-        forward = np.sqrt(np.maximum(room, 0.0)) - np.abs(self.feet[:, 0] - self.hips[:, 0])
-        through = gait.duty + 2.0 * trails * gait.swing
-        return max(float((2.0 * forward / through).min()), 0.0)
 
 
 def pace_of(number: int, member: Creature, figure: Figure, legs: Spread) -> Pace:
@@ -178,67 +136,6 @@ def _rise(gait: Gait, flight: Bounce | None, leg: float) -> float:
         return 0.0
     heights = flight.height(gait.up + TRAILS * gait.swing)
     return max(float(heights.max()), 0.0) * GRAVITY * _quick(flight, leg) ** 2
-
-
-def too_long(
-    number: int,
-    words: Walk,
-    gait: Gait,
-    legs: Spread,
-    height: float,
-    rhythm: tuple[float, float],
-) -> Problem:
-    """Return what is wrong with a stride that the legs cannot do, and what they could do.
-
-    Args:
-        number: place in the cast.
-        words: what was asked.
-        gait: phases of the legs.
-        legs: at rest.
-        height: of the body [m].
-        rhythm: duration [s] and length [m] of a cycle.
-    """
-    cycle, stride = rhythm
-    most = legs.longest_stride(gait, height)
-    ways = _other_timings(words, cycle, most)
-    # All that the duty changes is how much of the stride a foot has to stand through.
-    duty = float(gait.duty.max()) * most / stride
-    if duty >= LEAST_DUTY:
-        ways.append(f"duty: {_below(duty)}")
-    lower = _height_for(stride, gait, legs, height)
-    if lower is not None:
-        ways.append(f"body_height: {_below(lower)}")
-    message = (
-        f"a stride (speed × cycle) of {stride:.3g} is more than the legs can do: at a body height "
-        f"of {height:.3g} they reach over {_below(most * float(gait.duty.max()))} of ground, and "
-        f"stride = reach / duty, at most {_below(most)}; take {listed(ways)}"
-    )
-    return Problem(f"cast[{number}].walk", message)
-
-
-def _other_timings(words: Walk, cycle: float, most: float) -> list[str]:
-    """Return what to write instead of the author's stride, speed or cycle so that it works."""
-    stride = _below(most)
-    if words.stride is not None and words.speed is not None and words.cycle is not None:
-        return [f"stride: {stride} with speed: {float(stride) / cycle:.9g}"]
-    if words.stride is not None:
-        return [f"stride: {stride}"]
-    if words.speed is not None and words.cycle is not None:
-        return [f"speed: {_below(most / cycle)}", f"cycle: {_below(most / words.speed)}"]
-    return []
-
-
-def _height_for(stride: float, gait: Gait, legs: Spread, height: float) -> float | None:
-    """Return the greatest body height below `height` from which a stride can be done [m]."""
-    heights = np.linspace(height, 0.5 * height, 51)[1:]
-    good = [float(h) for h in heights if legs.longest_stride(gait, float(h)) >= stride]
-    return good[0] if good else None
-
-
-def _below(value: float) -> str:
-    """Return `value` in three digits, never more than it is."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 2) if value > 0.0 else 1.0
-    return f"{math.floor(value / step + 1e-9) * step:.3g}"
 
 
 def timing(words: Walk, cycle: float, stride: float) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from pipeline.simulation.locomotion.gaits_flight import Bounce
 from pipeline.simulation.locomotion.gaits_legs import Rows
 from pipeline.simulation.locomotion.gaits_named import NEEDS, gaits_of
 from pipeline.simulation.spatial import Array
+from pipeline.spec.walk import GaitName
 
 FINE = np.linspace(0.0, 1.0, 2001)
 GROUNDED = {"walk", "amble", "tripod", "ripple"}
@@ -206,7 +208,7 @@ def test_what_a_biped_does() -> None:
 
 def test_every_special_gait_says_what_it_needs() -> None:
     found = {name for n in range(10) for m in (n, n + 1) for name in gaits_of(even(n, m))}
-    assert found == {*NEEDS, "trot", "wave"}
+    assert found == {*NEEDS, "trot", "wave"} == set(get_args(GaitName))
 
 
 # --- duty and flights ---------------------------------------------------------------

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import cyclic, hinge
-from pipeline.simulation.locomotion.herd import GRAVITY, Herd
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.pace import GRAVITY
 from pipeline.simulation.locomotion.route import Route, direction
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
@@ -77,7 +78,11 @@ class BodyPath:
         return result
 
     def pose(
-        self, creature: NDArray[np.int64], travelled: Array, phase: Array
+        self,
+        creature: NDArray[np.int64],
+        travelled: Array,
+        phase: Array,
+        drive: Array | float = 1.0,
     ) -> tuple[Array, Array]:
         """Return the poses that bodies are to have.
 
@@ -85,6 +90,7 @@ class BodyPath:
             creature: (N,) which creatures; one may occur more than once.
             travelled: (N,) way gone since the start [m].
             phase: (N,) phase of the gait, whole cycles counted.
+            drive: (N,) part of its speed at which it goes: who rests does not bounce.
 
         Returns:
             R_WB (N, 3, 3) and p_WB (N, 3) [m].
@@ -96,12 +102,11 @@ class BodyPath:
         for c, bounce in herd.bounces.items():
             own = creature == c
             beat[own] = bounce.beat(phase[own])
+        beat *= herd.bounciness[creature] * np.minimum(drive, 1.0)
         # The belly has to clear the ground under it.
         tall = herd.body_height[creature]
         lift = hinge(crest + herd.belly[creature] - tall, CORNER * tall)
-        p = np.stack(
-            [xz[:, 0], height + tall + lift + herd.bounciness[creature] * beat, xz[:, 1]], axis=-1
-        )
+        p = np.stack([xz[:, 0], height + tall + lift + beat, xz[:, 1]], axis=-1)
         pitch = PITCH_FOLLOWS * np.arctan(slope[:, 0])
         roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1]) - lean
         return heading(turned) @ pitched_and_rolled(pitch, roll), p

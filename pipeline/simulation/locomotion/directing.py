@@ -25,9 +25,9 @@ ARC = math.radians(30.0)
 """Between waypoints on that arc."""
 
 
-def obey(going: Going, c: int, order: Do) -> None:
-    """Let creature `c` do as it is told from now on."""
-    ORDERS[type(order) if not isinstance(order, str) else order](going, c, order)
+def obey(going: Going, c: int, order: Do) -> str | None:
+    """Let creature `c` do as it is told from now on; return what of it it cannot do."""
+    return ORDERS[type(order) if not isinstance(order, str) else order](going, c, order)
 
 
 def _stop(going: Going, c: int, order: Do) -> None:
@@ -88,8 +88,15 @@ def _turn(going: Going, c: int, order: TurnBy) -> None:
     going.lead(c, curve.then(straight(curve.xz[-1], float(curve.heading[-1]))))
 
 
-def _set_speed(going: Going, c: int, order: SetSpeed) -> None:
-    going.throttle[c] = order.speed * going.herd.cycle[c] / going.herd.stride[c]
+def _set_speed(going: Going, c: int, order: SetSpeed) -> str | None:
+    """Change the speed, as far as the legs can: the stride grows with its root."""
+    herd = going.herd
+    full = float(herd.stride[c] / herd.cycle[c])
+    most = full * max(float(herd.longest[c] / herd.stride[c]), 1.0) ** 2
+    going.throttle[c] = min(order.speed, most) / full
+    if order.speed <= most:
+        return None
+    return f"goes at {most:.3g} m/s, the most that its legs can do, instead of {order.speed:g}"
 
 
 def _here(going: Going, c: int) -> Route:
@@ -102,7 +109,7 @@ def _spot(going: Going, c: int, here: Route, angle: float) -> Route:
     return turning(here.xz[-1], float(here.heading[-1]), angle, radius)
 
 
-ORDERS: dict[Any, Callable[[Going, int, Any], None]] = {
+ORDERS: dict[Any, Callable[[Going, int, Any], str | None]] = {
     "stop": _stop,
     Wait: _stop,
     "walk": _walk,

@@ -31,7 +31,7 @@ class Herd:
         figures: of the creatures.
         starts: (C, 2) x and z at the start [m].
         headings: (C,) [rad].
-        cycle, stride, body_height, bounciness: (C,), see `Pace`.
+        cycle, stride, longest, body_height, bounciness: (C,), see `Pace`.
         beats: (C,) times a cycle that feet come down.
         bounces: of the creatures whose gaits have flights.
         belly: (C,) how deep the bodies reach below their frames [m].
@@ -51,6 +51,7 @@ class Herd:
     headings: Array
     cycle: Array
     stride: Array
+    longest: Array
     body_height: Array
     bounciness: Array
     beats: Array
@@ -111,6 +112,7 @@ def gather(cast: Sequence[tuple[int, Creature, Figure]]) -> Herd:
         headings=np.radians([member.heading_deg for _, member, _ in cast]),
         cycle=np.array([p.cycle for p in paces]),
         stride=np.array([p.stride for p in paces]),
+        longest=np.array([p.longest for p in paces]),
         body_height=np.array([p.body_height for p in paces]),
         bounciness=np.array([p.bounciness for p in paces]),
         beats=np.array([p.gait.beats for p in paces], dtype=float),

@@ -55,6 +55,7 @@ class Pace:
         body_height: of the hips over the ground [m].
         bounciness: amplitude of the bounce [m].
         step_height: how high feet are lifted [m].
+        longest: stride that the legs can do from that height [m].
         flight: how its body bounces if its gait has flights.
     """
 
@@ -64,6 +65,7 @@ class Pace:
     body_height: float
     bounciness: float
     step_height: float
+    longest: float
     flight: Bounce | None = None
 
 
@@ -95,7 +97,8 @@ def pace_of(number: int, member: Creature, figure: Figure, legs: Spread) -> Pace
         message += f"at this scale less than {legs.tallest():.3g} works"
         raise SceneError([Problem(f"cast[{number}].walk.body_height", message)])
     cycle, stride, bounce = _rhythm(words, gait, legs, height, flight)
-    if member.walk and stride > legs.longest_stride(gait, height):
+    longest = legs.longest_stride(gait, height)
+    if member.walk and stride > longest:
         raise SceneError([too_long(number, words, gait, legs, height, (cycle, stride))])
     return Pace(
         gait,
@@ -104,6 +107,7 @@ def pace_of(number: int, member: Creature, figure: Figure, legs: Spread) -> Pace
         height,
         bounce if words.bounciness is None else words.bounciness,
         0.13 * leg if words.step_height is None else words.step_height,
+        longest,
         flight,
     )
 
@@ -162,4 +166,4 @@ def _legless(number: int, member: Creature, figure: Figure) -> Pace:
         message = f"figure '{member.figure}' has no legs to walk on; take `walk` away"
         raise SceneError([Problem(f"cast[{number}].walk", message)])
     lying = figure.skeleton.links[0].radii[0]
-    return Pace(Gait(np.zeros(0), np.zeros(0)), 1.0, 0.0, lying, 0.0, 0.0)
+    return Pace(Gait(np.zeros(0), np.zeros(0)), 1.0, 0.0, lying, 0.0, 0.0, 0.0)

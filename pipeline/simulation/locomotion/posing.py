@@ -99,7 +99,7 @@ class Posing:
             start.shape
         )
         creature = np.tile(np.arange(len(herd.names)), n)
-        R, p = self.path.pose(creature, way.ravel(), phase.ravel())
+        R, p = self.path.pose(creature, way.ravel(), phase.ravel(), drive.ravel())
         R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
         p_WB[..., 1] -= _stooped(herd, stoop, s)
         around = self._posed_bodies(steps * self.dt, way, R_WB, p_WB)

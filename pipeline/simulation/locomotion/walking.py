@@ -86,6 +86,7 @@ class Walkers:
         self.swinging = np.zeros(legs, dtype=bool)
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
+        self._told: list[Note] = []
         self._arrived: list[str] = []
         self._kept: list[Moment] = []
         self._set_down()
@@ -112,12 +113,15 @@ class Walkers:
         for name, given in orders.items():
             if name in self.herd.names:
                 for order in given:
-                    obey(self.going, self.herd.names.index(name), order)
+                    unable = obey(self.going, self.herd.names.index(name), order)
+                    if unable is not None:
+                        self._told.append(Note("clamped", self.step, name, unable))
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         self._contacts.clear()
-        self._notes.clear()
+        self._notes = self._told
+        self._told = []
         before = self.phase
         airborne = np.bincount(self.herd.owner[self.swinging], minlength=len(self.herd.names)) > 0
         stood = self.going.arrived

@@ -174,6 +174,10 @@ def pronk(
     return run
 
 
+def _hear_interrupts() -> None:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 class Running:
     """A command in a process of its own, which Ctrl-C and kill can be tried on."""
 
@@ -188,6 +192,8 @@ class Running:
             text=True,
             # A group of its own, as a terminal gives it: Ctrl-C reaches the workers too.
             start_new_session=True,
+            # Whoever runs the tests in the background has let them ignore it.
+            preexec_fn=_hear_interrupts,
         )
 
     def interrupt(self) -> None:

@@ -10,7 +10,6 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.drawing import draw
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.flesh import flesh
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.spec import Figure as Words
 
@@ -167,7 +166,7 @@ def test_a_figure_without_connections_is_refused(figure: Build) -> None:
 
 
 def test_solids_are_closed_and_face_outward(beetle: Figure) -> None:
-    for piece in flesh(beetle):
+    for piece in beetle.pieces:
         vertices, faces = piece.solid.vertices, piece.solid.faces.astype(int)
         edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
         both = {(a, b) for a, b in edges.tolist()}

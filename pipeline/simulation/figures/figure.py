@@ -65,7 +65,7 @@ class Figure:
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
         """All its visible solids, the body first."""
-        return tuple(flesh(self))
+        return tuple(flesh(self.skeleton, self.drawing, self.anatomy, self.body))
 
     @property
     def belly(self) -> float:

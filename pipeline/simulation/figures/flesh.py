@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.simulation.figures.network import FEELER, HEAD, LEG
+from pipeline.simulation.figures.drawing import Drawing
+from pipeline.simulation.figures.network import FEELER, HEAD, LEG, Anatomy
 from pipeline.simulation.figures.shapes import link_solid, towards
-from pipeline.simulation.figures.skeleton import Link
+from pipeline.simulation.figures.skeleton import Link, Skeleton
 from pipeline.simulation.figures.solids import Solid, ball
 from pipeline.simulation.spatial import Array, normalized
-
-if TYPE_CHECKING:
-    from pipeline.simulation.figures.figure import Figure
 
 EYE_MATERIAL = "eye"
 
@@ -44,10 +41,10 @@ class Piece:
     size: float
 
 
-def flesh(figure: Figure) -> list[Piece]:
-    """Return the visible solids of `figure`, the body first."""
-    pieces = [_body(figure)]
-    for number, link in enumerate(figure.skeleton.links[1:], start=1):
+def flesh(skeleton: Skeleton, drawing: Drawing, anatomy: Anatomy, body: Solid) -> list[Piece]:
+    """Return the visible solids of a figure, the body first."""
+    pieces = [_body(drawing, anatomy, body)]
+    for number, link in enumerate(skeleton.links[1:], start=1):
         length = float(np.linalg.norm(link.ends[1] - link.ends[0]))
         solid = link_solid(link, SWELLING.get(link.kind, 0.08))
         pieces.append(Piece(link.name, number, solid, link.material, length))
@@ -56,12 +53,12 @@ def flesh(figure: Figure) -> list[Piece]:
     return pieces
 
 
-def _body(figure: Figure) -> Piece:
-    nodes = figure.anatomy.body
-    counts = [figure.drawing.materials[n] for n in nodes if figure.drawing.materials[n]]
+def _body(drawing: Drawing, anatomy: Anatomy, body: Solid) -> Piece:
+    nodes = anatomy.body
+    counts = [drawing.materials[n] for n in nodes if drawing.materials[n]]
     material = max(counts, key=counts.count) if len(counts) > len(nodes) / 2 else ""
-    size = float(np.ptp(figure.body.vertices, axis=0).max())
-    return Piece("body", 0, figure.body, material, size)
+    size = float(np.ptp(body.vertices, axis=0).max())
+    return Piece("body", 0, body, material, size)
 
 
 def _eyes(number: int, link: Link) -> list[Piece]:

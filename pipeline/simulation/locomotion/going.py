@@ -5,7 +5,7 @@ them more slowly: stride and cadence share the change, each by its root, as anim
 It slows down uphill and downhill, and before the end of its route, so that it comes to
 rest there; then its feet close up.
 
-Source: Sims 1987, 3.2.3 and 10.1; Alexander 1984 for how stride and cadence grow with speed.
+Source: Sims 1987, 3.2.3 and 10.1; Alexander 1989 for how stride and cadence grow with speed.
 """
 
 from __future__ import annotations

@@ -59,6 +59,12 @@ class BodyPath:
         self.herd = herd
         self.ground = ground
         self.routes = list(routes)
+        self._goes_straight = np.array([route.goes_straight for route in routes], dtype=bool)
+
+    def lead(self, c: int, route: Route) -> None:
+        """Give creature `c` another way, which is as before up to where it is."""
+        self.routes[c] = route
+        self._goes_straight[c] = route.goes_straight
 
     @cached_property
     def _samples(self) -> tuple[Array, Array, NDArray[np.int64]]:
@@ -118,8 +124,14 @@ class BodyPath:
             creature: (N,) which creatures.
             travelled: (N,) way gone since the start [m].
         """
+        herd = self.herd
+        if self._goes_straight[creature].all():
+            # Most do, from where they started: no table is needed.
+            turned = herd.headings[creature]
+            xz = herd.starts[creature] + travelled[:, None] * direction(turned)
+            return xz, turned, np.zeros(len(creature))
         xz, turned, lean = np.empty((len(creature), 2)), *np.empty((2, len(creature)))
-        speeds = self.herd.stride / self.herd.cycle
+        speeds = herd.stride / herd.cycle
         for c in np.unique(creature):
             own = creature == c
             route, way = self.routes[c], travelled[own]

@@ -93,7 +93,7 @@ def _set_speed(going: Going, c: int, order: SetSpeed) -> str | None:
     herd = going.herd
     full = float(herd.stride[c] / herd.cycle[c])
     most = full * max(float(herd.longest[c] / herd.stride[c]), 1.0) ** 2
-    going.throttle[c] = min(order.speed, most) / full
+    going.let(c, min(order.speed, most) / full)
     if order.speed <= most:
         return None
     return f"goes at {most:.3g} m/s, the most that its legs can do, instead of {order.speed:g}"

@@ -32,7 +32,7 @@ CREEP = 0.06
 UPHILL, DOWNHILL = 0.9, 0.5
 """By how much a slope of 1 slows down, as a part of the time on level ground."""
 
-LOOKS = 24
+LOOKS = 12
 """How often a second the slope is looked at, whatever the length of a step."""
 
 CLOSING = 1.0
@@ -43,7 +43,7 @@ class Going:
     """Progress of a herd.
 
     Attributes of the state:
-        way, phase: (C,) way gone [m], and phase of the gait, whole cycles counted.
+        gone: (2, C) way gone [m], and phase of the gait, whole cycles counted.
         drive: (C,) part of the asked speed at which it goes.
         throttle: (C,) the drive that is asked for on level ground.
         halted: (C,) whether it found no foothold.
@@ -55,18 +55,33 @@ class Going:
         self.path = path
         self.dt = dt
         count = len(herd.names)
-        self.way, self.phase = np.zeros((2, count))
+        self.gone = np.zeros((2, count))
         self.drive = np.where(herd.walks, 1.0, 0.0)
         self.throttle = np.ones(count)
         self.halted = np.zeros(count, dtype=bool)
         self.closed = np.full(count, np.inf)
-        self._easy = np.ones(count)
+        self._cycles = np.where(herd.walks, dt / herd.cycle, 0.0)
         self._steps = self._looks = 0
+        self._easy = np.ones(count)
+        self._steady: Array | None = None
+        self._consider()
 
     @property
-    def gone(self) -> Array:
-        """(2, C) way gone [m], and phase."""
-        return np.stack([self.way, self.phase])
+    def way(self) -> Array:
+        """(C,) way gone [m]."""
+        result: Array = self.gone[0]
+        return result
+
+    @property
+    def phase(self) -> Array:
+        """(C,) phase of the gait, whole cycles counted."""
+        result: Array = self.gone[1]
+        return result
+
+    @property
+    def may_rest(self) -> bool:
+        """Whether anybody rests, or may come to rest at the end of its route."""
+        return self._ends is not None
 
     @property
     def stride(self) -> Array:
@@ -87,9 +102,20 @@ class Going:
             c: who.
             route: the same as before up to where it is.
         """
-        self.path.routes[c] = route
+        self.path.lead(c, route)
         if route.length > self.way[c] + 1e-9:
             self.closed[c] = np.inf
+        self._consider()
+
+    def let(self, c: int, throttle: float) -> None:
+        """Let a creature go at another drive."""
+        self.throttle[c] = throttle
+        self._consider()
+
+    def halt(self, c: int) -> None:
+        """Let a creature come to rest at once: it has no foothold."""
+        self.halted[c] = True
+        self._consider()
 
     def may_lift(self) -> NDArray[np.bool_]:
         """(C,) Return who may lift a foot."""
@@ -101,43 +127,68 @@ class Going:
         Args:
             airborne: (C,) who has a foot in the air, which is brought down in any case.
         """
-        herd, dt = self.herd, self.dt
-        length = np.array([route.length for route in self.path.routes])
-        left = np.maximum(length - self.way, 0.0)
-        looks = round(self._steps * dt * LOOKS, 6)
+        looks = round(self._steps * self.dt * LOOKS, 6)
         if looks >= self._looks:
             self._easy = self._ease()
             self._looks = math.floor(looks) + 1
+            self._consider()
         self._steps += 1
+        if self._steady is not None:
+            self.gone = self.gone + self._steady
+            return
         before = self.drive
-        self._drive_on()
-        cycles = np.where(herd.walks, dt / herd.cycle, 0.0)
+        wish = self._wish if self._ends is None else np.minimum(self._wish, self._braked())
+        self.drive = np.minimum(np.maximum(wish, before - self._falls), before + self._rises)
         # The mean of both ends of the step: exact while the drive changes evenly.
-        step = np.minimum(0.5 * (before + self.drive) * cycles * herd.stride, left)
-        moving = self.drive > 0.0
-        rate = np.where(moving, 0.5 * (np.sqrt(before) + np.sqrt(self.drive)), 0.0)
+        mean = 0.5 * (before + self.drive)
+        rate = 0.5 * (np.sqrt(before) + np.sqrt(self.drive))
+        step = mean * self._cycles * self.herd.stride
+        if self._ends is not None:
+            step, rate = self._near_the_end(step, rate, airborne)
+        progress = np.stack([step, rate * self._cycles])
+        self.gone = self.gone + progress
+        if self._ends is None and (before == self._wish).all():
+            self._steady = progress
+
+    def _consider(self) -> None:
+        """Work out the drive that is wanted, and what else stays as it is for a while."""
+        herd, dt = self.herd, self.dt
+        self._steady = None
+        rests = self.halted | self.arrived | ~herd.walks
+        self._wish = np.where(rests, 0.0, np.maximum(self.throttle * self._easy, CREEP))
+        self._rises = dt / (RISING * herd.cycle)
+        self._falls = np.where(self.halted, dt / BRAKING, dt / (FALLING * herd.cycle))
+        length = np.array([route.length for route in self.path.routes])
+        # None while all go on for ever, which most do.
+        self._ends = length if (herd.walks & (np.isfinite(length) | self.halted)).any() else None
+
+    def _braked(self) -> Array:
+        """Return the greatest drive (C,) from which all come to rest where they have to."""
+        routes = zip(self.path.routes, self.way, strict=True)
+        left = np.maximum([route.free(s) for route, s in routes], 0.0)
+        # From v² = 2 a d, braking at a = v / cycle.
+        drive = np.sqrt(np.minimum(2.0 * left / np.maximum(self.herd.stride, 1e-9), 1.0))
+        rests = self.halted | self.arrived
+        result: Array = np.where(rests, 0.0, np.maximum(drive, CREEP))
+        return result
+
+    def _near_the_end(
+        self, step: Array, rate: Array, airborne: NDArray[np.bool_]
+    ) -> tuple[Array, Array]:
+        """Return way and rate of the phase (C,) of this step, where some come to rest."""
+        assert self._ends is not None
+        left = np.maximum(self._ends - self.way, 0.0)
+        step = np.minimum(step, left)
         # Feet in the air, and those that close up, go on when the body rests.
         closing = self.arrived & (self.phase < self.closed)
-        rate = np.where(~moving & (airborne | closing), 1.0, rate)
-        self.way = self.way + step
-        self.phase = self.phase + rate * cycles
-        there = herd.walks & ~self.arrived & (left - step <= 1e-9)
-        self.closed = np.where(there, self.phase + CLOSING, self.closed)
-        self.drive = np.where(there, 0.0, self.drive)
-
-    def _drive_on(self) -> None:
-        """Come nearer to the drive that is wanted."""
-        herd, dt = self.herd, self.dt
-        free = [route.free(s) for route, s in zip(self.path.routes, self.way, strict=True)]
-        left = np.maximum(free, 0.0)
-        stride = np.maximum(herd.stride, 1e-9)
-        # From v² = 2 a d, braking at a = v / cycle.
-        braked = np.sqrt(np.minimum(2.0 * left / stride, 1.0))
-        wanted = np.maximum(np.minimum(self.throttle * self._easy, braked), CREEP)
-        wanted = np.where(self.halted | self.arrived | ~herd.walks, 0.0, wanted)
-        up, down = dt / (RISING * herd.cycle), dt / (FALLING * herd.cycle)
-        down = np.where(self.halted, dt / BRAKING, down)
-        self.drive = np.clip(wanted, self.drive - down, self.drive + up)
+        rests = self.drive == 0.0
+        rate = np.where(rests, np.where(airborne | closing, 1.0, 0.0), rate)
+        there = self.herd.walks & ~self.arrived & (left - step <= 1e-9)
+        if there.any():
+            self.closed = np.where(there, self.phase + rate * self._cycles + CLOSING, self.closed)
+            self.drive = np.where(there, 0.0, self.drive)
+            self._consider()
+        return step, rate
 
     def _ease(self) -> Array:
         """Return the drive (C,) that suits the slopes under the bodies."""

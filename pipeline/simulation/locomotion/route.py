@@ -40,6 +40,11 @@ class Route:
     stops: bool
 
     @property
+    def goes_straight(self) -> bool:
+        """Whether it never turns and never ends."""
+        return len(self.s) == 1 and not self.stops
+
+    @property
     def length(self) -> float:
         """From its first to its last entry [m]; infinite if it does not stop."""
         return float(self.s[-1]) if self.stops else math.inf

@@ -123,11 +123,7 @@ class Walkers:
         self._notes = self._told
         self._told = []
         before = self.phase
-        airborne = np.bincount(self.herd.owner[self.swinging], minlength=len(self.herd.names)) > 0
-        stood = self.going.arrived
-        self.going.advance(airborne)
-        came = np.flatnonzero(self.going.arrived & ~stood)
-        self._arrived = [self.herd.names[c] for c in came]
+        self._arrived = self._go_on()
         self._take_steps(step, before)
         self.step = step + 1
 
@@ -191,6 +187,16 @@ class Walkers:
 
     # --- one step ---------------------------------------------------------------
 
+    def _go_on(self) -> list[str]:
+        """Advance on the routes; return who has come to its end."""
+        going, count = self.going, len(self.herd.names)
+        if not going.may_rest:
+            going.advance(np.zeros(count, dtype=bool))
+            return []
+        stood = going.arrived
+        going.advance(np.bincount(self.herd.owner[self.swinging], minlength=count) > 0)
+        return [self.herd.names[c] for c in np.flatnonzero(going.arrived & ~stood)]
+
     def _take_steps(self, step: int, before: Array) -> None:
         """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""
         herd = self.herd
@@ -201,9 +207,12 @@ class Walkers:
             self._touch(step, int(leg), float((down_at[leg] - base[leg]) / span))
         # The first foot-up after the step began; an end of a step belongs to the next one.
         up_at = base + np.mod(herd.up - base, 1.0)
-        moving = ~self.swinging & (up_at < phase) & self.going.may_lift()[herd.owner]
-        for leg in np.flatnonzero(moving):
-            if not self.going.arrived[herd.owner[leg]] or self._is_astray(int(leg)):
+        due = np.flatnonzero(~self.swinging & (up_at < phase))
+        may = self.going.may_lift() if len(due) else None
+        for leg in due:
+            owner = herd.owner[leg]
+            rests = self.going.may_rest and self.going.arrived[owner]
+            if may is not None and may[owner] and (not rests or self._is_astray(int(leg))):
                 self._lift(step, int(leg), float(up_at[leg]))
 
     def _is_astray(self, leg: int) -> bool:
@@ -222,7 +231,7 @@ class Walkers:
         way = float(self.travelled[owner]) - (float(self.phase[owner]) - phase) * stride
         place = self.footholds.next(leg, self.end[leg], way, phase, stride)
         if place is None:
-            self.going.halted[owner] = True
+            self.going.halt(owner)
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
             self._notes.append(Note("stopped", step, name, "no foothold within reach"))
             return

@@ -112,3 +112,10 @@ def test_footfalls_have_the_weight_of_their_legs(scene_of: Callable[..., object]
     legs = herd.figures[0].skeleton.legs
     links = Inertia(herd.figures[0]).links
     assert leg_mass(herd) == pytest.approx([sum(links[i].mass for i in leg.links) for leg in legs])
+
+
+def test_masses_alone_are_those_of_the_whole_properties(shipped: Figure) -> None:
+    inertia = Inertia(shipped)
+    numbers = range(len(shipped.skeleton.links))
+    whole = sum(mass.mass for mass in inertia.links)
+    assert inertia.mass_of(numbers) == pytest.approx(whole, rel=1e-9)

@@ -108,6 +108,17 @@ def mass_of_solid(
     )
 
 
+def volume_of_solid(vertices: Array, faces: NDArray[np.integer[Any]]) -> float:
+    """Return the volume [m³] that a closed surface encloses, at a fraction of the cost of all.
+
+    Args:
+        vertices: (V, 3) [m].
+        faces: (F, 3), counter-clockwise from outside; that they close is not looked at.
+    """
+    a, b, c = (vertices - vertices[0])[faces.T]
+    return float(np.einsum("fi,fi->", a, cross(b, c))) / 6.0
+
+
 def mass_of_points(masses: ArrayLike, places: ArrayLike) -> MassProperties:
     """Return the mass properties of points that are held together.
 

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_solid
+from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_solid, volume_of_solid
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.figures.reroot import displacement
@@ -43,7 +43,8 @@ class Inertia:
 
     def mass_of(self, links: Sequence[int]) -> float:
         """Return the mass of some links together [kg]."""
-        return sum(self.of_link(number).mass for number in links)
+        solids = (piece.solid for piece in self.figure.pieces if piece.link in links)
+        return self.figure.density * sum(volume_of_solid(s.vertices, s.faces) for s in solids)
 
     def at(self, q: Array) -> MassProperties:
         """Return those of the whole figure, its links held as they are, in the body's frame.

@@ -21,7 +21,7 @@ from pipeline.simulation.spatial import Array
 SEGMENT = 0.35
 """Longest step of a tip in one iteration, as a part of the limb's length."""
 
-GAINS = (0.6, 0.6, 0.6, 0.6, 0.6, 0.3, 0.0, 0.0)
+GAINS = (0.6, 0.6, 0.6, 0.6, 0.3, 0.0, 0.0)
 """Gain α of the pull towards the preferred values, iteration by iteration; at the end
 the tip is only brought home."""
 

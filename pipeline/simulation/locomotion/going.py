@@ -32,7 +32,7 @@ CREEP = 0.06
 UPHILL, DOWNHILL = 0.9, 0.5
 """By how much a slope of 1 slows down, as a part of the time on level ground."""
 
-LOOKS = 12
+LOOKS = 8
 """How often a second the slope is looked at, whatever the length of a step."""
 
 CLOSING = 1.0

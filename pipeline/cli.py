@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Never
 
 import typer
 
-from pipeline.errors import Problem, PronkError, SceneError
+from pipeline.errors import Problem, PronkError, SceneError, UsageError
 from pipeline.production.interrupts import listen
 
 if TYPE_CHECKING:
@@ -156,6 +156,7 @@ def check(
 
     reporter = _flags(json_lines, quiet, verbose)
     problems: list[Problem] = []
+    missing: list[UsageError] = []
     for name in scenes:
         try:
             scene = load_scene(find_scene(name), sets or [])
@@ -164,8 +165,12 @@ def check(
                 reporter.note(f"note: {remark}", detail=True)
         except SceneError as error:
             problems.extend(error.problems)
+        except UsageError as error:
+            missing.append(error)
     if problems:
-        raise SceneError(problems)
+        raise SceneError([*problems, *(Problem("", str(error)) for error in missing)])
+    if missing:
+        raise missing[0]
 
 
 @app.command()

@@ -111,15 +111,12 @@ def _scripted(scene: object) -> Iterator[Fault]:
             if name not in names:
                 message = f"nobody in the cast is called '{name}', {hint(name, names)}"
                 yield Fault(("script", i, *place), message)
-            elif not _walks(scene, name):
+                continue
+            member = dict(_items(_get(scene, "cast")))[names.index(name)]
+            if _get(member, "prop") is not None:
+                yield Fault(("script", i, *place), f"'{name}' is a prop, which no script moves")
+            elif not ((isinstance(member, Mapping) and "walk" in member) or _get(member, "walk")):
                 yield Fault(("script", i, *place), f"'{name}' does not walk; give it walk: {{}}")
-
-
-def _walks(scene: object, name: str) -> bool:
-    member = dict(_items(_get(scene, "cast")))[_names(scene).index(name)]
-    if isinstance(member, Mapping):
-        return "walk" in member
-    return _get(member, "walk") is not None
 
 
 def _names(scene: object) -> list[str]:

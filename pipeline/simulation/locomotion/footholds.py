@@ -13,7 +13,7 @@ has to stoop is known a whole swing before.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,8 +95,7 @@ class Footholds:
         swing, _ = self._times(leg)
         R, p, wished = self._stance(leg, travelled, phase, phase + swing, stride)
         here = present[[0, 2]]
-        line = here + NEARER[:, None] * (wished - here)
-        return self._best(leg, (line, self._around(leg, wished)), R, p)
+        return self._best(leg, self._choices(leg, wished, here), R, p)
 
     def first(self, leg: int, phase: float) -> Foothold | None:
         """Return where `leg` stands at the start: the good place nearest to where it would.
@@ -107,7 +106,15 @@ class Footholds:
         """
         stride = float(self.herd.stride[self.herd.owner[leg]])
         R, p, wished = self._stance(leg, 0.0, 0.0, phase, stride)
-        return self._best(leg, (self._around(leg, wished),), R, p)
+        return self._best(leg, self._choices(leg, wished), R, p)
+
+    def _choices(self, leg: int, wished: Array, present: Array | None = None) -> Iterator[Array]:
+        """Yield places (n, 2) to be looked at, the best first [m]."""
+        # Alone, because it is good most times, and the others need not be looked at then.
+        yield wished[None]
+        if present is not None:
+            yield present + NEARER[:, None] * (wished - present)
+        yield self._around(leg, wished)
 
     def rest(self, leg: int, travelled: float, phase: float) -> Array:
         """Return where a foot rests (2,) below a body that has gone `travelled` [m]."""

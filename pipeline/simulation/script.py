@@ -1,7 +1,8 @@
 """Script: from timed and conditional instructions to the orders of a step.
 
 An instruction is given once: at the first step at or after its time, or in the step after
-what it waits for has happened for the first time since the instruction before it.
+what it waits for has happened. Of several that wait for the same, those to one performer are
+given one after the other, each time that it happens.
 
 Source: Sims 1987, 3.2.4.
 """
@@ -38,18 +39,26 @@ class Script:
             arrived: who has just come to the end of its way.
         """
         due = self._timed.pop(step, [])
-        for one in self._waiting:
-            if one.when is not None and one.when.arrived in arrived:
-                due.append((one.who, one.do))
-        self._waiting = [
-            one for one in self._waiting if one.when is None or one.when.arrived not in arrived
-        ]
+        due += self._happened(arrived) if arrived else []
         given: dict[str, list[Do]] = {}
         for who, do in due:
             given.setdefault(who, []).append(do)
             if isinstance(do, Wait):
                 self._at(step + max(self.clock.step_from(do.wait), 1), who, "walk")
         return given
+
+    def _happened(self, arrived: Collection[str]) -> list[tuple[str, Do]]:
+        """Return what waited for arrivals, the first for each performer and arrival."""
+        given: dict[tuple[str, str], Do] = {}
+        left = []
+        for one in self._waiting:
+            event = one.when.arrived if one.when is not None else ""
+            if event in arrived and (one.who, event) not in given:
+                given[one.who, event] = one.do
+            else:
+                left.append(one)
+        self._waiting = left
+        return [(who, do) for (who, _), do in given.items()]
 
     def _at(self, step: int, who: str, do: Do) -> None:
         self._timed.setdefault(step, []).append((who, do))

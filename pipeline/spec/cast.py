@@ -43,11 +43,6 @@ class Performer(Words):
         "bug.head; its place is then relative to that.",
     )
 
-    @property
-    def called(self) -> str:
-        """What it is called if it has no name: what it is."""
-        raise NotImplementedError
-
 
 class Creature(Performer):
     """A jointed figure that walks or stands."""
@@ -159,7 +154,7 @@ def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
 
 def called(member: object) -> tuple[str, str]:
     """Return the own name and the kind of a member, which may be still raw and perhaps wrong."""
-    if isinstance(member, Performer):
+    if isinstance(member, Creature | Prop):
         return member.name, member.called
     if not isinstance(member, Mapping):
         return "", ""

@@ -81,7 +81,9 @@ class Instruction(Words):
 
     at: Time | None = Field(None, description="When, from the start of the film [s].")
     when: When | None = Field(
-        None, description="What has to have happened, each time again only once."
+        None,
+        description="What has to have happened. Instructions to one performer that wait for the "
+        "same are given one after the other, each time that it happens.",
     )
     who: Name = Field(description="Who is to do it.")
     do: Do = Field(description="stop, walk, or go_to, turn_deg, speed or wait.")

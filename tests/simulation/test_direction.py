@@ -107,6 +107,20 @@ def test_goes_to_a_place_and_on_when_it_has_arrived() -> None:
     np.testing.assert_allclose(p[-1], [0.2, 0.9], atol=1e-6)
 
 
+def test_what_waits_for_the_same_comes_one_after_the_other() -> None:
+    script = (
+        "{at: 0, who: b, do: {go_to: [0.6, 0]}},"
+        " {when: {arrived: b}, who: b, do: {go_to: [1.0, 0.3]}},"
+        " {when: {arrived: b}, who: b, do: {go_to: [1.6, 0.3]}}"
+    )
+    p = places(walked("walk: {}", script, duration=9))
+    first, second = (
+        int(np.linalg.norm(p - goal, axis=-1).argmin()) for goal in ([0.6, 0], [1.0, 0.3])
+    )
+    np.testing.assert_allclose(p[[first, second, -1]], [[0.6, 0], [1, 0.3], [1.6, 0.3]], atol=2e-3)
+    assert first < second
+
+
 def test_stops_waits_and_goes_on() -> None:
     walk = walked("walk: {}", "{at: 1, who: b, do: {wait: 2}}", duration=5)
     v = speeds(walk)

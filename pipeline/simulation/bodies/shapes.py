@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.figures.solids import Solid, ball
+from pipeline.simulation.figures.solids import Solid, ball, lofted
 from pipeline.simulation.spatial import Array
 from pipeline.spec.prop import BallShape, BoxShape, CylinderShape, Shape
 
@@ -26,41 +26,28 @@ def box(words: BoxShape) -> Solid:
     """Return a box with bevelled edges."""
     x, y, z = (extent / 2.0 for extent in words.size)
     bevel = BEVEL * min(words.size)
-    # A rectangle with its corners cut, turning from +x to +z.
-    outer = [(x, bevel - z), (x, z - bevel), (x - bevel, z), (bevel - x, z)]
+    # A rectangle with its corners cut, turning from +z to +x.
+    outer = [(bevel - x, z), (x - bevel, z), (x, z - bevel), (x, bevel - z)]
     outer += [(-a, -b) for a, b in outer]
     ring = np.array([[a, 0.0, b] for a, b in outer])
     inward = np.array([(x - bevel) / x, 1.0, (z - bevel) / z])
-    return _stacked(_bevelled(ring, ring * inward, y, bevel))
+    return _bevelled(ring, ring * inward, y, bevel)
 
 
 def cylinder(words: CylinderShape) -> Solid:
     """Return an upright cylinder with bevelled rims."""
     bevel = BEVEL * min(2.0 * words.radius, words.height)
     angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
-    ring = np.stack([np.cos(angle), np.zeros(AROUND), np.sin(angle)], axis=-1)
+    ring = np.stack([np.sin(angle), np.zeros(AROUND), np.cos(angle)], axis=-1)
     rings = words.radius * ring, (words.radius - bevel) * ring
-    return _stacked(_bevelled(*rings, words.height / 2.0, bevel))
+    return _bevelled(*rings, words.height / 2.0, bevel)
 
 
-def _bevelled(outer: Array, inner: Array, half: float, bevel: float) -> Array:
-    """Return rings (4, n, 3) from bottom to top: `inner` (n, 3) at the ends, `outer` between."""
+def _bevelled(outer: Array, inner: Array, half: float, bevel: float) -> Solid:
+    """Return what stands between rings (n, 3), turning from z to x: `inner` at both ends."""
     levels = (inner, -half), (outer, bevel - half), (outer, half - bevel), (inner, half)
-    return np.stack([ring + np.array([0.0, y, 0.0]) for ring, y in levels])
-
-
-def _stacked(rings: Array) -> Solid:
-    """Return the solid between convex rings (m, n, 3), from bottom to top, turning from x to z."""
-    m, n = rings.shape[:2]
-    i, k = np.arange(m - 1)[:, None] * n, np.arange(n)
-    after = (k + 1) % n
-    a, b = i + k, i + after
-    sides = np.stack([a, a + n, b, b, a + n, b + n], axis=-1).reshape(-1, 3)
-    low, high = m * n, m * n + 1
-    bottom_cap = np.stack([np.full(n, low), k, after], axis=-1)
-    top_cap = np.stack([np.full(n, high), (m - 1) * n + after, (m - 1) * n + k], axis=-1)
-    vertices = np.concatenate([rings.reshape(-1, 3), rings[[0, -1]].mean(axis=1)])
-    return Solid(vertices, np.concatenate([sides, bottom_cap, top_cap]).astype(np.uint32))
+    rings = np.stack([ring + np.array([0.0, y, 0.0]) for ring, y in levels])
+    return lofted(rings, rings[[0, -1]].mean(axis=1))
 
 
 def sphere(words: BallShape) -> Solid:

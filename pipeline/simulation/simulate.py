@@ -51,7 +51,8 @@ class Simulation:
     def __init__(self, scene: Scene, key: str = "") -> None:
         clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
         try:
-            self.world = World(build_ground(scene.terrain, scene.seed), clock, scene.seed)
+            ground = build_ground(scene.terrain, scene.seed)
+            self.world = World(ground, clock, scene.seed, scene.script, scene.all_moods)
             figures = _figures(scene)
             self.troupes: list[Troupe] = _troupes(scene, figures, self.world)
             self.recorder = Recorder(

@@ -6,7 +6,8 @@ matter, and writes nothing but its own state and its own slice of the take.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -17,6 +18,8 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.terrain import Ground
+from pipeline.spec.mood import Mood
+from pipeline.spec.script import Instruction
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +30,15 @@ class World:
         ground: the terrain.
         clock: the grid of steps, rows and frames.
         seed: of the scene.
+        script: all that will be asked of anybody.
+        moods: that performers may be in, by name.
     """
 
     ground: Ground
     clock: Clock
     seed: int
+    script: Sequence[Instruction] = ()
+    moods: Mapping[str, Mood] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Keyframe, faults_of_order
+from pipeline.spec.mood import MoodMix
 from pipeline.spec.pose import PoseKey
 from pipeline.spec.prop import Hold, Shape
 from pipeline.spec.values import Coordinate, Length, Name, Number, Words
@@ -58,6 +59,9 @@ class Creature(Performer):
     )
     scale: Length = Field(1.0, description="Factor on all lengths of the figure.")
     walk: Walk | None = Field(None, description="How it walks; it stands still if left out.")
+    mood: MoodMix = Field(
+        {}, description="A mood by name, or weights of several: how it walks and carries itself."
+    )
     pose: Annotated[tuple[PoseKey, ...], Field(max_length=MOST_KEYS)] = Field(
         (),
         description="What its joints and limbs are to do, over or instead of walking; the keys of "

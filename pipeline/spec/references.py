@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from pipeline.spec.cast import called, names_of
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
+from pipeline.spec.mood import MOODS
 from pipeline.spec.nearest import hint
 from render.words import MATERIALS
 
@@ -26,7 +27,7 @@ def faults_of_references(scene: object) -> list[Fault]:
     Args:
         scene: a scene, or the mapping that is to become one.
     """
-    finders = (_figures, _repeated_names, _materials, _followed, _attached, _scripted)
+    finders = (_figures, _repeated_names, _materials, _followed, _attached, _scripted, _moods)
     return list(islice((fault for find in finders for fault in find(scene)), MOST_FAULTS))
 
 
@@ -117,6 +118,19 @@ def _scripted(scene: object) -> Iterator[Fault]:
                 yield Fault(("script", i, *place), f"'{name}' is a prop, which no script moves")
             elif not ((isinstance(member, Mapping) and "walk" in member) or _get(member, "walk")):
                 yield Fault(("script", i, *place), f"'{name}' does not walk; give it walk: {{}}")
+
+
+def _moods(scene: object) -> Iterator[Fault]:
+    known = _keys(_get(scene, "moods")) | MOODS.keys()
+    said: list[tuple[Place, Any]] = [
+        (("cast", i, "mood"), _get(member, "mood")) for i, member in _items(_get(scene, "cast"))
+    ]
+    for i, instruction in _items(_get(scene, "script")):
+        said.append((("script", i, "do", "mood"), _get(_get(instruction, "do"), "mood")))
+    for place, mood in said:
+        for name in [mood] if isinstance(mood, str) else sorted(_keys(mood)):
+            if name not in known:
+                yield Fault(place, f"no mood is called '{name}', {hint(name, known)}")
 
 
 def _names(scene: object) -> list[str]:

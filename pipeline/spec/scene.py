@@ -11,6 +11,7 @@ from audio.words import Sound
 from pipeline.spec.cast import Creature, Member, names_of
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
+from pipeline.spec.mood import MOODS, Mood
 from pipeline.spec.places import Places
 from pipeline.spec.rate import Rate, rate_of
 from pipeline.spec.references import faults_of_references
@@ -63,6 +64,9 @@ class Scene(Words):
     cast: Annotated[tuple[Member, ...], Field(min_length=1), AfterValidator(_named)] = Field(
         description="Who is in the scene."
     )
+    moods: dict[Name, Mood] = Field(
+        {}, description="The author's own moods, beside and before those of the library."
+    )
     script: Annotated[tuple[Instruction, ...], Field(max_length=10_000)] = Field(
         (), description="What performers are to do, and when."
     )
@@ -104,6 +108,11 @@ class Scene(Words):
     def creatures(self) -> list[tuple[int, Creature]]:
         """Its creatures, with their places in the cast."""
         return [(i, member) for i, member in enumerate(self.cast) if isinstance(member, Creature)]
+
+    @property
+    def all_moods(self) -> dict[str, Mood]:
+        """The moods that may be named in it."""
+        return {name: Mood.model_validate(name) for name in MOODS} | self.moods
 
     @property
     def rate(self) -> Fraction:

@@ -9,7 +9,9 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Angle, Time
+from pipeline.spec.mood import MoodMix
 from pipeline.spec.values import Name, Number, Point, Words
+from pipeline.spec.walk import GAIT, Gait, Manner
 
 
 class GoTo(Words):
@@ -40,10 +42,24 @@ class Wait(Words):
     )
 
 
+class ChangeGait(Manner):
+    """Go over into another gait."""
+
+    gait: Gait = Field(description=GAIT)
+
+
+class ChangeMood(Words):
+    """Feel otherwise from now on."""
+
+    mood: MoodMix = Field(description="A mood by name, or weights of several; {} takes all away.")
+
+
 Plain = Literal["stop", "walk"]
 """Stop here; walk straight on."""
 
 FORMS: Mapping[str, type[Words]] = {
+    "gait": ChangeGait,
+    "mood": ChangeMood,
     "go_to": GoTo,
     "turn_deg": TurnBy,
     "speed": SetSpeed,
@@ -62,6 +78,8 @@ def _form(words: Any) -> str | None:
 
 Do = Annotated[
     Annotated[Plain, Tag("a word")]
+    | Annotated[ChangeGait, Tag("ChangeGait")]
+    | Annotated[ChangeMood, Tag("ChangeMood")]
     | Annotated[GoTo, Tag("GoTo")]
     | Annotated[TurnBy, Tag("TurnBy")]
     | Annotated[SetSpeed, Tag("SetSpeed")]
@@ -86,7 +104,7 @@ class Instruction(Words):
         "same are given one after the other, each time that it happens.",
     )
     who: Name = Field(description="Who is to do it.")
-    do: Do = Field(description="stop, walk, or go_to, turn_deg, speed or wait.")
+    do: Do = Field(description="stop, walk, or go_to, turn_deg, speed, gait, mood or wait.")
 
     @model_validator(mode="after")
     def _has_a_time(self) -> Self:

@@ -71,13 +71,18 @@ Gait = Annotated[
 ]
 
 
-class Walk(Words):
-    """How a figure walks; what is left out is chosen to suit its legs."""
+GAIT = (
+    "A gait by name, or foot-up and foot-down phases. `trot` and `wave` suit any legs; the "
+    "others are for as many legs as the animals have that go so."
+)
 
-    gait: Gait = Field(
-        "trot",
-        description="A gait by name, or foot-up and foot-down phases. `trot` and `wave` suit any "
-        "legs; the others are for as many legs as the animals have that go so.",
+
+class Manner(Words):
+    """How a figure sets its feet; what is left out is chosen to suit its legs."""
+
+    gait: Gait = Field("trot", description=GAIT)
+    legs: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)] | None = Field(
+        None, description="The legs that carry it; the others are held up. All if left out."
     )
     duty: Annotated[Number, Field(ge=0.05, le=0.95)] | None = Field(
         None,
@@ -101,6 +106,24 @@ class Walk(Words):
         None, description="How high a foot clears the ground between two footholds [m]."
     )
 
+    @model_validator(mode="after")
+    def _stride_agrees(self) -> Self:
+        if self.cycle is None or self.speed is None or self.stride is None:
+            return self
+        product = self.speed * self.cycle
+        if abs(self.stride - product) > CONTRADICTION * max(self.stride, product):
+            message = (
+                f"stride = speed * cycle, but {self.speed:g} * {self.cycle:g} = {product:.9g}, "
+                f"not {self.stride:g}; leave one of the three out, or take stride: {product:.9g}, "
+                f"speed: {self.stride / self.cycle:.9g} or cycle: {self.stride / self.speed:.9g}"
+            )
+            raise fault(message, "stride")
+        return self
+
+
+class Walk(Manner):
+    """How a figure walks, and which way."""
+
     path: Annotated[tuple[Point, ...], Field(max_length=1000)] = Field(
         (),
         description="Waypoints [x, z] that it goes through, one after the other, from where it "
@@ -122,18 +145,4 @@ class Walk(Words):
         if self.repeat != "once" and not self.path:
             faults.append(Fault(("repeat",), "needs a path that is repeated", at_key=True))
         refuse(faults)
-        return self
-
-    @model_validator(mode="after")
-    def _stride_agrees(self) -> Self:
-        if self.cycle is None or self.speed is None or self.stride is None:
-            return self
-        product = self.speed * self.cycle
-        if abs(self.stride - product) > CONTRADICTION * max(self.stride, product):
-            message = (
-                f"stride = speed * cycle, but {self.speed:g} * {self.cycle:g} = {product:.9g}, "
-                f"not {self.stride:g}; leave one of the three out, or take stride: {product:.9g}, "
-                f"speed: {self.stride / self.cycle:.9g} or cycle: {self.stride / self.speed:.9g}"
-            )
-            raise fault(message, "stride")
         return self

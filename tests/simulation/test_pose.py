@@ -110,7 +110,7 @@ def test_a_hand_is_where_it_is_asked_to_be(frame: str) -> None:
     elif frame == "feet":
         goal = p - [0, posed.height, 0] + heading(np.radians(30)) @ goal
     first = round(0.5 / ROW)
-    last = first + 40 if frame == "world" else len(p)
+    last = first + 25 if frame == "world" else len(p)
     gap = np.linalg.norm(posed.place("hand_r") - goal, axis=1)[first:last]
     assert gap.max() < 1e-4
     assert bool(posed.take.notes) == (frame == "world")

@@ -34,7 +34,7 @@ ONE_MISTAKE = [
     # Keys.
     ("speed:", "§sped:", "cast[0].walk.sped", "unknown key, did you mean 'speed'?"),
     ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, duration, "
-     "figures, film, fps, frames, light, materials, pronk, samples, script, ..."),
+     "figures, film, fps, frames, light, materials, moods, pronk, samples, ..."),
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
@@ -50,7 +50,7 @@ ONE_MISTAKE = [
      "unknown key, did you mean 'cause'?"),
     ("terrain: hills", "§<<: {duration: 3}", "<<",
      "unknown key, known: camera, cast, duration, figures, film, fps, frames, light, materials, "
-     "pronk, samples, script, ..."),
+     "moods, pronk, samples, ..."),
     ("duration: 2", "duration: 2\n§duration: 2", "duration",
      "the key is repeated, it stands already on line 2"),
     ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",

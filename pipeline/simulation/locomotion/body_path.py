@@ -15,9 +15,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.curves import cyclic, hinge
+from pipeline.simulation.curves import hinge
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pace import GRAVITY
+from pipeline.simulation.locomotion.paces import Paces
 from pipeline.simulation.locomotion.route import Route, direction
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
@@ -35,10 +36,6 @@ BLUNT = 0.12
 """How blunt the highest ground under a body is taken to be, as a part of its height:
 the body does not follow every corner of the terrain."""
 
-BOUNCE = np.array([-1.0, -0.1, 1.0, 0.1])
-"""One bounce, from one coming down of feet to the next: they give, then push."""
-
-
 BANK = 0.6
 """How much of the lean that balances a body on a curve it takes on."""
 
@@ -53,11 +50,13 @@ class BodyPath:
         ground: what they go over.
         routes: their ways over the plane; a route may be changed where its creature has not
             been yet.
+        paces: how they go.
     """
 
-    def __init__(self, herd: Herd, ground: Ground, routes: Sequence[Route]) -> None:
+    def __init__(self, herd: Herd, ground: Ground, routes: Sequence[Route], paces: Paces) -> None:
         self.herd = herd
         self.ground = ground
+        self.paces = paces
         self.routes = list(routes)
         self._goes_straight = np.array([route.goes_straight for route in routes], dtype=bool)
 
@@ -104,13 +103,9 @@ class BodyPath:
         herd = self.herd
         xz, turned, lean = self.on_route(creature, travelled)
         height, slope, crest = self._under(creature, xz, turned)
-        beat = cyclic(BOUNCE, herd.beats[creature] * (phase - self._first_down[creature]))
-        for c, bounce in herd.bounces.items():
-            own = creature == c
-            beat[own] = bounce.beat(phase[own])
-        beat *= herd.bounciness[creature] * np.minimum(drive, 1.0)
+        beat = self.paces.heave(creature, phase) * np.minimum(drive, 1.0)
         # The belly has to clear the ground under it.
-        tall = herd.body_height[creature]
+        tall = self.paces.value("body_height", creature, phase)
         lift = hinge(crest + herd.belly[creature] - tall, CORNER * tall)
         p = np.stack([xz[:, 0], height + tall + lift + beat, xz[:, 1]], axis=-1)
         pitch = PITCH_FOLLOWS * np.arctan(slope[:, 0])
@@ -131,21 +126,18 @@ class BodyPath:
             xz = herd.starts[creature] + travelled[:, None] * direction(turned)
             return xz, turned, np.zeros(len(creature))
         xz, turned, lean = np.empty((len(creature), 2)), *np.empty((2, len(creature)))
-        speeds = herd.stride / herd.cycle
         for c in np.unique(creature):
             own = creature == c
             route, way = self.routes[c], travelled[own]
             xz[own], turned[own] = route.at(way)
-            balance = np.arctan(route.curvature(way) * speeds[c] ** 2 / GRAVITY)
+            balance = np.arctan(route.curvature(way) * self._speed(c) ** 2 / GRAVITY)
             lean[own] = np.clip(BANK * balance, -MOST_BANK, MOST_BANK)
         return xz, turned, lean
 
-    @cached_property
-    def _first_down(self) -> Array:
-        herd = self.herd
-        return np.array(
-            [herd.down[herd.owner == c].min(initial=1.0) for c in range(len(herd.names))]
-        )
+    def _speed(self, c: int) -> float:
+        """Return the greatest speed of a creature, by which it leans on curves [m/s]."""
+        pace = self.herd.paces[c]
+        return pace.stride / pace.cycle
 
     def _under(
         self, creature: NDArray[np.int64], xz: Array, turned: Array

@@ -13,7 +13,7 @@ import numpy as np
 
 from pipeline.simulation.locomotion.going import Going
 from pipeline.simulation.locomotion.route import Route, direction, straight, through, turning
-from pipeline.spec.script import Do, GoTo, SetSpeed, TurnBy, Wait
+from pipeline.spec.script import ChangeGait, ChangeMood, Do, GoTo, SetSpeed, TurnBy, Wait
 
 NEAR = 0.02
 """Places nearer to one another than this part of the stride are the same."""
@@ -34,7 +34,7 @@ def _stop(going: Going, c: int, order: Do) -> None:
     """End the way where braking ends."""
     del order
     if not going.arrived[c]:
-        braking = 0.5 * float(going.herd.stride[c]) * float(going.drive[c]) ** 2
+        braking = 0.5 * float(going.full[c]) * float(going.drive[c]) ** 2
         route = going.path.routes[c]
         going.lead(c, route.upto(min(float(going.way[c]) + braking, route.length)))
 
@@ -50,7 +50,7 @@ def _go_to(going: Going, c: int, order: GoTo) -> None:
     """Go to a place: a turn on the spot first, if it stands, then a curve."""
     here, target = _here(going, c), np.array(order.go_to)
     way = target - here.xz[-1]
-    if np.linalg.norm(way) < NEAR * going.herd.stride[c]:
+    if np.linalg.norm(way) < NEAR * going.full[c]:
         going.lead(c, here)
         return
     if going.drive[c] == 0.0:
@@ -64,7 +64,7 @@ def _go_to(going: Going, c: int, order: GoTo) -> None:
         # What lies behind is gone to by a wide curve, not by a hairpin.
         side = math.copysign(1.0, float(way @ direction(heading + math.pi / 2.0)))
         across = direction(heading + side * math.pi / 2.0)
-        radius = WIDE * float(going.herd.stride[c])
+        radius = WIDE * float(going.full[c])
         points.insert(1, here.xz[-1] + radius * (direction(heading) + across))
     going.lead(c, here.then(through(points, heading)))
 
@@ -75,7 +75,7 @@ def _turn(going: Going, c: int, order: TurnBy) -> None:
     if going.drive[c] == 0.0:
         going.lead(c, here.then(_spot(going, c, here, angle)))
         return
-    heading, radius = float(here.heading[-1]), WIDE * float(going.herd.stride[c])
+    heading, radius = float(here.heading[-1]), WIDE * float(going.full[c])
     count = max(math.ceil(abs(angle) / ARC), 1)
     side = math.copysign(1.0, angle)
     centre = here.xz[-1] + radius * direction(heading + side * math.pi / 2.0)
@@ -90,9 +90,9 @@ def _turn(going: Going, c: int, order: TurnBy) -> None:
 
 def _set_speed(going: Going, c: int, order: SetSpeed) -> str | None:
     """Change the speed, as far as the legs can: the stride grows with its root."""
-    herd = going.herd
-    full = float(herd.stride[c] / herd.cycle[c])
-    most = full * max(float(herd.longest[c] / herd.stride[c]), 1.0) ** 2
+    pace = going.paces.last(c)
+    full = pace.stride / pace.cycle
+    most = full * max(pace.longest / pace.stride, 1.0) ** 2
     going.let(c, min(order.speed, most) / full)
     if order.speed <= most:
         return None
@@ -109,7 +109,19 @@ def _spot(going: Going, c: int, here: Route, angle: float) -> Route:
     return turning(here.xz[-1], float(here.heading[-1]), angle, radius)
 
 
+def _change_gait(going: Going, c: int, order: ChangeGait) -> None:
+    """Go over into another gait, and go at its own speed."""
+    going.take_on(c, going.manners.told(c, order))
+
+
+def _change_mood(going: Going, c: int, order: ChangeMood) -> None:
+    """Walk and carry itself otherwise from now on."""
+    going.take_on(c, going.manners.felt(c, order.mood, going.time))
+
+
 ORDERS: dict[Any, Callable[[Going, int, Any], str | None]] = {
+    ChangeGait: _change_gait,
+    ChangeMood: _change_mood,
     "stop": _stop,
     Wait: _stop,
     "walk": _walk,

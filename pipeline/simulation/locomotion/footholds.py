@@ -64,6 +64,20 @@ class Foothold:
     stoop: float
 
 
+@dataclass(frozen=True, slots=True)
+class Step:
+    """When a foot swings and stands.
+
+    Attributes:
+        up: phase at which it goes up, whole cycles counted.
+        swing, stance: how long it is in the air, and down after that, in cycles.
+    """
+
+    up: float
+    swing: float
+    stance: float
+
+
 _ANGLES = np.arange(8) * (np.pi / 4.0)
 RIM = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=-1) * math.sqrt(0.5)
 """Where a round sole of radius 1 is looked at, halfway up to its side."""
@@ -78,22 +92,21 @@ class Footholds:
         self.path = path
 
     def next(
-        self, leg: int, present: Array, travelled: float, phase: float, stride: float
+        self, leg: int, present: Array, travelled: float, step: Step, drive: float = 1.0
     ) -> Foothold | None:
         """Return where `leg`, about to lift, is to come down.
 
         Args:
             leg: which.
             present: (3,) where its tip is [m].
-            travelled: way that the body has gone [m].
-            phase: of the gait at lifting, whole cycles counted.
-            stride: way that the body now goes in a cycle [m].
+            travelled: way that the body has gone at lifting [m].
+            step: when it swings and stands.
+            drive: part of its speed at which the body goes.
 
         Returns:
             None if there is no foothold within reach.
         """
-        swing, _ = self._times(leg)
-        R, p, wished = self._stance(leg, travelled, phase, phase + swing, stride)
+        R, p, wished = self._stance(leg, travelled, step.up, step, drive)
         here = present[[0, 2]]
         return self._best(leg, self._choices(leg, wished, here), R, p)
 
@@ -104,8 +117,8 @@ class Footholds:
             leg: which.
             phase: its gait's phase from which its foot has been down, at most 0.
         """
-        stride = float(self.herd.stride[self.herd.owner[leg]])
-        R, p, wished = self._stance(leg, 0.0, 0.0, phase, stride)
+        swing = float(self.herd.swings[leg])
+        R, p, wished = self._stance(leg, 0.0, 0.0, Step(phase - swing, swing, 1.0 - swing))
         return self._best(leg, self._choices(leg, wished), R, p)
 
     def _choices(self, leg: int, wished: Array, present: Array | None = None) -> Iterator[Array]:
@@ -120,7 +133,7 @@ class Footholds:
         """Return where a foot rests (2,) below a body that has gone `travelled` [m]."""
         owner = self.herd.owner[leg]
         R, p = self.path.pose(np.array([owner]), np.array([travelled]), np.array([phase]))
-        result: Array = (p[0] + R[0] @ self._rest(leg))[[0, 2]]
+        result: Array = (p[0] + R[0] @ self._rest(leg, phase))[[0, 2]]
         return result
 
     def _around(self, leg: int, middle: Array) -> Array:
@@ -175,19 +188,15 @@ class Footholds:
         sole = float(self.herd.sole[leg])
         return ground + sole * self.ground.normal(x, z)
 
-    def _times(self, leg: int) -> tuple[float, float]:
-        """Return the parts of a cycle that a leg swings and stands."""
-        swing = float(self.herd.swings[leg])
-        return swing, 1.0 - swing
-
-    def _rest(self, leg: int) -> Array:
-        x, z = self.herd.rest[leg]
-        height = self.herd.body_height[self.herd.owner[leg]]
-        rest: Array = np.array([float(x), -float(height), float(z)])
+    def _rest(self, leg: int, phase: float) -> Array:
+        (x, z), paces = self.herd.rest[leg], self.path.paces
+        own, at = self.herd.owner[leg : leg + 1], np.array([phase])
+        height, aside = (float(paces.value(name, own, at)[0]) for name in ("body_height", "aside"))
+        rest: Array = np.array([float(x), -height, float(z) + aside])
         return rest
 
     def _stance(
-        self, leg: int, travelled: float, phase: float, down: float, stride: float
+        self, leg: int, travelled: float, phase: float, step: Step, drive: float = 1.0
     ) -> tuple[Array, Array, Array]:
         """Return what a foothold is for, if the creature goes on as it goes.
 
@@ -195,20 +204,21 @@ class Footholds:
             leg: which.
             travelled: way that its body has gone [m].
             phase: of the gait at that, whole cycles counted.
-            down: phase at which the foot comes down.
-            stride: way that the body goes in a cycle [m].
+            step: when the foot swings and stands.
+            drive: part of its speed at which the body goes.
 
         Returns:
             R_WB (m, 3, 3) and p_WB (m, 3) of the body while the foot is there, and where
             the foot would rest in the middle of its stance (2,) [m].
         """
-        swing, stance = self._times(leg)
-        moments = down + np.append(stance * STANCE, stance + LAGS * swing)
-        owner = self.herd.owner[leg]
-        way = travelled + (moments - phase) * stride
+        down, stance = step.up + step.swing, step.stance
+        moments = down + np.append(stance * STANCE, stance + LAGS * step.swing)
+        owner = int(self.herd.owner[leg])
+        # Its stride grows with the root of the drive, see `Going`.
+        way = travelled + self.path.paces.way(owner, phase, moments) * math.sqrt(drive)
         R, p = self.path.pose(np.full(len(moments), owner), way, moments)
         middle = len(STANCE) // 2
-        wished: Array = (p[middle] + R[middle] @ self._rest(leg))[[0, 2]]
+        wished: Array = (p[middle] + R[middle] @ self._rest(leg, float(moments[middle])))[[0, 2]]
         return R, p, wished
 
     def _stoop(self, leg: int, tips: Array, R: Array, p: Array) -> Array:

@@ -60,6 +60,14 @@ class Gait:
         half = 0.5 * (1.0 - duty)
         return Gait(np.mod(middle - half, 1.0), np.mod(middle + half, 1.0))
 
+    def among(self, carrying: NDArray[np.bool_]) -> Gait:
+        """Return this gait for the legs `carrying` (m,) of a figure; the others go with the first.
+
+        Legs that are held up have no phases of their own.
+        """
+        place = np.where(carrying, np.cumsum(carrying) - 1, 0)
+        return Gait(self.up[place], self.down[place])
+
     def standing(self, phase: Array) -> NDArray[np.bool_]:
         """Return which feet (..., n) are down at `phase` (...)."""
         into = np.mod(np.asarray(phase)[..., None] - self.up, 1.0)

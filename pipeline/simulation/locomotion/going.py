@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.manners import Manners
+from pipeline.simulation.locomotion.pace import Pace
 from pipeline.simulation.locomotion.route import Route, direction
 from pipeline.simulation.spatial import Array
 
@@ -48,11 +50,14 @@ class Going:
         throttle: (C,) the drive that is asked for on level ground.
         halted: (C,) whether it found no foothold.
         closed: (C,) phase at which its feet have closed up; infinite while it goes.
+        cycle, full: (C,) duration [s] and length [m] of a cycle at full drive.
     """
 
-    def __init__(self, herd: Herd, path: BodyPath, dt: float) -> None:
+    def __init__(self, herd: Herd, path: BodyPath, manners: Manners, dt: float) -> None:
         self.herd = herd
         self.path = path
+        self.paces = path.paces
+        self.manners = manners
         self.dt = dt
         count = len(herd.names)
         self.gone = np.zeros((2, count))
@@ -60,11 +65,18 @@ class Going:
         self.throttle = np.ones(count)
         self.halted = np.zeros(count, dtype=bool)
         self.closed = np.full(count, np.inf)
+        self.cycle, self.full = herd.cycle.copy(), herd.stride.copy()
         self._cycles = np.where(herd.walks, dt / herd.cycle, 0.0)
+        self._changing: dict[int, float] = {}
         self._steps = self._looks = 0
         self._easy = np.ones(count)
         self._steady: Array | None = None
         self._consider()
+
+    @property
+    def time(self) -> float:
+        """Time since the start [s]."""
+        return self._steps * self.dt
 
     @property
     def way(self) -> Array:
@@ -86,7 +98,7 @@ class Going:
     @property
     def stride(self) -> Array:
         """(C,) way gone in a cycle at the present drive [m]."""
-        result: Array = self.herd.stride * np.sqrt(self.drive)
+        result: Array = self.full * np.sqrt(self.drive)
         return result
 
     @property
@@ -112,6 +124,26 @@ class Going:
         self.throttle[c] = throttle
         self._consider()
 
+    def take_on(self, c: int, pace: Pace) -> None:
+        """Let a creature go over to another pace, as fast as that is meant to be."""
+        self._changing[c] = self.paces.change(c, pace, float(self.phase[c]))
+        self.let(c, 1.0)
+
+    def changes(self, c: int) -> bool:
+        """Return whether a creature is going over to another pace."""
+        return c in self._changing
+
+    def _keep_pace(self) -> None:
+        """Go on at the paces of the moment while some change."""
+        for c, end in list(self._changing.items()):
+            at = self.phase[c : c + 1]
+            self.cycle[c] = self.paces.number("cycle", c, at)[0]
+            self.full[c] = self.paces.number("stride", c, at)[0]
+            self._cycles[c] = self.dt / self.cycle[c]
+            if self.phase[c] >= end:
+                del self._changing[c]
+        self._consider()
+
     def halt(self, c: int) -> None:
         """Let a creature come to rest at once: it has no foothold."""
         self.halted[c] = True
@@ -133,6 +165,8 @@ class Going:
             self._looks = math.floor(looks) + 1
             self._consider()
         self._steps += 1
+        if self._changing:
+            self._keep_pace()
         if self._steady is not None:
             self.gone = self.gone + self._steady
             return
@@ -142,12 +176,12 @@ class Going:
         # The mean of both ends of the step: exact while the drive changes evenly.
         mean = 0.5 * (before + self.drive)
         rate = 0.5 * (np.sqrt(before) + np.sqrt(self.drive))
-        step = mean * self._cycles * self.herd.stride
+        step = mean * self._cycles * self.full
         if self._ends is not None:
             step, rate = self._near_the_end(step, rate, airborne)
         progress = np.stack([step, rate * self._cycles])
         self.gone = self.gone + progress
-        if self._ends is None and (before == self._wish).all():
+        if self._ends is None and not self._changing and (before == self._wish).all():
             self._steady = progress
 
     def _consider(self) -> None:
@@ -156,8 +190,8 @@ class Going:
         self._steady = None
         rests = self.halted | self.arrived | ~herd.walks
         self._wish = np.where(rests, 0.0, np.maximum(self.throttle * self._easy, CREEP))
-        self._rises = dt / (RISING * herd.cycle)
-        self._falls = np.where(self.halted, dt / BRAKING, dt / (FALLING * herd.cycle))
+        self._rises = dt / (RISING * self.cycle)
+        self._falls = np.where(self.halted, dt / BRAKING, dt / (FALLING * self.cycle))
         length = np.array([route.length for route in self.path.routes])
         # None while all go on for ever, which most do.
         self._ends = length if (herd.walks & (np.isfinite(length) | self.halted)).any() else None
@@ -167,7 +201,7 @@ class Going:
         routes = zip(self.path.routes, self.way, strict=True)
         left = np.maximum([route.free(s) for route, s in routes], 0.0)
         # From v² = 2 a d, braking at a = v / cycle.
-        drive = np.sqrt(np.minimum(2.0 * left / np.maximum(self.herd.stride, 1e-9), 1.0))
+        drive = np.sqrt(np.minimum(2.0 * left / np.maximum(self.full, 1e-9), 1.0))
         rests = self.halted | self.arrived
         result: Array = np.where(rests, 0.0, np.maximum(drive, CREEP))
         return result

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.locomotion.gaits_flight import Bounce
-from pipeline.simulation.locomotion.pace import pace_of
+from pipeline.simulation.locomotion.moods import blended, in_mood
+from pipeline.simulation.locomotion.pace import Pace, pace_of
 from pipeline.simulation.locomotion.spread import REACH as REACH
 from pipeline.simulation.locomotion.spread import Spread
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Creature
+from pipeline.spec.mood import Mood
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,9 +32,10 @@ class Herd:
         figures: of the creatures.
         starts: (C, 2) x and z at the start [m].
         headings: (C,) [rad].
-        cycle, stride, longest, body_height, bounciness: (C,), see `Pace`.
+        spreads: legs of the creatures at rest.
+        plain, paces: that they begin with, without their moods and in them.
+        cycle, stride, longest, body_height, bounciness, aside: (C,) of these, see `Pace`.
         beats: (C,) times a cycle that feet come down.
-        bounces: of the creatures whose gaits have flights.
         belly: (C,) how deep the bodies reach below their frames [m].
         walks: (C,) whether it goes anywhere.
         footprint: (C, 2) half extent of the feet at rest along x and z [m].
@@ -49,13 +51,16 @@ class Herd:
     figures: tuple[Figure, ...]
     starts: Array
     headings: Array
+    spreads: tuple[Spread, ...]
+    plain: tuple[Pace, ...]
+    paces: tuple[Pace, ...]
     cycle: Array
     stride: Array
     longest: Array
     body_height: Array
     bounciness: Array
+    aside: Array
     beats: Array
-    bounces: Mapping[int, Bounce]
     belly: Array
     walks: NDArray[np.bool_]
     footprint: Array
@@ -74,17 +79,23 @@ class Herd:
         result: Array = np.mod(self.down - self.up, 1.0)
         return result
 
+    @cached_property
+    def first_leg(self) -> NDArray[np.int64]:
+        """(C,) number of each creature's first leg."""
+        return np.searchsorted(self.owner, np.arange(len(self.names)))
+
     @property
     def hips(self) -> Array:
         """(L, 3) bases of the legs, relative to the body [m]."""
         return self.legs.places[:, 0]
 
 
-def gather(cast: Sequence[tuple[int, Creature, Figure]]) -> Herd:
+def gather(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str, Mood]) -> Herd:
     """Collect creatures into one herd.
 
     Args:
         cast: place in the scene's cast, words and figure of each.
+        moods: that they may be in, by name.
 
     Raises:
         SceneError: if a creature cannot walk as it is asked to.
@@ -97,11 +108,13 @@ def gather(cast: Sequence[tuple[int, Creature, Figure]]) -> Herd:
     legs = LimbBatch.of(limbs)
     tips = legs.pose(legs.preferred).tips if limbs else np.zeros((0, 3))
     owners = np.array(owner, dtype=np.int64)
-    paces = []
+    spreads, plain, paces = list[Spread](), list[Pace](), list[Pace]()
     for c, (number, member, figure) in enumerate(cast):
         own = owners == c
-        spread = Spread(legs.places[own, 0], tips[own], legs.lengths[own])
-        paces.append(pace_of(number, member, figure, spread))
+        spreads.append(Spread(legs.places[own, 0], tips[own], legs.lengths[own]))
+        plain.append(pace_of(f"cast[{number}].walk", member.walk, figure, spreads[-1]))
+        feeling = blended(member.mood, moods)
+        paces.append(in_mood(plain[-1], feeling, figure, spreads[-1]))
     spans = [
         np.abs(tips[owners == c][:, [0, 2]]).max(axis=0, initial=0.05) for c in range(len(cast))
     ]
@@ -110,13 +123,16 @@ def gather(cast: Sequence[tuple[int, Creature, Figure]]) -> Herd:
         figures=tuple(figure for _, _, figure in cast),
         starts=np.array([(member.at[0], member.at[-1]) for _, member, _ in cast], dtype=float),
         headings=np.radians([member.heading_deg for _, member, _ in cast]),
+        spreads=tuple(spreads),
+        plain=tuple(plain),
+        paces=tuple(paces),
         cycle=np.array([p.cycle for p in paces]),
         stride=np.array([p.stride for p in paces]),
         longest=np.array([p.longest for p in paces]),
         body_height=np.array([p.body_height for p in paces]),
         bounciness=np.array([p.bounciness for p in paces]),
-        beats=np.array([p.gait.beats for p in paces], dtype=float),
-        bounces={c: p.flight for c, p in enumerate(paces) if p.flight is not None},
+        aside=np.array([p.aside for p in paces]),
+        beats=np.array([p.carrying.beats for p in paces], dtype=float),
         belly=np.array([figure.belly for _, _, figure in cast]),
         walks=np.array([member.walk is not None for _, member, _ in cast]),
         footprint=np.array(spans),

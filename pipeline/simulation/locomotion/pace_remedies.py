@@ -10,15 +10,15 @@ from pipeline.errors import Problem
 from pipeline.simulation.locomotion.gaits import Gait
 from pipeline.simulation.locomotion.gaits_choice import listed
 from pipeline.simulation.locomotion.spread import Spread
-from pipeline.spec.walk import Walk
+from pipeline.spec.walk import Manner
 
 LEAST_DUTY = 0.05
 """Part of the cycle that a foot has to be down at least."""
 
 
 def too_long(
-    number: int,
-    words: Walk,
+    where: str,
+    words: Manner,
     gait: Gait,
     legs: Spread,
     height: float,
@@ -27,7 +27,7 @@ def too_long(
     """Return what is wrong with a stride that the legs cannot do, and what they could do.
 
     Args:
-        number: place in the cast.
+        where: path of the words in the scene.
         words: what was asked.
         gait: phases of the legs.
         legs: at rest.
@@ -49,10 +49,10 @@ def too_long(
         f"of {height:.3g} they reach over {_below(most * float(gait.duty.max()))} of ground, and "
         f"stride = reach / duty, at most {_below(most)}; take {listed(ways)}"
     )
-    return Problem(f"cast[{number}].walk", message)
+    return Problem(where, message)
 
 
-def _other_timings(words: Walk, cycle: float, most: float) -> list[str]:
+def _other_timings(words: Manner, cycle: float, most: float) -> list[str]:
     """Return what to write instead of the author's stride, speed or cycle so that it works."""
     stride = _below(most)
     if words.stride is not None and words.speed is not None and words.cycle is not None:

@@ -33,6 +33,10 @@ SLIP = 1e-4
 """Distance between foot and foothold that is worth a note [m]."""
 
 
+TUCKED, BACK = 0.3, 0.12
+"""How high a foot is held up, and how far back, as parts of its leg."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
     """The state of a herd at one step; see `Walkers` for its parts."""
@@ -44,8 +48,10 @@ class Moment:
     end: Array
     height: Array
     lifted: Array
+    span: Array
     swinging: NDArray[np.bool_]
     stoop: Array
+    tuck: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +96,11 @@ class Posing:
         """Return where everything is at `moments`."""
         herd, n = self.herd, len(moments)
         steps = np.array([moment.step for moment in moments])
-        gone, drive, start, end, height, lifted, swinging, stoop = (
+        gone, drive, start, end, height, lifted, span, swinging, stoop, tuck = (
             np.stack([getattr(moment, name) for moment in moments]) for name in Moment.__slots__[1:]
         )
         way, phase = gone[:, 0], gone[:, 1]
-        s = _swung(herd, phase, lifted, swinging)
+        s = _swung(herd, phase, lifted, span, swinging)
         tips = swing(start.reshape(-1, 3), end.reshape(-1, 3), height.ravel(), s.ravel()).reshape(
             start.shape
         )
@@ -104,6 +110,10 @@ class Posing:
         p_WB[..., 1] -= _stooped(herd, stoop, s)
         around = self._posed_bodies(steps * self.dt, way, R_WB, p_WB)
         grip = self.postures.free(steps * self.dt)
+        if tuck.any():
+            up = _between(tuck, s)
+            grip = grip * (1.0 - up)
+            tips = tips + up[..., None] * (self._tucked(creature, phase, R_WB, p_WB) - tips)
         p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         solution = settle(self._batch(n), goals.reshape(-1, 3))
@@ -117,7 +127,7 @@ class Posing:
         misses = self.postures.move_joints(around, (q_legs, X_legs), (q_idle, X_idle))
         X_BN = self.table.poses(X_legs.reshape(n, -1, 4, 4), X_idle)
         R_own = R_WB[:, self.table.owner]
-        speed = herd.stride / herd.cycle * drive
+        speed = self._speeds(creature, phase) * drive
         return Poses(
             positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
             rotations=R_own @ X_BN[..., :3, :3],
@@ -129,6 +139,22 @@ class Posing:
                 *(self._missed(steps, c, miss) for c, miss in misses),
             ],
         )
+
+    def _tucked(self, creature: NDArray[np.int64], phase: Array, R_WB: Array, p_WB: Array) -> Array:
+        """Return where tips (n, L, 3) are held up [m]."""
+        herd = self.herd
+        tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
+        x, z = herd.rest.T
+        height = TUCKED * herd.legs.lengths - tall[:, herd.owner]
+        back = np.broadcast_to(x - BACK * herd.legs.lengths, height.shape)
+        held = np.stack([back, height, np.broadcast_to(z, height.shape)], axis=-1)
+        return p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], held)
+
+    def _speeds(self, creature: NDArray[np.int64], phase: Array) -> Array:
+        """Return how fast creatures go at full drive (n, C) [m/s]."""
+        paces, at = self.path.paces, phase.ravel()
+        speeds = paces.value("stride", creature, at) / paces.value("cycle", creature, at)
+        return speeds.reshape(phase.shape)
 
     def _repeated(self, n: int) -> LimbBatch:
         """Return the legs of the herd `n` times over."""
@@ -159,10 +185,18 @@ class Posing:
         return Note("clamped", int(steps[row]), name, f"{gap:.2g} mm from its foothold")
 
 
-def _swung(herd: Herd, phase: Array, lifted: Array, swinging: NDArray[np.bool_]) -> Array:
+def _swung(
+    herd: Herd, phase: Array, lifted: Array, span: Array, swinging: NDArray[np.bool_]
+) -> Array:
     """Return the part of its swing that each foot has done (n, L); 1 where it stands."""
-    s = (phase[:, herd.owner] - lifted) / herd.swings
+    s = (phase[:, herd.owner] - lifted) / span
     return np.where(swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
+
+
+def _between(values: Array, s: Array) -> Array:
+    """Return values (n, L) that go from values[:, 0] to values[:, 1] within each swing."""
+    before, after = values[:, 0], values[:, 1]
+    return before + ease(s) * (after - before)
 
 
 def _stooped(herd: Herd, stoop: Array, s: Array) -> Array:
@@ -171,8 +205,7 @@ def _stooped(herd: Herd, stoop: Array, s: Array) -> Array:
     It comes and goes within the swings before and after; the norm of order 4 is never
     less than the greatest and changes smoothly where another becomes the greatest.
     """
-    before, after = stoop[:, 0], stoop[:, 1]
-    wanted = (before + ease(s) * (after - before)) ** 4
+    wanted = _between(stoop, s) ** 4
     sums = np.zeros((len(s), len(herd.names)))
     for leg, owner in enumerate(herd.owner):
         sums[:, owner] += wanted[:, leg]

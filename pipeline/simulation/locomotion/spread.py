@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,11 @@ class Spread:
     hips: Array
     feet: Array
     lengths: Array
+
+    def only(self, legs: Sequence[int], aside: float = 0.0) -> Spread:
+        """Return some of the legs alone, their feet set `aside` to the right [m]."""
+        feet = self.feet[legs] + [0.0, 0.0, aside]
+        return Spread(self.hips[legs], feet, self.lengths[legs])
 
     def tallest(self) -> float:
         """Return the greatest body height from which all feet reach level ground [m]."""

@@ -9,6 +9,7 @@ Source: Sims 1987, ch. 10.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,7 +19,8 @@ from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.directing import obey
-from pipeline.simulation.locomotion.footholds import Foothold, Footholds
+from pipeline.simulation.locomotion.footholds import Foothold, Footholds, Step
+from pipeline.simulation.locomotion.gaits import Gait
 from pipeline.simulation.locomotion.going import Going
 from pipeline.simulation.locomotion.herd import gather
 from pipeline.simulation.locomotion.idle import gather_idlers
@@ -28,6 +30,8 @@ from pipeline.simulation.locomotion.inventory import (
     foot_materials,
     leg_mass,
 )
+from pipeline.simulation.locomotion.manners import Manners
+from pipeline.simulation.locomotion.paces import Paces
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear
@@ -37,6 +41,10 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Creature
+from pipeline.spec.script import ChangeGait, ChangeMood, SetSpeed
+
+HURRY = 2.0
+"""How much faster a creature may get by a change of mood or speed."""
 
 CLOSE = 0.08
 """Distance of a foot from where it rests, as a part of its leg, that is closed up."""
@@ -52,22 +60,24 @@ class Walkers:
         holds: the footholds that the legs stand on or are on their way to.
         stoop: (2, L) how far the body is lowered for each leg's foothold before the one at
             `end`, and for that one [m].
-        lifted: (L,) phase at which its swing began.
+        lifted, span: (L,) phase at which its swing began, and how long that lasts, in cycles.
         swinging: (L,).
+        tuck: (2, L) how much it was held up before this swing, and will be after it, 0 or 1.
+        up, swings: (L,) foot-up phases and lengths of swings, of legs whose gait stays.
     """
 
     def __init__(
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
         self.world = world
-        self.herd = herd = gather(cast)
-        film = float(world.clock.time_of(world.clock.last_step))
-        far = herd.stride / herd.cycle * film + herd.stride
+        self.herd = herd = gather(cast, world.moods)
+        paces, manners = Paces(herd), Manners(cast, herd, world.moods)
+        far = self._farthest(manners)
         routes = [
             route_of(member, herd.footprint[c], float(far[c]))
             for c, (_, member, _) in enumerate(cast)
         ]
-        path = BodyPath(herd, world.ground, routes)
+        path = BodyPath(herd, world.ground, routes, paces)
         self.footholds = Footholds(herd, world.ground, path)
         idlers = gather_idlers(herd.names, herd.figures, world.seed)
         table = NodeTable.of(herd, idlers)
@@ -78,7 +88,10 @@ class Walkers:
         self._mass = leg_mass(herd)
         self._foot_materials = foot_materials(herd, materials)
         legs = len(herd.owner)
-        self.going = Going(herd, path, world.clock.dt)
+        self.going = Going(herd, path, manners, world.clock.dt)
+        self.up, self.swings = herd.up.copy(), herd.swings.copy()
+        self.span, self.tuck = herd.swings.copy(), np.zeros((2, legs))
+        self._changing: set[int] = set()
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
@@ -113,7 +126,10 @@ class Walkers:
         for name, given in orders.items():
             if name in self.herd.names:
                 for order in given:
-                    unable = obey(self.going, self.herd.names.index(name), order)
+                    c = self.herd.names.index(name)
+                    unable = obey(self.going, c, order)
+                    if self.going.changes(c):
+                        self._changing.add(c)
                     if unable is not None:
                         self._told.append(Note("clamped", self.step, name, unable))
 
@@ -127,6 +143,27 @@ class Walkers:
         self._take_steps(step, before)
         self.step = step + 1
 
+    def _farthest(self, manners: Manners) -> Array:
+        """Return how far creatures (C,) can get in the film at most [m].
+
+        Raises:
+            SceneError: if the script asks for a gait that legs do not have.
+        """
+        herd, clock = self.herd, self.world.clock
+        stride, speed = herd.stride.copy(), herd.stride / herd.cycle
+        for i, one in enumerate(self.world.script):
+            if one.who not in herd.names:
+                continue
+            c, hurry = herd.names.index(one.who), 1.0
+            if isinstance(one.do, ChangeGait):
+                pace = manners.possible(c, one.do, f"script[{i}].do")
+                stride[c] = max(stride[c], pace.stride)
+                speed[c] = max(speed[c], pace.stride / pace.cycle)
+            elif isinstance(one.do, SetSpeed | ChangeMood):
+                hurry = HURRY
+            speed[c] *= hurry
+        return speed * float(clock.time_of(clock.last_step)) + stride
+
     def keep(self) -> None:
         """Keep the present state as the next row."""
         self._kept.append(
@@ -138,8 +175,10 @@ class Walkers:
                 end=self.end.copy(),
                 height=self.height.copy(),
                 lifted=self.lifted.copy(),
+                span=self.span.copy(),
                 swinging=self.swinging.copy(),
                 stoop=self.stoop.copy(),
+                tuck=self.tuck.copy(),
             )
         )
 
@@ -173,7 +212,10 @@ class Walkers:
             self.start[leg] = self.end[leg] = place.tip
             self.stoop[:, leg] = place.stoop
             self.holds.append(place)
-            if in_air:
+            if self.going.paces.held(leg, 0.0):
+                self._hold_up(leg, 0.0)
+                self.tuck[0, leg] = 1.0
+            elif in_air:
                 self._lift(0, leg, -float(into[leg]))
 
     def _no_ground(self, leg: int) -> str:
@@ -201,19 +243,65 @@ class Walkers:
         """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""
         herd = self.herd
         phase, base = self.phase[herd.owner], before[herd.owner]
-        down_at = self.lifted + herd.swings
-        for leg in np.flatnonzero(self.swinging & (down_at <= phase)):
+        down_at, held = self.lifted + self.span, self.tuck[1] > 0.0
+        for leg in np.flatnonzero(self.swinging & ~held & (down_at <= phase)):
             span = phase[leg] - base[leg]
             self._touch(step, int(leg), float((down_at[leg] - base[leg]) / span))
-        # The first foot-up after the step began; an end of a step belongs to the next one.
-        up_at = base + np.mod(herd.up - base, 1.0)
-        due = np.flatnonzero(~self.swinging & (up_at < phase))
+        up_at = self._going_up(before, base)
+        due = np.flatnonzero((~self.swinging | held) & (up_at < phase))
         may = self.going.may_lift() if len(due) else None
         for leg in due:
             owner = herd.owner[leg]
             rests = self.going.may_rest and self.going.arrived[owner]
             if may is not None and may[owner] and (not rests or self._is_astray(int(leg))):
-                self._lift(step, int(leg), float(up_at[leg]))
+                self._go_up(step, int(leg), float(up_at[leg]))
+
+    def _going_up(self, before: Array, base: Array) -> Array:
+        """Return the phases (L,) of the first foot-up after the step began.
+
+        An end of a step belongs to the next one.
+
+        Args:
+            before: (C,) and
+            base: (L,), phases of the gaits when the step began.
+        """
+        up_at: Array = base + np.mod(self.up - base, 1.0)
+        for c in sorted(self._changing):
+            own = self.herd.owner == c
+            gait = self.going.paces.gait(c, float(before[c]))
+            up_at[own] = gait.next_up(float(before[c]))
+            if isinstance(gait, Gait) and not self.going.changes(c):
+                self._changing.remove(c)
+                self.up[own], self.swings[own] = gait.up, gait.swing
+        return up_at
+
+    def _go_up(self, step: int, leg: int, phase: float) -> None:
+        """Lift a foot at `phase`, to come down again or to be held up."""
+        stays_up = self.going.paces.held(leg, phase)
+        if self.tuck[1, leg] == 0.0:
+            if stays_up:
+                self._hold_up(leg, phase)
+            else:
+                self._lift(step, leg, phase)
+        elif not stays_up:
+            self._let_down(step, leg, phase)
+
+    def _hold_up(self, leg: int, phase: float) -> None:
+        """Hold a foot up from `phase` on."""
+        self.start[leg] = self.end[leg]
+        self.height[leg] = 0.0
+        self.stoop[:, leg] = self.stoop[1, leg], 0.0
+        self.tuck[:, leg] = self.tuck[1, leg], 1.0
+        self.lifted[leg], self.swinging[leg] = phase, True
+
+    def _let_down(self, step: int, leg: int, phase: float) -> None:
+        """Bring a foot down that was held up: to a foothold from about where it rests."""
+        way = float(self.travelled[self.herd.owner[leg]])
+        x, z = self.footholds.rest(leg, way, phase)
+        self.end[leg] = self.footholds.stand(leg, np.array([[x, z]]))[0]
+        self._lift(step, leg, phase)
+        if self.lifted[leg] == phase:
+            self.tuck[:, leg] = 1.0, 0.0
 
     def _is_astray(self, leg: int) -> bool:
         """Tell whether a foot of a body at rest is not where it would rest."""
@@ -227,9 +315,11 @@ class Walkers:
         herd, owner = self.herd, int(self.herd.owner[leg])
         if self.going.halted[owner]:
             return
-        stride = float(self.going.stride[owner])
-        way = float(self.travelled[owner]) - (float(self.phase[owner]) - phase) * stride
-        place = self.footholds.next(leg, self.end[leg], way, phase, stride)
+        going, swung = self.going, self._step_of(leg, phase)
+        drive = float(going.drive[owner])
+        back = going.paces.way(owner, float(self.phase[owner]), np.array([phase]))
+        way = float(self.travelled[owner] + back[0] * math.sqrt(drive))
+        place = self.footholds.next(leg, self.end[leg], way, swung, drive)
         if place is None:
             self.going.halt(owner)
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
@@ -237,11 +327,25 @@ class Walkers:
             return
         self.start[leg], self.end[leg] = self.end[leg], place.tip
         self.stoop[:, leg] = self.stoop[1, leg], place.stoop
+        self.tuck[:, leg] = 0.0
         self.holds[leg] = place
+        least = float(going.paces.number("step_height", owner, np.array(phase)))
         self.height[leg] = lift_to_clear(
-            self.world.ground, self.start[leg], place.tip, herd.sole[leg], herd.step_height[leg]
+            self.world.ground, self.start[leg], place.tip, herd.sole[leg], least
         )
-        self.lifted[leg], self.swinging[leg] = phase, True
+        self.lifted[leg], self.span[leg], self.swinging[leg] = phase, swung.swing, True
+
+    def _step_of(self, leg: int, phase: float) -> Step:
+        """Return when a foot swings and stands that goes up at `phase`."""
+        c = int(self.herd.owner[leg])
+        if c not in self._changing:
+            swing = float(self.swings[leg])
+            return Step(phase, swing, 1.0 - swing)
+        gait, own = self.going.paces.gait(c, phase), leg - int(self.herd.first_leg[c])
+        down = float(gait.down_after(np.full(len(gait.next_up(phase)), phase))[own])
+        # The foot-up that it is about is behind, if only by a rounding.
+        again = float(gait.next_up(down)[own])
+        return Step(phase, down - phase, again - down)
 
     def _touch(self, step: int, leg: int, fraction: float) -> None:
         """Put a foot down, `fraction` of a step after `step`."""
@@ -254,7 +358,7 @@ class Walkers:
             # Its author has it somewhere else: it does not come down.
             return
         hold = self.holds[leg]
-        time = herd.cycle[owner] * float(herd.swings[leg])
+        time = self.going.cycle[owner] * float(self.span[leg])
         speed = approach_speed(self.start[leg], hold.tip, self.height[leg], hold.normal, time)
         self._contacts.append(
             Contact(

@@ -1,0 +1,266 @@
+"""Changes of gait and of mood on the way: no foot slips, no joint jumps, what is asked comes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.locomotion.pace import Pace
+from pipeline.simulation.locomotion.paces import PaceChange, Paces
+from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec.mood import MOODS
+
+from .conftest import Walk, scene_of, walk_through
+
+ROW = 1 / 96
+MILLIMETRE = 1e-3
+
+
+def walked(figure: str, walk: str, *script: str, duration: float = 6, more: str = "") -> Walk:
+    """Return the walk of one creature that a script directs."""
+    orders = ", ".join(f"{{at: {2 + 2 * i}, who: it, do: {do}}}" for i, do in enumerate(script))
+    words = f"script: [{orders}]\n" if script else ""
+    member = f"{{name: it, figure: {figure}, walk: {walk}{more}}}"
+    return walk_through(scene_of(member, duration=duration, more=words))
+
+
+def speed(walk: Walk, time: float) -> float:
+    """Return the mean speed of the body over a cycle from `time` on [m/s]."""
+    first, cycle = round(time / ROW), float(walk.walkers.going.cycle[0])
+    rows = round(cycle / ROW)
+    x = walk.take.positions[:, 0, [0, 2]]
+    return float(np.linalg.norm(x[first + rows] - x[first])) / (rows * ROW)
+
+
+def steady(walk: Walk, first: float, last: float) -> np.ndarray:
+    """Return which joint accelerations (L,) are greatest between two times [rad/s²]."""
+    q = walk.q[round(first / ROW) : round(last / ROW)]
+    return np.abs(np.diff(q, 2, axis=0)).max(axis=(0, 2)) / ROW**2
+
+
+CHANGES = {
+    "horse": ("{gait: walk}", "{gait: trot}", "{gait: canter}", "{gait: walk}"),
+    "person": ("{gait: walk}", "{gait: run}", "{gait: hop}", "{gait: walk}"),
+    "beetle": ("{gait: tripod}", "{gait: wave}", "{gait: ripple, speed: 0.5}", "{gait: tripod}"),
+    "spider": ("{gait: ripple}", "{mood: sneaking}", "{mood: impatient}", "{gait: trot}"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", CHANGES)
+def test_gaits_go_over_into_one_another_without_a_pop(figure: str) -> None:
+    walk = walked(figure, *CHANGES[figure], duration=9)
+    assert walk.take.notes == ()
+    down = walk.standing[1:] & walk.standing[:-1]
+    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
+    assert moved[down].max() < 0.1 * MILLIMETRE
+    sole = walk.walkers.herd.sole
+    assert (walk.tips[..., 1] - sole).min() > -0.1 * MILLIMETRE
+    # No joint is thrown about harder than in the gaits themselves.
+    plain = max(steady(walk_through(s), 0.5, 3).max() for s in _alone(figure))
+    assert steady(walk, 0, 9).max() < 2.0 * plain
+
+
+def _alone(figure: str) -> list[object]:
+    gaits = [words for words in CHANGES[figure] if "gait" in words]
+    scenes = [scene_of(f"{{figure: {figure}, walk: {words}}}", duration=3.5) for words in gaits]
+    moods = [words for words in CHANGES[figure] if "mood" in words]
+    members = [f"{{figure: {figure}, walk: {gaits[0]}, {mood[1:-1]}}}" for mood in moods]
+    return scenes + [scene_of(member, duration=3.5) for member in members]
+
+
+def test_after_a_change_feet_keep_the_phases_of_the_new_gait() -> None:
+    walk = walked("horse", "{gait: walk}", "{gait: trot}", duration=6)
+    walkers = walk.walkers
+    gait = walkers.going.paces.last(0).gait
+    end = walkers.going.paces.changes[0][-1].gaits.end
+    names = [f"it.{leg}" for leg in walkers.herd.leg_names]
+    late = 0
+    for contact in walk.take.contacts:
+        before, after = (walk.phases[contact.step + k][0] for k in (0, 1))
+        phase = before + contact.fraction * (after - before)
+        if phase > end + 1.0:
+            off = phase - gait.down[names.index(contact.part)]
+            assert abs(off - round(off)) < 1e-9
+            late += 1
+    assert late >= 4
+
+
+def test_each_foot_comes_down_once_after_each_going_up() -> None:
+    walk = walked("beetle", "{gait: tripod}", "{gait: wave}", "{gait: tripod}", duration=7)
+    swinging = np.array(walk.swinging).astype(int)
+    ups = (np.diff(swinging, axis=0) == 1).sum(axis=0)
+    downs = (np.diff(swinging, axis=0) == -1).sum(axis=0)
+    assert (np.abs(ups - downs) <= 1).all()
+    assert len(walk.take.contacts) == downs.sum()
+
+
+def test_a_new_gait_has_its_own_speed_or_the_one_that_is_asked_for() -> None:
+    walk = walked("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=7)
+    assert speed(walk, 5.5) == pytest.approx(1.4, rel=1e-6)
+    own = walked("horse", "{gait: walk}", "{gait: canter}", duration=7)
+    pace = own.walkers.going.paces.last(0)
+    assert speed(own, 5.5) == pytest.approx(pace.stride / pace.cycle, rel=1e-6)
+
+
+def test_what_is_gone_is_the_integral_of_speed_whatever_the_frame_rate() -> None:
+    ends = []
+    for fps in (24, 30, 60):
+        words = "script: [{at: 1, who: it, do: {gait: wave}}]\n" + f"fps: {fps}\n"
+        scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=4, more=words)
+        simulation = Simulation(scene)
+        while not simulation.finished:
+            simulation.step()
+        troupe = simulation.troupes[0]
+        assert isinstance(troupe, Walkers)
+        ends.append(float(troupe.travelled[0]))
+    np.testing.assert_allclose(ends, ends[0], atol=2e-3)
+
+
+def test_a_way_is_the_integral_of_the_stride() -> None:
+    walk = walked("beetle", "{}", "{gait: wave}", duration=3)
+    paces: Paces = walk.walkers.going.paces
+    (change,) = paces.changes[0]
+    phase = np.linspace(change.gaits.start - 1.0, change.gaits.end + 1.0, 20001)
+    stride = paces.number("stride", 0, phase)
+    summed = np.concatenate([[0.0], np.cumsum(0.5 * (stride[1:] + stride[:-1]) * np.diff(phase))])
+    np.testing.assert_allclose(paces.way(0, float(phase[0]), phase), summed, atol=1e-8)
+
+
+def test_a_change_that_is_asked_for_during_another_waits_for_its_end() -> None:
+    words = "script: [{at: 1, who: it, do: {gait: wave}}, {at: 1.2, who: it, do: {gait: tripod}}]\n"
+    scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=6, more=words)
+    first, second = walk_through(scene).walkers.going.paces.changes[0]
+    assert second.gaits.start == first.gaits.end
+    assert second.before is first.after
+
+
+def test_a_change_is_smooth_at_both_ends() -> None:
+    walk = walked("beetle", "{}", "{gait: wave}", duration=3)
+    (change,) = walk.walkers.going.paces.changes[0]
+    assert isinstance(change, PaceChange)
+    edge = np.array([change.gaits.start, change.gaits.end])
+    slope = (change.done(edge + 1e-4) - change.done(edge - 1e-4)) / 2e-4
+    np.testing.assert_allclose(slope, 0.0, atol=1e-6)
+
+
+# --- one foot ---------------------------------------------------------------------
+
+
+def test_a_person_hops_around_on_one_foot() -> None:
+    walk = walked("person", "{gait: hop, legs: [r1], path: [[2, 0], [2, 2], [0, 2]], repeat: loop}")
+    assert walk.take.notes == ()
+    assert {contact.part for contact in walk.take.contacts} == {"it.r1"}
+    left = walk.walkers.herd.leg_names.index("l1")
+    body = walk.take.positions[:, 0]
+    assert (walk.tips[:, left, 1] > 0.15).all()
+    # The foot that carries comes down under the body.
+    right = walk.tips[:, 1 - left]
+    stands = walk.standing[:, 1 - left]
+    middle = np.median(np.linalg.norm((right - body)[stands][:, [0, 2]], axis=-1))
+    assert middle < 0.3
+
+
+def test_a_foot_is_taken_up_and_put_down_again_by_the_script() -> None:
+    walk = walked("person", "{gait: walk}", "{gait: hop, legs: [r1]}", "{gait: walk}", duration=8)
+    assert walk.take.notes == ()
+    times = {
+        leg: np.array([c.step * ROW for c in walk.take.contacts if c.part == f"it.{leg}"])
+        for leg in ("l1", "r1")
+    }
+    gap = np.diff(times["l1"]).max()
+    assert gap > 1.8
+    assert np.diff(times["r1"]).max() < 1.3
+    assert times["l1"].max() > 7.0
+    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
+    down = walk.standing[1:] & walk.standing[:-1]
+    assert moved[down].max() < 0.1 * MILLIMETRE
+    # Taken up and put down along a smooth way.
+    assert (moved / ROW).max() < 8.0
+
+
+# --- moods ------------------------------------------------------------------------
+
+
+def test_a_mood_changes_the_pace_by_its_factors_and_half_of_it_by_their_roots() -> None:
+    def pace(mood: str) -> Pace:
+        member = f"{{figure: beetle, walk: {{}}, mood: {mood}}}"
+        more = "moods: {heavy: {stride: 0.64, cycle: 1.21, bounciness: 0.25, step_height: 1.44}}\n"
+        troupe = Simulation(scene_of(member, more=more)).troupes[0]
+        assert isinstance(troupe, Walkers)
+        return troupe.herd.paces[0]
+
+    plain, whole, half = pace("{}"), pace("heavy"), pace("{heavy: 0.5}")
+    for name, factor in {
+        "stride": 0.64,
+        "cycle": 1.21,
+        "bounciness": 0.25,
+        "step_height": 1.44,
+    }.items():
+        assert getattr(whole, name) == pytest.approx(factor * getattr(plain, name))
+        assert getattr(half, name) == pytest.approx(factor**0.5 * getattr(plain, name))
+
+
+@pytest.mark.parametrize(
+    "figure",
+    [
+        "antelope",
+        "beetle",
+        "camel",
+        "centipede",
+        "hopper",
+        "horse",
+        "kangaroo",
+        "ostrich",
+        "person",
+        "scorpion",
+        "spider",
+        "tripod",
+    ],
+)
+def test_legs_follow_every_mood_of_the_library(figure: str) -> None:
+
+    for mood in MOODS:
+        for weight in (1.0, 2.0):
+            member = f"{{figure: {figure}, walk: {{}}, mood: {{{mood}: {weight}}}}}"
+            troupe = Simulation(scene_of(member, duration=0.1)).troupes[0]
+            assert isinstance(troupe, Walkers)
+            pace = troupe.herd.paces[0]
+            assert 0.0 < pace.stride <= pace.longest + 1e-12
+            assert pace.body_height <= troupe.herd.spreads[0].tallest() + 1e-12
+
+
+def test_moods_of_the_script_change_how_it_walks_and_back() -> None:
+    walk = walked("person", "{gait: walk}", "{mood: sneaking}", "{mood: {}}", duration=9)
+    assert walk.take.notes == ()
+    before, sneaking, after = (speed(walk, t) for t in (0.5, 3.8, 7.4))
+    assert sneaking < 0.7 * before
+    assert after == pytest.approx(before, rel=1e-3)
+    y = walk.take.positions[:, 0, 1]
+    assert y[round(3.9 / ROW)] < 0.9 * y[: round(1.5 / ROW)].min()
+
+
+# --- refusals ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("do", "message"),
+    [
+        ("{gait: canter}", "script[0].do.gait: a gait 'canter' needs two pairs of legs"),
+        ("{gait: tripod, stride: 30}", "script[0].do: a stride (speed × cycle) of 30"),
+        ("{gait: wave, legs: [l9]}", "script[0].do.legs[0]: 'beetle' has no leg 'l9'"),
+        ("{gait: wave, speed: 1, cycle: 1, stride: 2}", "script[0].do.stride: stride = speed"),
+        ("{mood: hapy}", "script[0].do.mood: no mood is called 'hapy', did you mean 'happy'?"),
+        ("{mood: {sad: 5}}", "script[0].do.mood.sad: must be at most 2"),
+    ],
+)
+def test_what_legs_cannot_do_is_refused_before_anything_moves(do: str, message: str) -> None:
+    member, script = (
+        "{name: it, figure: beetle, walk: {}}",
+        f"script: [{{at: 1, who: it, do: {do}}}]",
+    )
+    with pytest.raises(SceneError) as caught:
+        Simulation(scene_of(member, more=script))
+    assert message in str(caught.value)

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
-from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.chains import chains_of
 from pipeline.simulation.figures.posed_limb import Miss
 from pipeline.simulation.figures.settling import settle
 from pipeline.simulation.figures.surroundings import Surroundings
@@ -90,7 +89,7 @@ class Posing:
         self.postures = postures
         self.dt = clock.dt
         self.row_dt = clock.dt * clock.steps / clock.samples
-        self._batch = lru_cache(maxsize=4)(self._repeated)
+        self._chains = chains_of(herd.legs, herd.owner)
 
     def poses(self, moments: Sequence[Moment]) -> Poses:
         """Return where everything is at `moments`."""
@@ -116,12 +115,11 @@ class Posing:
             tips = tips + up[..., None] * (self._tucked(creature, phase, R_WB, p_WB) - tips)
         p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
-        solution = settle(self._batch(n), goals.reshape(-1, 3))
-        residual = solution.residual.reshape(n, -1)
+        solution = settle(herd.legs, self._chains, goals)
+        residual = solution.residual
         pitch = np.arcsin(np.clip(R_WB[..., 1, 0], -1.0, 1.0))
         q_idle = self.idlers.values(phase, pitch, steps * self.dt)
-        shape = (n, *herd.legs.is_joint.shape)
-        q_legs, X_legs = solution.pose.q.reshape(shape), solution.pose.X_BJ.reshape(*shape, 4, 4)
+        q_legs, X_legs = solution.q, solution.X_BJ
         self.postures.keep_feet(goals, q_legs, residual)
         X_idle = self.idlers.tree.pose(q_idle)
         misses = self.postures.move_joints(around, (q_legs, X_legs), (q_idle, X_idle))
@@ -155,10 +153,6 @@ class Posing:
         paces, at = self.path.paces, phase.ravel()
         speeds = paces.value("stride", creature, at) / paces.value("cycle", creature, at)
         return speeds.reshape(phase.shape)
-
-    def _repeated(self, n: int) -> LimbBatch:
-        """Return the legs of the herd `n` times over."""
-        return self.herd.legs.rows(np.tile(np.arange(len(self.herd.owner)), n))
 
     def _posed_bodies(
         self, times: Array, way: Array, R_WB: Array, p_WB: Array

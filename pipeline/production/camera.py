@@ -20,6 +20,7 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import UP, Array, matrix, normalized
 from pipeline.simulation.take import Take
 from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.surfaces import surface_of_vertices
 from render.shot import CameraPose
 from render.words import Camera, View
 
@@ -235,4 +236,4 @@ def _rate(take: Take) -> float:
 
 
 def _ground(take: Take) -> HeightField:
-    return HeightField.of_vertices(take.terrain.vertices, take.terrain.cells)
+    return surface_of_vertices(take.terrain.vertices, take.terrain.cells)

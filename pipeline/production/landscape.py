@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
-from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.surfaces import surface_of_vertices
 from render.shot import Mesh
 
 RINGS = 26
@@ -35,8 +35,7 @@ def ground_meshes(terrain: TerrainRecord, show_forbidden: bool = False) -> tuple
         faces=terrain.faces,
         material=terrain.material,
         uv=terrain.vertices[:, [0, 2]].astype(np.float32),
-        # The two triangles of a cell stand one after the other, cells row by row.
-        tinted=np.repeat(terrain.forbidden.ravel(), 2) if show_forbidden else None,
+        tinted=_tinted(terrain) if show_forbidden else None,
     )
     vertices, faces = _far_field(terrain)
     far = Mesh(
@@ -49,6 +48,12 @@ def ground_meshes(terrain: TerrainRecord, show_forbidden: bool = False) -> tuple
     return near, far
 
 
+def _tinted(terrain: TerrainRecord) -> NDArray[np.bool_]:
+    """Return which faces lie in forbidden zones: those of a cell stand together, row by row."""
+    forbidden = terrain.forbidden.ravel()
+    return np.repeat(forbidden, len(terrain.faces) // len(forbidden))
+
+
 def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
     """Return rings of vertices around the terrain and the triangles between them.
 
@@ -56,8 +61,8 @@ def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
     terrain mirrored at its edge, ever smoother and calmer with the distance.
     """
     n_x, n_z = terrain.cells
-    field = HeightField.of_vertices(terrain.vertices, terrain.cells)
-    grid = terrain.vertices.reshape(n_z + 1, n_x + 1, 3)
+    field = surface_of_vertices(terrain.vertices, terrain.cells)
+    grid = terrain.vertices[: field.heights.size].reshape(n_z + 1, n_x + 1, 3)
     loop = _border(n_x, n_z)
     edge = grid[loop[:, 1], loop[:, 0]]
     # Rings lie about the middle of the grid, along its own axes.

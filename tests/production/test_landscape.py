@@ -18,6 +18,7 @@ TERRAINS: list[Terrain] = [
     FractalTerrain(size=(4, 4), cells=(2, 2), height=1.0),
     FractalTerrain(size=(7, 16), cells=(23, 31), height=3.0, at=(40, -7)),
     HillsTerrain(size=(20, 9), cells=(40, 18), height=2.0, at=(-3, 9), heading_deg=200),
+    FractalTerrain(size=(7, 16), cells=(23, 31), height=3.0, at=(40, -7), polygons="quads"),
 ]
 
 TOUCH = 1e-5
@@ -40,7 +41,7 @@ def test_the_far_field_begins_at_the_edges_own_vertices(terrain: Terrain) -> Non
     near, far = ground_meshes(record(terrain))
     n_x, n_z = terrain.cells
     rim = 2 * (n_x + n_z)
-    grid = near.vertices.reshape(n_z + 1, n_x + 1, 3)
+    grid = near.vertices[: (n_z + 1) * (n_x + 1)].reshape(n_z + 1, n_x + 1, 3)
     sides = (grid[0], grid[-1], grid[:, 0], grid[:, -1])
     edge = {tuple(v) for side in sides for v in side.tolist()}
     assert len(edge) == rim
@@ -110,6 +111,7 @@ def test_forbidden_zones_are_tinted_and_nothing_else(terrain: Terrain) -> None:
         {"kind": "stairs", "cells": (600, 6)},
         {"kind": "stones", "size": (8, 6), "cells": (200, 150), "at": (2, 1), "heading_deg": 40},
         {"kind": "boulders", "size": (8, 8), "cells": (128, 128), "heading_deg": -100},
+        {"kind": "fractal", "size": (8, 8), "cells": (40, 40), "height": 3, "polygons": "quads"},
     ],
     ids=lambda words: words["kind"],
 )

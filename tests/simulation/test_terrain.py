@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,13 +14,19 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.simulation.terrain.forbidden import forbidden_cells
 from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.quadfield import QuadField
+from pipeline.simulation.terrain.surfaces import SURFACES
 from pipeline.spec import FlatTerrain, FractalTerrain, HillsTerrain
+from pipeline.spec.terrain import Polygons
 
 ROUGH = FractalTerrain(size=(6.0, 4.0), cells=(30, 25), height=1.5, roughness=0.6)
+ALL = get_args(Polygons)
+
+of_all = pytest.mark.parametrize("polygons", ALL)
 
 
-def _rough(seed: int = 2) -> HeightField:
-    return build_ground(ROUGH, seed).field
+def _rough(seed: int = 2, polygons: Polygons = "triangles") -> HeightField:
+    return build_ground(ROUGH.model_copy(update={"polygons": polygons}), seed).field
 
 
 def _points(field: HeightField, n: int, seed: int = 0) -> tuple[Array, Array]:
@@ -47,22 +54,60 @@ def _area(a: Array, b: Array, c: Array) -> Array:
     return u[..., 0] * v[..., 2] - u[..., 2] * v[..., 0]
 
 
-def test_vertices_have_their_heights() -> None:
-    field = _rough()
+def test_every_word_for_polygons_has_its_surface() -> None:
+    assert set(ALL) == set(SURFACES)
+
+
+@of_all
+def test_vertices_have_their_heights(polygons: Polygons) -> None:
+    field = _rough(polygons=polygons)
     x, y, z = field.vertices.T
     assert np.abs(field.height(x, z) - y).max() < 1e-13
-    assert y.tolist() == field.heights.ravel().tolist()
+    assert y[: field.heights.size].tolist() == field.heights.ravel().tolist()
 
 
-def test_what_is_drawn_is_what_is_stood_on() -> None:
-    field = _rough()
+def test_the_middle_of_a_quadrilateral_is_as_high_as_its_corners_on_average() -> None:
+    field = _rough(polygons="quads")
+    corners = field.vertices[: field.heights.size].reshape(*field.heights.shape, 3)
+    middles = field.vertices[field.heights.size :].reshape(*field.cells[::-1], 3)
+    for i, j in ((0, 0), (3, 7), (24, 29)):
+        mean = corners[i : i + 2, j : j + 2].reshape(4, 3).mean(axis=0)
+        assert middles[i, j] == pytest.approx(mean, abs=1e-14)
+
+
+def test_quadrilaterals_favour_no_diagonal() -> None:
+    """What is mirrored, or turned over a diagonal, spans the same surface mirrored."""
+    field = _rough(polygons="quads")
+    x, z = _points(field, 2000)
+    mirrored = QuadField(field.heights[:, ::-1], field.size)
+    assert np.abs(mirrored.height(-x, z) - field.height(x, z)).max() < 1e-12
+    turned = QuadField(field.heights.T, field.size[::-1])
+    assert np.abs(turned.height(z, x) - field.height(x, z)).max() < 1e-12
+    assert np.abs(_rough().height(x, z) - field.height(x, z)).max() > 0.01
+
+
+@of_all
+def test_the_surface_is_continuous(polygons: Polygons) -> None:
+    """No two points are farther apart in height than the steepest slope between them."""
+    field = _rough(polygons=polygons)
+    x, z = _points(field, 20_000)
+    steepest = max(float(np.hypot(*facet).max()) for facet in field.facets)
+    dx, dz = np.random.default_rng(3).normal(0.0, 0.05, (2, len(x)))
+    apart = np.abs(field.height(x + dx, z + dz) - field.height(x, z))
+    assert (apart <= steepest * np.hypot(dx, dz) + 1e-12).all()
+
+
+@of_all
+def test_what_is_drawn_is_what_is_stood_on(polygons: Polygons) -> None:
+    field = _rough(polygons=polygons)
     x, z = _points(field, 300)
     drawn = [_barycentric(field, *p)[0] for p in zip(x, z, strict=True)]
     assert np.abs(field.height(x, z) - drawn).max() < 1e-12
 
 
-def test_normals_are_those_of_the_triangles_and_point_up() -> None:
-    field = _rough()
+@of_all
+def test_normals_are_those_of_the_triangles_and_point_up(polygons: Polygons) -> None:
+    field = _rough(polygons=polygons)
     x, z = _points(field, 100)
     n = field.normal(x, z)
     p = field.vertices[field.faces]
@@ -73,8 +118,9 @@ def test_normals_are_those_of_the_triangles_and_point_up() -> None:
     assert np.abs(n - faces[hit]).max() < 1e-12
 
 
-def test_gradients_are_finite_differences() -> None:
-    field = _rough()
+@of_all
+def test_gradients_are_finite_differences(polygons: Polygons) -> None:
+    field = _rough(polygons=polygons)
     x, z = _points(field, 2000)
     h = 1e-7
     g = field.gradient(x, z)
@@ -94,11 +140,12 @@ def test_gradients_are_finite_differences() -> None:
 @settings(max_examples=50)
 def test_a_plane_is_exact_anywhere(a: float, b: float, x: float, z: float) -> None:
     grid_x, grid_z = np.meshgrid(np.linspace(-3, 3, 8), np.linspace(-2, 2, 6))
-    field = HeightField(a * grid_x + b * grid_z + 0.25, (6.0, 4.0))
     here = np.array(x), np.array(z)
-    assert float(field.height(*here)) == pytest.approx(a * x + b * z + 0.25, abs=1e-12)
-    assert field.gradient(*here) == pytest.approx(np.array([a, b]), abs=1e-12)
-    assert not forbidden_cells(field, math.atan(math.hypot(a, b)) + 1e-6, 0.5).any()
+    for surface in SURFACES.values():
+        field = surface(a * grid_x + b * grid_z + 0.25, (6.0, 4.0))
+        assert float(field.height(*here)) == pytest.approx(a * x + b * z + 0.25, abs=1e-12)
+        assert field.gradient(*here) == pytest.approx(np.array([a, b]), abs=1e-12)
+        assert not forbidden_cells(field, math.atan(math.hypot(a, b)) + 1e-6, 0.5).any()
 
 
 def test_outside_the_grid_the_edge_goes_on_and_nothing_is_steppable() -> None:
@@ -109,11 +156,12 @@ def test_outside_the_grid_the_edge_goes_on_and_nothing_is_steppable() -> None:
     assert not ground.steppable(np.array([3.001, 0.0, 99.0]), np.array([0.0, -2.001, 99.0])).any()
 
 
-def test_a_wall_is_forbidden_and_so_is_what_lies_under_it() -> None:
+@of_all
+def test_a_wall_is_forbidden_and_so_is_what_lies_under_it(polygons: Polygons) -> None:
     """A step of 1 m between columns 4 and 5, the low side to the left; cells of 0.1 m."""
     heights = np.zeros((11, 11))
     heights[:, 5:] = 1.0
-    field = HeightField(heights, (1.0, 1.0))
+    field = SURFACES[polygons](heights, (1.0, 1.0))
     zones = forbidden_cells(field, math.radians(40), 0.15)
     # The wall's own cells, one radius downhill of them to the safe side, none uphill.
     assert zones.all(axis=0).tolist() == [False] * 2 + [True] * 3 + [False] * 5
@@ -122,11 +170,12 @@ def test_a_wall_is_forbidden_and_so_is_what_lies_under_it() -> None:
     assert bare.any(axis=0).tolist() == [False] * 4 + [True] + [False] * 5
 
 
-def test_both_sides_of_a_sharp_ridge_are_forbidden() -> None:
-    """The two triangles of the middle cell fall to opposite sides."""
+@of_all
+def test_both_sides_of_a_sharp_ridge_are_forbidden(polygons: Polygons) -> None:
+    """The triangles of the middle cell fall to opposite sides."""
     heights = np.zeros((7, 7))
     heights[[2, 3, 4, 5], [2, 3, 4, 5]] = 1.0
-    field = HeightField(heights, (0.6, 0.6))
+    field = SURFACES[polygons](heights, (0.6, 0.6))
     zones = forbidden_cells(field, math.radians(40), 0.1)
     assert zones[3, 4]
     assert zones[4, 3]
@@ -135,8 +184,11 @@ def test_both_sides_of_a_sharp_ridge_are_forbidden() -> None:
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("radius", [0.1, 0.35])
-def test_downhill_of_a_wall_is_forbidden_for_any_pair_of_points(seed: int, radius: float) -> None:
-    field = _rough(seed)
+@of_all
+def test_downhill_of_a_wall_is_forbidden_for_any_pair_of_points(
+    polygons: Polygons, radius: float, seed: int
+) -> None:
+    field = _rough(seed, polygons)
     limit = math.radians(53)
     zones = forbidden_cells(field, limit, radius)
     assert 0 < zones.sum() < zones.size
@@ -155,12 +207,13 @@ def test_downhill_of_a_wall_is_forbidden_for_any_pair_of_points(seed: int, radiu
     assert not ground.steppable(near_x[downhill], near_z[downhill]).any()
 
 
-def test_zones_are_not_everywhere() -> None:
+@of_all
+def test_zones_are_not_everywhere(polygons: Polygons) -> None:
     """The safe side costs at most two cells beyond the radius."""
-    field = _rough()
+    field = _rough(polygons=polygons)
     radius, limit = 0.2, math.radians(50)
     zones = forbidden_cells(field, limit, radius)
-    steep = (np.linalg.norm(field.gradients, axis=-1) >= math.tan(limit)).any(axis=0)
+    steep = (np.hypot(*np.moveaxis(field.facets, 1, 0)) >= math.tan(limit)).any(axis=0)
     rows, columns = np.nonzero(zones)
     steep_rows, steep_columns = np.nonzero(steep)
     dx, dz = field.cell

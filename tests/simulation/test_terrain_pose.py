@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -13,16 +14,28 @@ from hypothesis import strategies as st
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.spatial import heading as turned_by
 from pipeline.simulation.terrain import Ground, build_ground
-from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.surfaces import surface_of_vertices
 from pipeline.spec import FractalTerrain
+from pipeline.spec.terrain import Polygons
 
 PLACE = st.floats(-9000, 9000)
 DEGREES = st.floats(-720, 720)
 
 
-def ground_at(at: tuple[float, float], heading_deg: float, seed: int = 2) -> Ground:
+of_all = pytest.mark.parametrize("polygons", get_args(Polygons))
+
+
+def ground_at(
+    at: tuple[float, float], heading_deg: float, polygons: Polygons = "triangles", seed: int = 2
+) -> Ground:
     words = FractalTerrain(
-        size=(6, 4), cells=(30, 25), height=1.5, roughness=0.6, at=at, heading_deg=heading_deg
+        size=(6, 4),
+        cells=(30, 25),
+        height=1.5,
+        roughness=0.6,
+        at=at,
+        heading_deg=heading_deg,
+        polygons=polygons,
     )
     return build_ground(words, seed)
 
@@ -38,11 +51,12 @@ def places(n: int, seed: int = 0) -> Array:
     return np.random.default_rng(seed).uniform(-0.5, 0.5, (n, 2)) * (6.0, 4.0)
 
 
+@of_all
 @given(st.tuples(PLACE, PLACE), DEGREES)
 def test_a_moved_terrain_is_the_same_terrain_elsewhere(
-    at: tuple[float, float], heading_deg: float
+    polygons: Polygons, at: tuple[float, float], heading_deg: float
 ) -> None:
-    here, there = ground_at((0, 0), 0), ground_at(at, heading_deg)
+    here, there = ground_at((0, 0), 0, polygons), ground_at(at, heading_deg, polygons)
     p = places(200)
     q = to_world(p, at, heading_deg)
     # 9 km away a double is exact to 2e-12 m, and the steepest slopes here are below 20.
@@ -55,11 +69,12 @@ def test_a_moved_terrain_is_the_same_terrain_elsewhere(
     assert (there.forbidden == here.forbidden).all()
 
 
+@of_all
 @pytest.mark.parametrize(("at", "heading_deg"), [((0, 0), 0), ((3.3, -7.1), 0), ((5, 40), 33)])
 def test_heights_are_those_of_the_mesh_that_is_drawn(
-    at: tuple[float, float], heading_deg: float
+    polygons: Polygons, at: tuple[float, float], heading_deg: float
 ) -> None:
-    field = ground_at(at, heading_deg).field
+    field = ground_at(at, heading_deg, polygons).field
     q = to_world(places(300), at, heading_deg)
     corners = field.vertices[field.faces]
     flat = corners * (1.0, 0.0, 1.0)
@@ -75,10 +90,14 @@ def test_heights_are_those_of_the_mesh_that_is_drawn(
         assert weights[k].min() < 1e-6 or judged == pytest.approx(n, abs=1e-9)
 
 
+@of_all
 @given(st.tuples(PLACE, PLACE), DEGREES)
-def test_a_field_is_known_by_its_vertices(at: tuple[float, float], heading_deg: float) -> None:
-    field = ground_at(at, heading_deg).field
-    again = HeightField.of_vertices(field.vertices, field.cells)
+def test_a_field_is_known_by_its_vertices(
+    polygons: Polygons, at: tuple[float, float], heading_deg: float
+) -> None:
+    field = ground_at(at, heading_deg, polygons).field
+    again = surface_of_vertices(field.vertices, field.cells)
+    assert type(again) is type(field)
     assert (again.heights == field.heights).all()
     assert again.size == pytest.approx(field.size)
     assert again.at == pytest.approx(at)
@@ -86,8 +105,9 @@ def test_a_field_is_known_by_its_vertices(at: tuple[float, float], heading_deg: 
     assert (off + math.pi) % (2 * math.pi) == pytest.approx(math.pi, abs=1e-8)
 
 
-def test_gradients_are_finite_differences_in_the_world() -> None:
-    field = ground_at((5, -3), 75).field
+@of_all
+def test_gradients_are_finite_differences_in_the_world(polygons: Polygons) -> None:
+    field = ground_at((5, -3), 75, polygons).field
     x, z = to_world(places(2000), (5, -3), 75).T
     h = 1e-7
     along_x = (field.height(x + h, z) - field.height(x - h, z)) / (2 * h)

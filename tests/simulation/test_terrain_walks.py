@@ -19,13 +19,19 @@ TERRAINS = {
     "stones": "stones",
     "boulders": "boulders",
     "rocks": "rocks",
+    "rocks of quads": "{preset: rocks, polygons: quads}",
     "rough stairs": "{kind: sum, of: [stairs, {preset: rocks, height: 0.08}]}",
 }
 
 WALKERS = {"beetle": 0.7, "spider": 0.7, "horse": 1.0, "person": 1.0}
 
 # Ditches and gaps are too wide for the steps of two legs, and rocks for the soles of a horse.
-BEYOND = {("person", "ditches"), ("person", "stones"), ("horse", "rocks")}
+BEYOND = {
+    ("person", "ditches"),
+    ("person", "stones"),
+    ("horse", "rocks"),
+    ("horse", "rocks of quads"),
+}
 PAIRS = [(figure, name) for figure in WALKERS for name in TERRAINS if (figure, name) not in BEYOND]
 
 

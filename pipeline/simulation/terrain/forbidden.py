@@ -29,25 +29,26 @@ def forbidden_cells(
         unsteppable_slope: slopes at or above this angle cannot be stepped on [rad].
         foot_radius: how far downhill of them it is still forbidden [m].
     """
-    rise_x, rise_z = field.rises
     limit = math.tan(unsteppable_slope) ** 2
-    steep_x, steep_z = rise_x**2, rise_z**2
-    triangles = [
-        (rise_x[:-1], rise_z[:, 1:], steep_x[:-1] + steep_z[:, 1:] >= limit),
-        (rise_x[1:], rise_z[:, :-1], steep_x[1:] + steep_z[:, :-1] >= limit),
-    ]
-    zones: NDArray[np.bool_] = triangles[0][2] | triangles[1][2]
+    facets = [(x, z, _sum_of_squares(x, z) >= limit) for x, z in field.facets]
+    zones: NDArray[np.bool_] = np.logical_or.reduce([steep for _, _, steep in facets])
     if foot_radius == 0.0 or not zones.any():
         return zones
     near = _near(field.cell, foot_radius)
     margin = int(np.abs(near).max(initial=0))
     # With a margin around it no neighbour needs to be looked for.
     wide = np.pad(zones, margin)
-    # The two triangles of a cell may fall to different sides.
-    for along_x, along_z, steep in triangles:
+    # The triangles of a cell may fall to different sides.
+    for along_x, along_z, steep in facets:
         source = np.flatnonzero(np.pad(steep, margin))
         _mark_downhill(wide, source, (along_x[steep], along_z[steep]), field.cell, near)
     return np.ascontiguousarray(wide[margin:-margin, margin:-margin]) if margin else zones
+
+
+def _sum_of_squares(x: Array, z: Array) -> Array:
+    squares = x * x
+    squares += z * z
+    return squares
 
 
 def _near(cell: tuple[float, float], radius: float) -> NDArray[np.int64]:

@@ -15,6 +15,7 @@ from pipeline.simulation.terrain.forbidden import forbidden_cells
 from pipeline.simulation.terrain.from_file import below
 from pipeline.simulation.terrain.generators import GENERATORS
 from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.surfaces import surface_of
 from pipeline.spec.terrain import Ground as Words
 from pipeline.spec.values import FAR
 
@@ -66,6 +67,6 @@ def build_ground(words: Words, seed: int) -> Ground:
         field = GENERATORS[type(words)](words, generator(seed, "terrain"))
     except SceneError as error:
         raise below(error, "terrain") from None
-    field = field.placed(words.at, math.radians(words.heading_deg))
+    field = surface_of(field, words.polygons).placed(words.at, math.radians(words.heading_deg))
     zones = forbidden_cells(field, math.radians(words.unsteppable_slope_deg), words.foot_radius)
     return Ground(field, zones, words.material)

@@ -2,12 +2,11 @@
 
 The grid has (n_z + 1, n_x + 1) vertices. Each cell is cut along the diagonal from
 its low corner to its high corner, and every question about the surface is
-answered on these triangles, so that feet stand on what the renderer draws.
+answered on these triangles, so that feet stand on what the renderer draws. `quadfield`
+cuts them otherwise.
 
 The grid G has a pose in the world W: its middle lies at (x, z) and it is turned about
-+Y. World places are taken to the grid by the inverse, two products a point. Sims also
-has quadrilaterals, and interpolates their heights linearly between four corners; such
-a patch is curved, so what is drawn would no longer be what is stood on.
++Y. World places are taken to the grid by the inverse, two products a point.
 
 Source: Sims 1987, 8.1.
 """
@@ -15,8 +14,9 @@ Source: Sims 1987, 8.1.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,24 +40,25 @@ class HeightField:
     at: tuple[float, float] = (0.0, 0.0)
     heading: float = 0.0
 
-    @staticmethod
-    def of_vertices(vertices: Array, cells: tuple[int, int]) -> HeightField:
-        """Return the field whose grid vertices (V, 3) these are."""
+    @classmethod
+    def of_vertices(cls, vertices: Array, cells: tuple[int, int]) -> Self:
+        """Return the field whose vertices (V, 3) these are, those of its grid first."""
         n_x, n_z = cells
-        low, along_x, high = vertices[0], vertices[n_x], vertices[-1]
+        grid = vertices[: (n_x + 1) * (n_z + 1)]
+        low, along_x, high = grid[0], grid[n_x], grid[-1]
         run, across = along_x - low, high - along_x
-        return HeightField(
-            vertices[:, 1].reshape(n_z + 1, n_x + 1),
+        return cls(
+            grid[:, 1].reshape(n_z + 1, n_x + 1),
             (math.hypot(run[0], run[2]), math.hypot(across[0], across[2])),
             (float(low[0] + high[0]) / 2.0, float(low[2] + high[2]) / 2.0),
             math.atan2(-run[2], run[0]),
         )
 
-    def placed(self, at: tuple[float, float], heading: float) -> HeightField:
+    def placed(self, at: tuple[float, float], heading: float) -> Self:
         """Return the field moved so that what was its origin lies at `at`, turned about it."""
-        origin = HeightField(self.heights, self.size, at, heading)
+        origin = replace(self, at=at, heading=heading)
         x, z = origin.to_world(*np.asarray(self.at))
-        return HeightField(self.heights, self.size, (float(x), float(z)), heading)
+        return replace(origin, at=(float(x), float(z)))
 
     @cached_property
     def _turn(self) -> tuple[float, float] | None:
@@ -161,37 +162,41 @@ class HeightField:
 
     @cached_property
     def vertices(self) -> Array:
-        """Grid vertices (V, 3) [m], row by row."""
+        """Vertices (V, 3) [m], those of the grid first, row by row."""
+        return self._grid.reshape(-1, 3)
+
+    @property
+    def _grid(self) -> Array:
+        """Vertices of the grid (n_z + 1, n_x + 1, 3) [m]."""
         n_x, n_z = self.cells
         x = np.linspace(-self.size[0] / 2, self.size[0] / 2, n_x + 1)
         z = np.linspace(-self.size[1] / 2, self.size[1] / 2, n_z + 1)
         gx, gz = self.to_world(*np.meshgrid(x, z))
-        return np.stack([gx, self.heights, gz], axis=-1).reshape(-1, 3)
+        return np.stack([gx, self.heights, gz], axis=-1)
 
     @cached_property
     def faces(self) -> NDArray[np.uint32]:
-        """Triangles (2 n_x n_z, 3), counter-clockwise from above: the surface itself."""
-        n_x, n_z = self.cells
-        a = (np.arange(n_z)[:, None] * (n_x + 1) + np.arange(n_x)).ravel()
-        b, c, d = a + 1, a + n_x + 1, a + n_x + 2
+        """Triangles (F, 3), counter-clockwise from above, cell by cell: the surface itself."""
+        a, b, c, d = self._corner_numbers
         triangles = np.stack([a, d, b, a, c, d], axis=-1).reshape(-1, 3)
         return triangles.astype(np.uint32)
 
     @property
-    def rises(self) -> tuple[Array, Array]:
-        """Rise per metre along x (n_z + 1, n_x) and z (n_z, n_x + 1) of the edges of cells.
+    def _corner_numbers(self) -> tuple[NDArray[np.int64], ...]:
+        """Numbers (n_x n_z,) of the cells' vertices at low x and z, high x, high z, both high."""
+        n_x, n_z = self.cells
+        a = (np.arange(n_z)[:, None] * (n_x + 1) + np.arange(n_x)).ravel()
+        return a, a + 1, a + n_x + 1, a + n_x + 2
 
-        The triangle at a cell's low z has the rises of its edges at low z and at high x, the
-        other one those at high z and at low x; all in the frame of the grid.
-        """
+    @property
+    def _rises(self) -> tuple[Array, Array]:
+        """Rise per metre along x (n_z + 1, n_x) and z (n_z, n_x + 1) of the edges of cells."""
         return np.diff(self.heights, axis=1) / self.cell[0], (
             np.diff(self.heights, axis=0) / self.cell[1]
         )
 
     @property
-    def gradients(self) -> Array:
-        """(2, n_z, n_x, 2): rise along x and z of both triangles of each cell, per metre."""
-        x, z = self.rises
-        first = np.stack([x[:-1], z[:, 1:]], axis=-1)
-        second = np.stack([x[1:], z[:, :-1]], axis=-1)
-        return np.stack([first, second])
+    def facets(self) -> tuple[tuple[Array, Array], ...]:
+        """Rise along x and z (n_z, n_x) of each triangle of the cells, in the grid's frame."""
+        x, z = self._rises
+        return (x[:-1], z[:, 1:]), (x[1:], z[:, :-1])

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 
 from pipeline.spec.terrain.built import DitchesTerrain, RampTerrain, StairsTerrain, StonesTerrain
 from pipeline.spec.terrain.files import ImageTerrain, MeshTerrain, beside, simulated
-from pipeline.spec.terrain.ground import Grid, Ground
+from pipeline.spec.terrain.ground import Grid, Ground, Polygons
 from pipeline.spec.terrain.names import ShortForms, written_out
 from pipeline.spec.terrain.presets import TERRAIN_PRESETS
 from pipeline.spec.terrain.sum import SumTerrain
@@ -42,6 +42,7 @@ __all__ = [
     "HillsTerrain",
     "ImageTerrain",
     "MeshTerrain",
+    "Polygons",
     "RampTerrain",
     "StairsTerrain",
     "StonesTerrain",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field
 from pydantic.annotated_handlers import GetJsonSchemaHandler
@@ -21,6 +21,7 @@ MOST_CELLS = 4000
 CellCount = Annotated[Whole, Field(ge=2, le=MOST_CELLS)]
 Cells = tuple[CellCount, CellCount]
 Size = tuple[Length, Length]
+Polygons = Literal["triangles", "quads"]
 
 SIZE = "Extent along x and z, centred on the place `at` [m]."
 CELLS = "Number of cells of the grid along x and z."
@@ -37,6 +38,12 @@ class Ground(Words):
         ge=-36_000,
         le=36_000,
         description="How far the terrain is turned about +Y at its middle [degrees].",
+    )
+    polygons: Polygons = Field(
+        "triangles",
+        description="What the grid is made of: `triangles`, two a cell along one diagonal, or "
+        "`quads`, which favour neither: four triangles about a middle as high as their corners on "
+        "average.",
     )
     material: Name = Field("dry soil", description="Material of the ground, by name.")
     unsteppable_slope_deg: Number = Field(

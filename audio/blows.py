@@ -13,6 +13,7 @@ from audio.grains import band_noise, settling
 from audio.grid import SAMPLE_RATE
 from audio.materials import Family, family_of
 from audio.motions import motion_of
+from audio.rubs import rub_of
 from audio.voices import Note
 
 # Each kind of blow exists in this many variants, so that no two steps in a row are alike
@@ -96,13 +97,14 @@ def sounded(blow: Blow, seed: int) -> Signal:
     """Return the sound of a blow, of peak 1, from the sample of its onset on: (N,)."""
     # The wish for another distance or speed must not change the dice.
     rng = _generator(seed, blow.cause, blow.material, blow.surface, blow.size, blow.variant)
-    motion = motion_of(blow.cause)
+    motion, rub = motion_of(blow.cause), rub_of(blow.cause)
     if motion is not None:
         seconds = blow.decay or blow.duration or motion.seconds
         pitch = blow.pitch or motion.pitch * (0.1 / blow.size) ** 0.5
         sound = motion.play(seconds, float(np.clip(pitch, 30, 6000)), blow.speed, rng)
-    elif blow.duration > 0:
-        sound = _rubbed(blow, rng)
+    elif rub is not None or blow.duration > 0:
+        seconds = blow.decay or blow.duration or (rub.seconds if rub else 0.0)
+        sound = _rubbed(blow, seconds, rng)
     else:
         sound = _struck(blow, rng)
     fade = min(_FADE, sound.size)
@@ -156,10 +158,10 @@ def _air_edge(distance: float) -> float:
     return float(np.sqrt(6 / (_AIR * distance)))
 
 
-def _rubbed(blow: Blow, rng: np.random.Generator) -> Signal:
+def _rubbed(blow: Blow, seconds: float, rng: np.random.Generator) -> Signal:
     """Return a scrape or a roll: grains of the surface that shake the body's modes."""
     own, ground = family_of(blow.material, "wood"), family_of(blow.surface, "wood")
-    samples = max(int((blow.decay or blow.duration) * SAMPLE_RATE), 64)
+    samples = max(int(seconds * SAMPLE_RATE), 64)
     low, high = ground.band
     rough = band_noise(samples, (low, min(high, _air_edge(blow.distance))), rng)
     body = _ring(lasting(_own(own, ground, blow, rng), 0.03), blow)

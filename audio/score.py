@@ -19,7 +19,7 @@ class ScoreEvent:
     Attributes:
         frame: 1-based frame that first shows the event; its note stands at (frame - 1) / fps.
         time: exact time of the cause [s], at most one frame before its frame's time.
-        cause: "footfall", "collision", ...
+        cause: "footfall", "scuff", "collision", ...
         who: performer that sounds, such as "bug".
         part: the part of it, such as "foot_l1"; empty for the whole.
         other: what it met, such as "terrain"; empty where there is nothing.

@@ -13,9 +13,13 @@ from audio.instruments import program_of
 from audio.materials import family_of
 from audio.motions import motion_of
 from audio.names import folded
+from audio.rubs import rub_of
 from audio.scales import Scale, parse_scale
 from audio.score import Score, ScoreEvent
 from audio.words import Sound, Voice, When
+
+# What feet do: a step of the scale for each of them.
+_BY_PART = ("footfall", "scuff")
 
 # Middle of the keyboard for a piece of 0.1 m. Real strings and bars climb an octave for half the
 # length; two thirds of it keeps a brick and a beetle on one instrument.
@@ -135,14 +139,15 @@ def _matches(name: str, pattern: str) -> bool:
 
 def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: float) -> Note:
     length = voice.length or event.duration or _natural_length(event)
-    default = "by part" if folded(event.cause) == "footfall" else "by size"
+    default = "by part" if folded(event.cause) in _BY_PART else "by size"
+    rub = rub_of(event.cause)
     pitch = voice.pitch if voice.pitch is not None else default
     return Note(
         event=event,
         program=program_of(voice.instrument or _instrument(event)),
         pitch=pitch if isinstance(pitch, int) else _scale_pitch(event, scale, pitch, rank),
         seconds=length,
-        level=loudness_db(event) + voice.gain_db + volume_db,
+        level=loudness_db(event) + (rub.level if rub else 0.0) + voice.gain_db + volume_db,
         tuned=voice.pitch is not None,
         decay=voice.length,
     )
@@ -150,11 +155,15 @@ def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: f
 
 def _instrument(event: ScoreEvent) -> str:
     motion = motion_of(event.cause)
-    return motion.instrument if motion else family_of(event.material, "wood").instrument
+    own = motion or rub_of(event.cause) or family_of(event.material, "wood")
+    return own.instrument
 
 
 def _natural_length(event: ScoreEvent) -> float:
-    """Return how long a blow's note lasts: a larger piece rings longer [s]."""
+    """Return how long a note lasts: a larger piece rings longer, a rub is soon over [s]."""
+    rub = rub_of(event.cause)
+    if rub is not None:
+        return rub.seconds
     return min(max(0.25 + 0.5 * event.size, 0.25), 1.5)
 
 

@@ -56,7 +56,7 @@ class Words(BaseModel):
 class When(Words):
     """Which events a voice is for; all that is given must fit, `*` stands for any letters."""
 
-    cause: Pattern | None = Field(None, description="What happened, such as footfall or collision.")
+    cause: Pattern | None = Field(None, description="What happened, such as footfall or scuff.")
     who: Pattern | None = Field(None, description="Name of the performer that sounds.")
     part: Pattern | None = Field(None, description="Its part, such as foot_l1 or foot_*.")
     material: Pattern | None = Field(None, description="Material of the part that sounds.")

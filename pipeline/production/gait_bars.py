@@ -154,7 +154,7 @@ def _actual(take: Take, herd: Herd, ground: Ground, leg: int, times: Array) -> A
     touches = [
         float((contact.step + contact.fraction) / (take.header.rate * take.header.steps))
         for contact in take.contacts
-        if contact.part == f"{owner}.{herd.leg_names[leg]}"
+        if contact.part == f"{owner}.{herd.leg_names[leg]}" and contact.kind == "touch"
     ]
     for moment in touches:
         # A foot touches less than two rows before it is seen to rest.

@@ -9,18 +9,23 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
 FORMAT = 1
 """Version of the take's layout."""
+
+ContactKind = Literal["touch", "scuff"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,11 +145,12 @@ class Contact:
         other: what was touched, such as "terrain".
         place: where [m].
         normal: of the surface touched.
-        speed: of approach along the normal [m/s].
-        energy: of the approach [J].
+        speed: of approach along the normal; of a scuff along the surface [m/s].
+        energy: of what goes at this speed [J].
         material: of the part.
         surface: material of the other.
         size: characteristic length of the part [m].
+        kind: "touch" if the part comes to rest, "scuff" if it brushes over the other.
     """
 
     step: int
@@ -159,6 +165,7 @@ class Contact:
     material: str
     surface: str
     size: float
+    kind: ContactKind = "touch"
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +176,7 @@ class SoundEvent:
         step: the last step before it.
         fraction: of a step after that, in [0, 1).
         frame: the first that shows it; may lie after the last.
-        cause: "footfall", ...
+        cause: "footfall", "scuff", ...
         who: performer that sounds.
         part: the part of it that sounds.
         other: with whom or what.
@@ -282,12 +289,13 @@ class Take:
         return [[len(getattr(mesh, f.name)) for f in fields(Mesh)] for mesh in self.meshes]
 
     def tables(self) -> dict[str, list[list[Any]]]:
-        """Return everything that is no array as rows of plain values."""
+        """Return everything that is no array as rows of plain values.
+
+        Last columns that have their defaults are left out, so that what was written before
+        there were such columns has the same digest still.
+        """
         names = ("nodes", "channels", "parts", "contacts", "events", "notes")
-        return {
-            name: [[getattr(row, f.name) for f in fields(row)] for row in getattr(self, name)]
-            for name in names
-        }
+        return {name: [_plain(row) for row in getattr(self, name)] for name in names}
 
     @cached_property
     def digest(self) -> str:
@@ -305,3 +313,13 @@ class Take:
             state.update(f"{name}{values.dtype.str}{values.shape}".encode())
             state.update(np.ascontiguousarray(values).tobytes())
         return state.hexdigest()
+
+
+def _plain(row: DataclassInstance) -> list[Any]:
+    columns = fields(row)
+    values = [getattr(row, f.name) for f in columns]
+    while columns[len(values) - 1].default is not MISSING and (
+        values[-1] == columns[len(values) - 1].default
+    ):
+        values.pop()
+    return values

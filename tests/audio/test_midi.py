@@ -290,3 +290,17 @@ def test_a_failure_leaves_the_earlier_file_and_nothing_beside_it(
 def test_a_folder_that_is_not_there_is_an_audio_error(score_of, tmp_path):
     with pytest.raises(AudioError, match="nowhere"):
         write_midi(score_of(), tmp_path / "nowhere" / "score.mid")
+
+
+def test_a_scuff_has_a_note_of_its_own_and_each_foot_its_pitch(step, score_of, read_smf):
+    events = [
+        step(1, cause="footfall", part="l1"),
+        step(5, cause="scuff", part="l1"),
+        step(9, cause="scuff", part="r1"),
+    ]
+    smf = read_smf(midi_bytes(score_of(events)))
+    fall, left, right = ((pitch, velocity) for _, _, pitch, velocity in smf.onsets())
+    assert left[0] == fall[0] != right[0]
+    assert left[1] == right[1] < fall[1]
+    programs = [program for program, _ in _struck(smf)]
+    assert programs == [108, 120, 120]

@@ -360,3 +360,20 @@ def test_a_failure_leaves_the_earlier_file(step, score_of, tmp_path, monkeypatch
         write_wav(score_of(frames=24 * 3600 * 5), path)
     assert path.read_bytes() == earlier
     assert [p.name for p in tmp_path.iterdir()] == ["score.wav"]
+
+
+def test_a_scuff_begins_on_its_frame_is_soon_over_and_softer_than_a_blow(step, heard):
+    scuff, blow = (
+        heard([step(3, cause=cause, surface="gravel")], 48) for cause in ("scuff", "footfall")
+    )
+    assert not scuff[:4000].any()
+    assert scuff[4000:4048].any()
+    loud = np.flatnonzero(np.abs(scuff).max(axis=1) > np.abs(scuff).max() / 300)
+    assert 0.08 < (loud[-1] - 4000) / 48_000 <= 0.14
+    assert db(np.abs(scuff).max() / np.abs(blow).max()) == pytest.approx(-12, abs=1.7)
+
+
+@pytest.mark.parametrize(("coarse", "fine"), [("gravel", "mud"), ("rock", "dry soil")])
+def test_a_scuff_is_as_bright_as_its_ground(step, heard, coarse, fine):
+    bright, dull = (centroid(heard([step(3, cause="scuff", surface=s)])) for s in (coarse, fine))
+    assert bright > 1.1 * dull

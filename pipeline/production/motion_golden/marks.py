@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from pipeline.simulation.take import Contact, Note, SoundEvent, Take
 
+DOES = {"touch": "touches", "scuff": "scuffs"}
+"""What a part does in each kind of contact."""
+
 
 @dataclass(frozen=True, slots=True)
 class Mark:
@@ -43,7 +46,7 @@ def _contact(contact: Contact) -> Mark:
     return Mark(
         "contact",
         _part(contact.performer, contact.part),
-        f"touches {contact.other}",
+        f"{DOES[contact.kind]} {contact.other}",
         round(contact.step + contact.fraction, 4),
         place=tuple(round(x, 4) for x in contact.place),
         strength=round(contact.speed, 3),

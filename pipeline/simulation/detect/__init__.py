@@ -4,6 +4,7 @@ A new cause is a file here and a line in `DETECTORS`.
 """
 
 from pipeline.simulation.detect.footfalls import footfalls
+from pipeline.simulation.detect.scuffs import scuffs
 
-DETECTORS = (footfalls,)
+DETECTORS = (footfalls, scuffs)
 """Functions (contacts of one step, clock) -> sound events."""

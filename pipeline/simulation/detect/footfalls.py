@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.detect.hearing import event_of
 from pipeline.simulation.take import Contact, SoundEvent
 
 LEAST_SPEED = 0.005
@@ -15,29 +16,9 @@ LEAST_SPEED = 0.005
 
 
 def footfalls(contacts: Iterable[Contact], clock: Clock) -> list[SoundEvent]:
-    """Return the sound events of contacts with the terrain."""
+    """Return the sound events of feet that touch the terrain."""
     return [
-        SoundEvent(
-            step=c.step,
-            fraction=c.fraction,
-            frame=clock.frame_of(c.step, c.fraction),
-            cause="footfall",
-            who=c.performer,
-            part=c.part,
-            other=c.other,
-            place=c.place,
-            strength=c.speed,
-            energy=c.energy,
-            size=c.size,
-            material=c.material,
-            surface=c.surface,
-            track=(_row(c, clock), _row(c, clock)),
-        )
+        event_of(c, "footfall", clock)
         for c in contacts
-        if c.other == "terrain" and c.speed >= LEAST_SPEED
+        if c.kind == "touch" and c.other == "terrain" and c.speed >= LEAST_SPEED
     ]
-
-
-def _row(contact: Contact, clock: Clock) -> int:
-    """Return the last row that is not after the contact."""
-    return contact.step * clock.samples // clock.steps

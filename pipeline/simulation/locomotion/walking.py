@@ -34,11 +34,12 @@ from pipeline.simulation.locomotion.manners import Manners
 from pipeline.simulation.locomotion.paces import Paces
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
+from pipeline.simulation.locomotion.scuffing import Scuffing
 from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear
 from pipeline.simulation.locomotion.wayfinding import route_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Contact, Note
+from pipeline.simulation.take import Contact, ContactKind, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, SetSpeed
@@ -96,6 +97,7 @@ class Walkers:
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
         self.holds: list[Foothold] = []
+        self.scuffing = Scuffing(herd, world.ground)
         self.swinging = np.zeros(legs, dtype=bool)
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
@@ -192,7 +194,7 @@ class Walkers:
         self._kept.clear()
 
     def facts(self) -> Facts:
-        """Return the footfalls and notes of the last step."""
+        """Return the contacts and notes of the last step."""
         return Facts(tuple(self._contacts), tuple(self._notes), tuple(self._arrived))
 
     # --- the start --------------------------------------------------------------
@@ -243,10 +245,14 @@ class Walkers:
         """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""
         herd = self.herd
         phase, base = self.phase[herd.owner], before[herd.owner]
+        span = phase - base
+        for leg in self.scuffing.due(base, phase):
+            fraction = (self.scuffing.at[leg] - base[leg]) / span[leg]
+            self._scuff(step, int(leg), float(fraction), float(span[leg]))
         down_at, held = self.lifted + self.span, self.tuck[1] > 0.0
         for leg in np.flatnonzero(self.swinging & ~held & (down_at <= phase)):
-            span = phase[leg] - base[leg]
-            self._touch(step, int(leg), float((down_at[leg] - base[leg]) / span))
+            fraction = (down_at[leg] - base[leg]) / span[leg]
+            self._touch(step, int(leg), float(fraction), float(span[leg]))
         up_at = self._going_up(before, base)
         due = np.flatnonzero((~self.swinging | held) & (up_at < phase))
         may = self.going.may_lift() if len(due) else None
@@ -334,6 +340,8 @@ class Walkers:
             self.world.ground, self.start[leg], place.tip, herd.sole[leg], least
         )
         self.lifted[leg], self.span[leg], self.swinging[leg] = phase, swung.swing, True
+        heights = float(self.height[leg]), least
+        self.scuffing.plan(leg, swung, self.start[leg], place.tip, heights)
 
     def _step_of(self, leg: int, phase: float) -> Step:
         """Return when a foot swings and stands that goes up at `phase`."""
@@ -347,19 +355,61 @@ class Walkers:
         again = float(gait.next_up(down)[own])
         return Step(phase, down - phase, again - down)
 
-    def _touch(self, step: int, leg: int, fraction: float) -> None:
+    def _is_posed(self, step: int, leg: int) -> bool:
+        """Tell whether its author has a foot somewhere else: it meets no ground."""
+        time = np.array([step * self.world.clock.dt])
+        return bool(self.postures.of) and bool(self.postures.free(time)[0, leg] < 0.5)
+
+    def _scuff(self, step: int, leg: int, fraction: float, span: float) -> None:
+        """Let a foot that swings brush over the ground, `fraction` of a step after `step`."""
+        heard = self.scuffing.heard(leg, span / self.world.clock.dt)
+        if heard is not None and not self._is_posed(step, leg):
+            scuff, speed = heard
+            mass = scuff.weight * float(self._mass[leg])
+            self._meet(step, fraction, leg, (scuff.place, scuff.normal), speed, mass, "scuff")
+
+    def _touch(self, step: int, leg: int, fraction: float, span: float) -> None:
         """Put a foot down, `fraction` of a step after `step`."""
-        herd, owner = self.herd, int(self.herd.owner[leg])
+        owner = int(self.herd.owner[leg])
         self.swinging[leg] = False
-        if (
-            self.postures.of
-            and self.postures.free(np.array([step * self.world.clock.dt]))[0, leg] < 0.5
-        ):
-            # Its author has it somewhere else: it does not come down.
+        if self._is_posed(step, leg):
             return
         hold = self.holds[leg]
         time = self.going.cycle[owner] * float(self.span[leg])
         speed = approach_speed(self.start[leg], hold.tip, self.height[leg], hold.normal, time)
+        mass = float(self._mass[leg])
+        self._meet(step, fraction, leg, (hold.place, hold.normal), speed, mass, "touch")
+        slide = self.scuffing.landing(
+            leg, self.start[leg], hold, float(self.height[leg]), span / self.world.clock.dt
+        )
+        if slide is not None:
+            scuff, speed = slide
+            where = (scuff.place, scuff.normal)
+            self._meet(step, fraction, leg, where, speed, scuff.weight * mass, "scuff")
+
+    def _meet(
+        self,
+        step: int,
+        fraction: float,
+        leg: int,
+        where: tuple[Array, Array],
+        speed: float,
+        mass: float,
+        kind: ContactKind,
+    ) -> None:
+        """Note that a foot meets the ground.
+
+        Args:
+            step: the last one before it.
+            fraction: of a step after that.
+            leg: whose foot.
+            where: (3,) place [m] and (3,) normal of the ground.
+            speed: of what kind of contact it is [m/s].
+            mass: that has this speed [kg].
+            kind: of contact.
+        """
+        herd, owner = self.herd, int(self.herd.owner[leg])
+        place, normal = where
         self._contacts.append(
             Contact(
                 step=step,
@@ -367,13 +417,14 @@ class Walkers:
                 performer=herd.names[owner],
                 part=f"{herd.names[owner]}.{herd.leg_names[leg]}",
                 other="terrain",
-                place=_plain(hold.place),
-                normal=_plain(hold.normal),
+                place=_plain(place),
+                normal=_plain(normal),
                 speed=speed,
-                energy=0.5 * float(self._mass[leg]) * speed * speed,
+                energy=0.5 * mass * speed * speed,
                 material=self._foot_materials[leg],
                 surface=self.world.ground.material,
                 size=float(herd.legs.lengths[leg]),
+                kind=kind,
             )
         )
 

@@ -110,6 +110,11 @@ class Tree:
         return order, np.argsort(order)
 
     @cached_property
+    def outward(self) -> tuple[int, ...]:
+        """The joints, each after the one that it hangs on."""
+        return tuple(self._order[0].tolist())
+
+    @cached_property
     def _hinges(self) -> Hinges:
         """The joints by distance from the body, each in the frame of its parent."""
         origins = np.where((self.parents == BODY)[:, None], 0.0, self.places[self.parents])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import cyclic
+from pipeline.simulation.dynamics.gravity import GRAVITY as GRAVITY
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits import Gait
 from pipeline.simulation.locomotion.gaits_choice import carrying, chosen
@@ -28,8 +29,6 @@ EASY = 0.85
 
 RUNS_AT, WALKS_AT, STANDS_AT = 0.92, 0.94, 0.99
 """Greatest body height that is chosen by itself, as a part of the tallest possible."""
-
-GRAVITY = 9.81
 
 PERIODS = {"insect": 2.6, "mammal": 3.1}
 """Duration of a cycle in the periods of a pendulum of the legs' length, over 2π, of a gait

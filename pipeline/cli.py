@@ -308,6 +308,26 @@ def plot_gait(
 
 
 @app.command()
+def effort(
+    scene: SceneName,
+    out: Out = Path("out"),
+    sets: Sets = None,
+    csv: Annotated[
+        bool, typer.Option("--csv", help="Write the torques of all joints over time as well.")
+    ] = False,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Say what walking takes: power, energy, cost of transport, torques of the joints."""
+    from pipeline.production.effort_report import report_effort
+
+    reporter = _flags(json_lines, quiet, verbose)
+    told = report_effort(_order(scene, sets, out), reporter, csv)
+    reporter.result(told.text, effort=told.facts)
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")],
 ) -> None:

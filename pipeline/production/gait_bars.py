@@ -144,12 +144,8 @@ def _planned(begin: float, length: float, course: Array, times: Array) -> Array:
 def _actual(take: Take, herd: Herd, ground: Ground, leg: int, times: Array) -> Array:
     """Return when (n, 2) the tip of a leg rested on the ground [s]."""
     owner = herd.names[herd.owner[leg]]
-    length = float(herd.legs.lengths[leg])
-    tip = _tips(take, herd, leg)
     row = float(times[1] - times[0])
-    still = np.linalg.norm(np.diff(tip, axis=0), axis=-1) < STILL * length * row
-    above = tip[:, 1] - ground.height(tip[:, 0], tip[:, 2]) - float(herd.sole[leg])
-    spans = _runs(still & (above[1:] < NEAR * length))
+    spans = _runs(rests(tips_of(take, herd, leg), herd, ground, leg, row))
     result = times[spans]
     touches = [
         float((contact.step + contact.fraction) / (take.header.rate * take.header.steps))
@@ -163,7 +159,24 @@ def _actual(take: Take, herd: Herd, ground: Ground, leg: int, times: Array) -> A
     return result
 
 
-def _tips(take: Take, herd: Herd, leg: int) -> Array:
+def rests(tip: Array, herd: Herd, ground: Ground, leg: int, row: float) -> NDArray[np.bool_]:
+    """Tell whether a foot rested on the ground between each row and the next (K - 1,).
+
+    Args:
+        tip: (K, 3) places of its tip [m].
+        herd: the creatures.
+        ground: that it rests on.
+        leg: which.
+        row: time between two rows [s].
+    """
+    length = float(herd.legs.lengths[leg])
+    still = np.linalg.norm(np.diff(tip, axis=0), axis=-1) < STILL * length * row
+    above = tip[:, 1] - ground.height(tip[:, 0], tip[:, 2]) - float(herd.sole[leg])
+    result: NDArray[np.bool_] = still & (above[1:] < NEAR * length)
+    return result
+
+
+def tips_of(take: Take, herd: Herd, leg: int) -> Array:
     """Return where the tip of a leg is in every row (K, 3) [m]."""
     owner = int(herd.owner[leg])
     skeleton = herd.figures[owner].skeleton

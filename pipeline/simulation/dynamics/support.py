@@ -1,0 +1,78 @@
+"""Support: the forces of the ground on the feet that carry what a motion needs.
+
+Feet are points: they give forces, no moments, and push but do not pull. All standing feet
+together give the whole force; how they share it gives as much of the moment as it can, and
+of all shares that do so they take the least (in the sum of squares). Feet that would have
+to pull are left out, one by one. A foot alone can only pass the force on, so what is left
+of the moment is what keeps a creature from falling over and nothing in the scene accounts
+for: the less, the better balanced its motion is.
+
+Source: Winter 2009 (inverse dynamics from the ground up); Sims 1987, 7.3.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array, cross, cross_matrix, turn
+
+ALIKE = 1e-10
+"""Squared lever, as a part of the greatest, below which a direction has none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """How feet share a load.
+
+    Attributes:
+        forces: (K, F, 3) of the ground on the feet [N].
+        force: (K, 3) what nobody carries, because no foot is down [N].
+        moment: (K, 3) what nobody carries [N m].
+    """
+
+    forces: Array
+    force: Array
+    moment: Array
+
+
+def support(points: Array, stands: NDArray[np.bool_], force: Array, moment: Array) -> Support:
+    """Return how standing feet carry a load.
+
+    Args:
+        points: (K, F, 3) where the feet are, from where the moment is about [m].
+        stands: (K, F) which of them are down.
+        force: (K, 3) to be carried [N].
+        moment: (K, 3) [N m].
+    """
+    bears = stands.copy()
+    forces = _shared(points, bears, force, moment)
+    # Vertical shares of feet that bear have the mean of the force's, so one foot is left.
+    for _ in range(points.shape[1] - 1):
+        pulls = np.where(bears, forces[..., 1], np.inf)
+        worst = np.argmin(pulls, axis=1)
+        rows = np.flatnonzero((pulls.min(axis=1) < 0.0) & (bears.sum(axis=1) > 1))
+        if not len(rows):
+            break
+        bears[rows, worst[rows]] = False
+        forces[rows] = _shared(points[rows], bears[rows], force[rows], moment[rows])
+    given = cross(points, forces).sum(axis=1)
+    return Support(forces, force - forces.sum(axis=1), moment - given)
+
+
+def _shared(points: Array, bears: NDArray[np.bool_], force: Array, moment: Array) -> Array:
+    """Return the least forces (K, F, 3) of feet that give the force and best the moment."""
+    K, F = bears.shape
+    count = np.maximum(bears.sum(axis=1), 1)[:, None, None]
+    even = bears[..., None] * force[:, None] / count
+    # Shares may differ by what sums to nothing: levers count from the mean of the feet.
+    middle = (bears[..., None] * points).sum(axis=1, keepdims=True) / count
+    levers = cross_matrix((points - middle) * bears[..., None])
+    wide = levers.transpose(0, 2, 1, 3).reshape(K, 3, 3 * F)
+    left = moment - cross(points, even).sum(axis=1)
+    square: Array = np.linalg.pinv(wide @ wide.transpose(0, 2, 1), rcond=ALIKE, hermitian=True)
+    differ = turn(wide.transpose(0, 2, 1), turn(square, left)).reshape(K, F, 3)
+    result: Array = even + differ
+    return result

@@ -1,0 +1,174 @@
+"""Efforts: weights, flights, works and the command that tells them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline import cli
+from pipeline.errors import UsageError
+from pipeline.production.effort import Effort, efforts, legged_of
+from pipeline.production.effort_report import facts, torques_csv
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.figures.row_motion import motion_of_rows
+from pipeline.simulation.simulate import simulate
+from pipeline.simulation.spatial import Array, rotation
+from pipeline.spec import read_scene
+
+HEAD = "pronk: 1\nduration: {}\nterrain: {{kind: flat, size: [60, 60]}}\ncast:\n"
+CAST = """\
+- {name: stool, figure: tripod}
+- {name: mare, figure: horse, at: [0, 5], walk: {}}
+- {name: pip, figure: person, at: [0, -5], walk: {gait: run, duty: 0.3}}
+- {name: looper, figure: inchworm, at: [0, 9], walk: {}}
+"""
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, Effort]:
+    """Efforts of a stool, a horse and a person who runs."""
+    scene = read_scene(HEAD.format(2) + CAST)
+    return {e.name: e for e in efforts(legged_of(scene), simulate(scene))}
+
+
+def test_everybody_on_legs_is_told_of(found: dict[str, Effort]) -> None:
+    assert list(found) == ["stool", "mare", "pip"]
+
+
+def test_who_stands_still_carries_exactly_its_weight_and_does_no_work(
+    found: dict[str, Effort],
+) -> None:
+    stool = found["stool"]
+    total = stool.feet.sum(axis=1)
+    assert np.allclose(total, [0.0, stool.mass * GRAVITY, 0.0], rtol=1e-9, atol=1e-6)
+    assert np.abs(stool.unbalanced).max() < 1e-9 * stool.mass * GRAVITY
+    assert (stool.feet[..., 1] > 0.0).all()
+    assert stool.energy == pytest.approx(0.0, abs=1e-6)
+    assert stool.cost_of_transport is None
+
+
+def test_who_walks_carries_its_weight_on_average(found: dict[str, Effort]) -> None:
+    """Over whole cycles the body rises as much as it falls."""
+    mare = found["mare"]
+    assert np.abs(mare.unborne).max() < 1e-9 * mare.mass * GRAVITY
+    up = mare.feet[..., 1].sum(axis=1).mean()
+    assert up == pytest.approx(mare.mass * GRAVITY, rel=0.03)
+
+
+def test_who_flies_falls_freely(found: dict[str, Effort]) -> None:
+    """In the middle of a flight only the limbs' swinging is left to be borne."""
+    pip = found["pip"]
+    flies = ~np.abs(pip.feet).any(axis=(1, 2))
+    deep = flies[:-4] & flies[1:-3] & flies[2:-2] & flies[3:-1] & flies[4:]
+    assert deep.any()
+    weight = pip.mass * GRAVITY
+    assert np.abs(pip.unborne[2:-2][deep, 1]).max() < 0.75 * weight
+    assert np.abs(pip.unborne[2:-2][deep, 1]).mean() < 0.35 * weight
+
+
+def test_costs_are_those_of_animals(found: dict[str, Effort]) -> None:
+    """Between the hundredths of passive walkers and a few of machines."""
+    for name in ("mare", "pip"):
+        effort = found[name]
+        assert effort.cost_of_transport is not None
+        assert 0.05 < effort.cost_of_transport < 3.0
+        assert effort.mean_power * (effort.times[-1] - effort.times[0]) == pytest.approx(
+            effort.energy
+        )
+
+
+def _error(rows: int) -> Array:
+    """Return the errors of the derivatives of a motion in closed form."""
+    t = np.linspace(0.0, 1.0, rows)
+    axis = np.array([0.6, 0.0, 0.8])
+    R, p = rotation(axis, np.sin(3 * t)), np.stack([np.cos(t), t**3, np.exp(t)], axis=-1)
+    motion = motion_of_rows(np.sin(2 * t)[:, None], R, p, float(t[1]))
+    t = t[1:-1]
+    expected = (
+        (motion.speeds[:, 0], 2 * np.cos(2 * t)),
+        (motion.accelerations[:, 0], -4 * np.sin(2 * t)),
+        (motion.spin @ axis, 3 * np.cos(3 * t)),
+        (motion.spin_rate @ axis, -9 * np.sin(3 * t)),
+        (motion.acceleration[:, 0], -np.cos(t)),
+    )
+    return np.array([np.abs(a - b).max() for a, b in expected])
+
+
+def test_derivatives_of_rows_are_of_second_order() -> None:
+    coarse, fine = _error(51), _error(101)
+    assert (fine < 1e-2).all()
+    assert np.allclose(coarse / fine, 4.0, rtol=0.05)
+
+
+def test_the_csv_holds_all_torques(found: dict[str, Effort]) -> None:
+    rows = list(csv.reader(torques_csv([found["mare"], found["pip"]]).splitlines()))
+    columns = found["mare"].torques.shape[1] + found["pip"].torques.shape[1]
+    assert {len(row) for row in rows} == {1 + columns}
+    values = np.array(rows[1:], dtype=float)
+    assert np.allclose(values[:, 0], found["mare"].times, atol=1e-6)
+    assert np.allclose(
+        values[:, 1 + found["mare"].torques.shape[1] :], found["pip"].torques, rtol=1e-5
+    )
+    hip = rows[0].index("pip.l1.base_pitch")
+    largest = facts(found["pip"])["largest_torques"]["l1.base_pitch"]
+    assert np.abs(values[:, hip]).max() == pytest.approx(largest, rel=1e-5)
+
+
+def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    """Run a command and return its exit code."""
+    monkeypatch.setattr(sys, "argv", ["pronk", *words])
+    with pytest.raises(SystemExit) as end:
+        cli.main()
+    return int(end.value.code or 0)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the current folder, which holds scenes."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(cli, "listen", lambda: None)
+    monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+    bug = "- {name: bug, figure: beetle, walk: {}}\n"
+    (tmp_path / "play.yaml").write_text(HEAD.format(0.5) + bug)
+    (tmp_path / "flash.yaml").write_text(
+        HEAD.format(0.5).replace("duration: 0.5", "frames: 1\nsamples: 1") + bug
+    )
+    (tmp_path / "worm.yaml").write_text(HEAD.format(0.5) + "- {figure: inchworm, walk: {}}\n")
+    return tmp_path
+
+
+def test_the_command_prints_a_table_or_json_and_writes_a_csv(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert called(monkeypatch, "effort", "play", "--csv") == 0
+    lines = capfd.readouterr().out.splitlines()
+    assert lines[0].split()[:3] == ["mass", "way", "mean"]
+    assert lines[1].startswith("bug")
+    assert len((folder / lines[-1]).read_text().splitlines()) == 0.5 * 96
+    assert called(monkeypatch, "effort", "play", "--json") == 0
+    (bug,) = json.loads(capfd.readouterr().out.splitlines()[-1])["effort"]
+    assert bug["name"] == "bug"
+    assert f"{bug['energy']:.4g} J" in lines[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [("flash", "too few to tell accelerations"), ("worm", "nobody in this scene stands on legs")],
+)
+def test_the_command_refuses_with_one_message(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    name: str,
+    says: str,
+) -> None:
+    assert called(monkeypatch, "effort", name) == UsageError.exit_code
+    said = capfd.readouterr().err
+    assert says in said
+    assert "Traceback" not in said
+    assert not (folder / "out" / name).exists()

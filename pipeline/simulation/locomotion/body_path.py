@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import hinge
+from pipeline.simulation.locomotion.footing import Footing
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pace import GRAVITY
 from pipeline.simulation.locomotion.paces import Paces
@@ -32,7 +33,7 @@ ROLL_FOLLOWS = 0.6
 CORNER = 0.4
 """Over how much of its height a body feels the ground come near its belly."""
 
-BLUNT = 0.12
+BLUNT = 0.06
 """How blunt the highest ground under a body is taken to be, as a part of its height:
 the body does not follow every corner of the terrain."""
 
@@ -48,6 +49,7 @@ class BodyPath:
     Attributes:
         herd: the creatures.
         ground: what they go over.
+        footing: the ground that they can stand on, and the surface it makes.
         routes: their ways over the plane; a route may be changed where its creature has not
             been yet.
         paces: how they go.
@@ -57,6 +59,7 @@ class BodyPath:
         self.herd = herd
         self.ground = ground
         self.paces = paces
+        self.footing = Footing(herd, ground)
         self.routes = list(routes)
         self._goes_straight = np.array([route.goes_straight for route in routes], dtype=bool)
 
@@ -66,21 +69,11 @@ class BodyPath:
         self._goes_straight[c] = route.goes_straight
 
     @cached_property
-    def _samples(self) -> tuple[Array, Array, NDArray[np.int64]]:
-        """Places under a body (C, 63, 2), weights (63,), and which of them are in the middle."""
-        u, v = np.meshgrid(np.linspace(-1, 1, 9), np.linspace(-1, 1, 7))
-        unit = np.stack([u.ravel(), v.ravel()], axis=-1)
-        weights = np.exp(-1.2 * (unit**2).sum(axis=-1))
-        offsets = unit * self.herd.footprint[:, None]
-        middle = np.flatnonzero(np.abs(unit[:, 1]) < 0.4)
-        return offsets, weights / weights.sum(), middle
-
-    @cached_property
-    def _spread(self) -> Array:
-        """(C, 2) weighted mean square of the places along and across [m²]."""
-        offsets, weights, _ = self._samples
-        result: Array = (weights[:, None] * offsets**2).sum(axis=1)
-        return result
+    def _samples(self) -> tuple[Array, Array]:
+        """Places under a body (C, 7, 2), five along it and one on either side, and weights (5,)."""
+        u = np.array([[-1, 0], [-0.5, 0], [0, 0], [0.5, 0], [1, 0], [0, -0.5], [0, 0.5]])
+        weights = np.exp(-1.2 * u[:5, 0] ** 2)
+        return u * self.herd.footprint[:, None], weights / weights.sum()
 
     def pose(
         self,
@@ -148,19 +141,21 @@ class BodyPath:
             Its height (N,) [m], its slopes along and across (N, 2), and how far the ground
             under the middle rises above the plane that the body lies in (N,) [m].
         """
-        offsets, weights, middle = self._samples
+        offsets, weights = self._samples
         own = offsets[creature]
         c, s = (f[:, None] for f in direction(turned).T)
         # Along the heading and across it, to the right: (c, s) turned by a quarter.
         x = xz[:, 0, None] + own[..., 0] * c - own[..., 1] * s
         z = xz[:, 1, None] + own[..., 0] * s + own[..., 1] * c
-        h = self.ground.height(x, z)
+        h, excess = self.footing.surface(creature, x, z)
+        along, across = own[:, :5, 0], own[:, 6, 1] - own[:, 5, 1]
+        middle = h[:, :5] * weights
         # Sums by rows, not by a BLAS, whose last bit depends on how many rows there are.
-        height = (h * weights).sum(axis=-1)
-        slope = ((h * weights)[..., None] * own).sum(axis=1) / self._spread[creature]
-        tilted = slope * [PITCH_FOLLOWS, ROLL_FOLLOWS]
-        plane = height[:, None] + (own * tilted[:, None]).sum(axis=-1)
-        rise = np.take(h - plane, middle, axis=1)
+        height = middle.sum(axis=-1)
+        ahead = (middle * along).sum(axis=-1) / (weights * along**2).sum(axis=-1)
+        slope = np.stack([ahead, (h[:, 6] - h[:, 5]) / across], axis=-1)
+        plane = height[:, None] + PITCH_FOLLOWS * ahead[:, None] * along
+        rise = (h + excess)[:, :5] - plane
         highest = rise.max(axis=-1, keepdims=True)
         blunt = BLUNT * self.herd.body_height[creature, None]
         # A maximum without corners, by log-mean-exp.

@@ -158,7 +158,7 @@ class Footholds:
         looked_at = []
         for xz in choices:
             tips = self.stand(leg, xz)
-            safe = self.ground.steppable(xz[:, 0], xz[:, 1])
+            safe = self.path.footing.allows(owner, xz[:, 0], xz[:, 1])
             looked_at.append((xz, np.where(safe, self._stoop(leg, tips, R, p), np.inf)))
             if (looked_at[-1][1] == 0.0).any():
                 break

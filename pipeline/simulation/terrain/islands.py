@@ -1,0 +1,148 @@
+"""Islands: pieces of ground that can be stood on, and which of them steps lead to.
+
+Cells that a foot may be put on and that share a side make an island; between islands lies
+forbidden ground. A step leads from one to the other where the gap between two of their
+cells is no wider, and the rise no greater, than legs can do.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.ground import Ground
+
+SPOKES = 16
+"""Directions in which the other side of a gap is looked for."""
+
+
+class Islands:
+    """The islands of a ground.
+
+    Attributes:
+        ground: what they lie on.
+    """
+
+    def __init__(self, ground: Ground) -> None:
+        self.ground = ground
+
+    @cached_property
+    def of_cells(self) -> NDArray[np.int64]:
+        """(n_z, n_x) number of each cell's island, -1 where no foot may be put."""
+        return labelled(~self.ground.forbidden)
+
+    @cached_property
+    def _heights(self) -> Array:
+        return cell_heights(self.ground)
+
+    @cached_property
+    def _shore(self) -> NDArray[np.int64]:
+        """(n, 2) rows and columns of cells beside forbidden ones."""
+        free = np.pad(~self.ground.forbidden, 1, constant_values=True)
+        inner = free[:-2, 1:-1] & free[2:, 1:-1] & free[1:-1, :-2] & free[1:-1, 2:]
+        return np.argwhere(~self.ground.forbidden & ~inner)
+
+    def reached(self, start: Array, around: float, gap: float, rise: float) -> NDArray[np.bool_]:
+        """Return the cells (n_z, n_x) that steps lead to.
+
+        Args:
+            start: place x, z from which they lead [m].
+            around: how far from it they may begin [m].
+            gap: widest [m].
+            rise: greatest, up or down [m].
+        """
+        labels = self.of_cells
+        free: NDArray[np.bool_] = labels >= 0
+        if free.all() or not free.any():
+            return free
+        found = np.zeros(int(labels.max()) + 1, dtype=bool)
+        found[self._begin(start, around)] = True
+        pairs = self._pairs(gap, rise)
+        while True:
+            a, b = found[pairs[:, 0]], found[pairs[:, 1]]
+            fresh = np.concatenate([pairs[a & ~b, 1], pairs[b & ~a, 0]])
+            if not len(fresh):
+                break
+            found[fresh] = True
+        return free & found[np.maximum(labels, 0)]
+
+    def _begin(self, start: Array, around: float) -> int:
+        """Return the island that most of the ground around `start` belongs to."""
+        field, labels = self.ground.field, self.of_cells
+        angle, radius = np.arange(SPOKES) * (2.0 * np.pi / SPOKES), np.linspace(0.0, around, 9)
+        x = start[0] + np.multiply.outer(radius, np.cos(angle)).ravel()
+        z = start[1] + np.multiply.outer(radius, np.sin(angle)).ravel()
+        here = labels[field.cell_of(x, z)]
+        here = here[here >= 0]
+        # On forbidden ground all round, any: nobody can stand there, and the feet will say so.
+        return int(np.bincount(here if len(here) else labels[labels >= 0]).argmax())
+
+    def _pairs(self, gap: float, rise: float) -> NDArray[np.int64]:
+        """Return pairs (n, 2) of islands between which steps lead."""
+        labels, heights, shore = self.of_cells, self._heights, self._shore
+        n_z, n_x = labels.shape
+        largest = np.bincount(labels[labels >= 0]).argmax()
+        # Every pair is looked at from both sides: one of them is enough, and the largest
+        # island has the longest shore.
+        shore = shore[labels[shore[:, 0], shore[:, 1]] != largest]
+        side = min(self.ground.field.cell)
+        own, tall = labels[shore[:, 0], shore[:, 1]], heights[shore[:, 0], shore[:, 1]]
+        found = [np.empty((0, 2), dtype=np.int64)]
+        for j, i in _offsets(self.ground.field.cell, gap + 2.0 * side):
+            row, column = shore[:, 0] + j, shore[:, 1] + i
+            inside = (row >= 0) & (row < n_z) & (column >= 0) & (column < n_x)
+            row, column = np.clip(row, 0, n_z - 1), np.clip(column, 0, n_x - 1)
+            other = labels[row, column]
+            leads = inside & (other >= 0) & (other != own)
+            leads &= np.abs(heights[row, column] - tall) <= rise
+            found.append(np.stack([own[leads], other[leads]], axis=-1))
+        pairs = np.concatenate(found)
+        # As one number each, which sorts faster than rows do.
+        many = int(labels.max()) + 1
+        once = np.unique(pairs[:, 0] * many + pairs[:, 1])
+        return np.stack([once // many, once % many], axis=-1)
+
+
+def cell_heights(ground: Ground) -> Array:
+    """Return the heights (n_z, n_x) of the middles of cells [m]."""
+    h = ground.field.heights
+    result: Array = 0.5 * (h[:-1, :-1] + h[1:, 1:])
+    return result
+
+
+def labelled(free: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Number the pieces (n_z, n_x) that cells which share a side make; -1 where not `free`.
+
+    Cells of a row that follow one another are a run; runs of neighbouring rows that touch
+    are joined until every piece has the least number of its runs.
+    """
+    begins = free.copy()
+    begins[:, 1:] &= ~free[:, :-1]
+    run = np.cumsum(begins).reshape(free.shape) - 1
+    touch = free[:-1] & free[1:]
+    a, b = run[:-1][touch], run[1:][touch]
+    roots = np.arange(int(begins.sum()))
+    while len(a):
+        low, high = np.minimum(roots[a], roots[b]), np.maximum(roots[a], roots[b])
+        apart = low != high
+        if not apart.any():
+            break
+        a, b = a[apart], b[apart]
+        np.minimum.at(roots, high[apart], low[apart])
+        while (roots[roots] != roots).any():
+            roots = roots[roots]
+    _, number = np.unique(roots, return_inverse=True)
+    return np.where(free, number[np.maximum(run, 0)] if len(number) else -1, -1)
+
+
+def _offsets(cell: tuple[float, float], gap: float) -> list[tuple[int, int]]:
+    """Return offsets (rows, columns) of cells up to `gap` [m] away along the spokes."""
+    angle = np.arange(SPOKES) * (2.0 * math.pi / SPOKES)
+    radius = np.arange(1, math.ceil(gap / min(cell)) + 1) * min(cell)
+    j = np.rint(np.multiply.outer(radius, np.sin(angle)) / cell[1]).astype(int)
+    i = np.rint(np.multiply.outer(radius, np.cos(angle)) / cell[0]).astype(int)
+    return list(dict.fromkeys(zip(j.ravel().tolist(), i.ravel().tolist(), strict=True)))

@@ -1,0 +1,169 @@
+"""Support: the smooth surface that bodies follow, made of the ground that can be stood on.
+
+Heights are averaged over the cells that count, by a normalised convolution, so that a
+body goes level over a ditch or between stones. Where nothing that counts is near, the
+average of ever wider surroundings takes over. A second surface says how far anything at
+all, stood on or not, rises above the first.
+
+Both are quadratic B-splines over a grid as coarse as their smoothness allows: one time
+differentiable, nine products a place.
+
+Source: Knutsson and Westin 1993 (normalised convolution).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.ground import Ground
+from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.islands import cell_heights
+
+FINE = 1.5
+"""Nodes in the standard deviation of the blur."""
+
+SPLINE = 0.25 + 1.0 / 12.0
+"""Variance of a quadratic B-spline and of the average over a block, in squares of a node's side."""
+
+FAINT = 1e-2
+"""Weight of wider surroundings beside ground that counts."""
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """Two smooth surfaces over the rectangle of a height field.
+
+    Attributes:
+        field: where the rectangle lies.
+        side: distance of nodes along x and z [m].
+        nodes: (2, n_z, n_x) height, and how far anything rises above it [m].
+    """
+
+    field: HeightField
+    side: tuple[float, float]
+    nodes: Array
+
+    @staticmethod
+    def of(ground: Ground, counts: NDArray[np.bool_], blur: float, wide: float) -> Support:
+        """Make the surfaces.
+
+        Args:
+            ground: what is walked over.
+            counts: (n_z, n_x) cells that can be stood on.
+            blur: standard deviation of the average [m].
+            wide: half the width of what must pass above all that rises [m].
+        """
+        cell = ground.field.cell
+        many = tuple(max(1, int(blur / (FINE * side))) for side in cell)
+        side = many[0] * cell[0], many[1] * cell[1]
+        weight = counts.astype(float)
+        sums = [_blocks(f, many) for f in (weight * cell_heights(ground), weight)]
+        # Blocks at the far edges may hang over; what counts is the share that is there.
+        passes = [max(1, round(2.0 * ((blur / s) ** 2 - SPLINE))) for s in side]
+        height, share = (_blurred(f / (many[0] * many[1]), passes) for f in sums)
+        surface = filled(height, share)
+        excess = _blocks(_above(ground.field, surface, side), many, highest=True)
+        # The spline at a place looks at nodes up to one and a half sides away.
+        near = [1 + int(np.ceil(wide / s)) for s in side]
+        return Support(ground.field, side, np.stack([surface, _dilated(excess, near)]))
+
+    def at(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Return height and rise above it [m] at world (x, z); any equal shapes."""
+        x, z = self.field.to_grid(x, z)
+        n_z, n_x = self.nodes.shape[1:]
+        i, along = _taps((x + 0.5 * self.field.size[0]) / self.side[0] - 0.5, n_x)
+        j, across = _taps((z + 0.5 * self.field.size[1]) / self.side[1] - 0.5, n_z)
+        places = (j[:, None] * n_x + i).reshape(9, *x.shape)
+        parts = (across[:, None] * along).reshape(9, *x.shape)
+        products = np.take(self.nodes.reshape(2, -1), places, axis=1) * parts
+        # One after the other: how `sum` adds up depends on how many places there are.
+        height, excess = products[:, 0]
+        for product in np.moveaxis(products[:, 1:], 1, 0):
+            height, excess = height + product[0], excess + product[1]
+        return height, excess
+
+
+def _taps(u: Array, n: int) -> tuple[NDArray[np.int64], Array]:
+    """Return the nodes (3, ...) nearest to places `u`, counted in nodes, and their weights."""
+    u = np.clip(u, -0.5, n - 0.5)
+    i = np.rint(u).astype(np.int64)
+    t = u - i
+    weights = np.stack([0.5 * (0.5 - t) ** 2, 0.75 - t * t, 0.5 * (0.5 + t) ** 2])
+    return np.clip(np.stack([i - 1, i, i + 1]), 0, n - 1), weights
+
+
+def _blocks(values: Array, many: tuple[int, ...], highest: bool = False) -> Array:
+    """Return sums (or the highest) over blocks of `many` cells along x and z."""
+    (m_x, m_z), (n_z, n_x) = many, values.shape
+    out = (-n_z % m_z, -n_x % m_x)
+    padded = np.pad(values, ((0, out[0]), (0, out[1])), mode="edge" if highest else "constant")
+    cut = padded.reshape((n_z + out[0]) // m_z, m_z, (n_x + out[1]) // m_x, m_x)
+    result: Array = cut.max(axis=(1, 3)) if highest else cut.sum(axis=(1, 3))
+    return result
+
+
+def _blurred(values: Array, passes: list[int]) -> Array:
+    """Blur by so many passes of (1, 2, 1) / 4 along x and z; nothing lies beyond the edges."""
+    for axis, count in ((1, passes[0]), (0, passes[1])):
+        v = np.moveaxis(values, axis, 0)
+        for _ in range(count):
+            wide = np.zeros((len(v) + 2, v.shape[1]))
+            wide[1:-1] = v
+            v = 0.5 * wide[1:-1] + 0.25 * (wide[:-2] + wide[2:])
+        values = np.moveaxis(v, 0, axis)
+    return values
+
+
+def filled(height: Array, share: Array) -> Array:
+    """Return height / share, and where there is no share what lies around.
+
+    Args:
+        height: (n_z, n_x) blurred heights, each times its weight [m].
+        share: (n_z, n_x) blurred weights.
+    """
+    if min(height.shape) < 2 or (share > 1.0 - FAINT).all():
+        total = float(share.sum())
+        mean = float(height.sum()) / total if total > 0.0 else 0.0
+        safe = np.where(share > 0.0, share, 1.0)
+        return np.where(share > 0.0, height / safe, mean)
+    half = [_blocks(f, (2, 2)) / 4.0 for f in (height, share)]
+    coarse = filled(*half)
+    wide = np.repeat(np.repeat(coarse, 2, axis=0), 2, axis=1)[: height.shape[0], : height.shape[1]]
+    one = _blurred(np.ones_like(wide), [2, 2])
+    smooth = _blurred(wide, [2, 2]) / one
+    result: Array = (height + FAINT * smooth) / (share + FAINT)
+    return result
+
+
+def _above(field: HeightField, surface: Array, side: tuple[float, float]) -> Array:
+    """Return how far the highest corner of each cell (n_z, n_x) rises above the surface [m]."""
+    n_x, n_z = field.cells
+    h = field.heights
+    highest = np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:]))
+    # Between the nodes straight lines are near enough, along x and then along z.
+    for axis, n in ((1, n_x), (0, n_z)):
+        u = (np.arange(n) + 0.5) * field.cell[1 - axis] / side[1 - axis] - 0.5
+        last = surface.shape[axis] - 1
+        u = np.clip(u, 0.0, last)
+        i = np.minimum(u.astype(np.int64), max(last - 1, 0))
+        low, high = np.take(surface, i, axis), np.take(surface, np.minimum(i + 1, last), axis)
+        part = (u - i)[:, None] if axis == 0 else u - i
+        surface = low + part * (high - low)
+    result: Array = highest - surface
+    return result
+
+
+def _dilated(values: Array, near: list[int]) -> Array:
+    """Return the highest of all nodes up to `near` away along x and z."""
+    for axis, reach in ((1, near[0]), (0, near[1])):
+        v = np.moveaxis(values, axis, 0)
+        best = v.copy()
+        for k in range(1, min(reach, len(v) - 1) + 1):
+            np.maximum(best[k:], v[:-k], out=best[k:])
+            np.maximum(best[:-k], v[k:], out=best[:-k])
+        values = np.moveaxis(best, 0, axis)
+    return np.ascontiguousarray(values)

@@ -1,0 +1,190 @@
+"""Random pairs of a figure of the library and a terrain that is sized to suit it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from PIL import Image
+
+from pipeline.errors import SimulationError
+from pipeline.simulation.figures.figure import build_figure
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import Scene, load_scene, read_scene
+from pipeline.spec.terrain.presets import TERRAIN_PRESETS
+
+WALKERS = (
+    "antelope beetle camel centipede hopper horse kangaroo ostrich person scorpion spider tripod"
+).split()
+
+SIZE = 14.0
+"""Of a terrain, in leg lengths."""
+
+Words = dict[str, Any]
+Draw = Callable[[float, float], float]
+"""A number of at least the first and at most the second."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A figure on a terrain.
+
+    Attributes:
+        number: of the pair.
+        figure: of the library.
+        kind: of the terrain.
+        scene: of both.
+    """
+
+    number: int
+    figure: str
+    kind: str
+    scene: Scene
+
+
+def pair(number: int, folder: Path) -> Pair:
+    """Return the pair of that number; files that its terrain needs are written to `folder`.
+
+    Figures and kinds go round with different periods, so that 300 pairs hold every
+    combination at least twice.
+    """
+    chance = np.random.default_rng([number, 1987])
+    figure = WALKERS[number % len(WALKERS)]
+    kind = list(KINDS)[(number // len(WALKERS) + number) % len(KINDS)]
+    scale = float(np.exp(chance.uniform(np.log(0.35), np.log(1.4))))
+    leg = scale * leg_length(figure)
+    terrain = terrain_of(kind, leg, chance, folder)
+    while True:
+        at = (chance.uniform(-0.15, 0.15, 2) * terrain.get("size", (30.0, 30.0))).tolist()
+        member = {"figure": figure, "scale": scale, "at": at, "walk": {}}
+        member["heading_deg"] = float(chance.uniform(-180.0, 180.0))
+        words = {"pronk": 1, "duration": 3, "seed": number, "terrain": terrain, "cast": [member]}
+        path = folder / f"pair{number}.yaml"
+        path.write_text(yaml.safe_dump(words), encoding="utf-8")
+        scene = load_scene(path)
+        try:
+            Simulation(scene)
+        except SimulationError:
+            # Nobody can stand there: look for another place, on ground that is steeper.
+            steep = terrain.get("unsteppable_slope_deg", 40.0) + 1.0
+            terrain = terrain | {"unsteppable_slope_deg": min(steep, 60.0)}
+            continue
+        return Pair(number, figure, kind, scene)
+
+
+@cache
+def leg_length(figure: str) -> float:
+    """Return the mean length of the legs of a figure as it is drawn [m]."""
+    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{{figure: {figure}}}]\n")
+    skeleton = build_figure(figure, scene.figures[figure], 1.0).skeleton
+    lengths = [
+        sum(float(np.linalg.norm(np.diff(skeleton.links[k].ends, axis=0))) for k in limb.links)
+        for limb in skeleton.legs
+    ]
+    return float(np.mean(lengths))
+
+
+def terrain_of(kind: str, leg: float, chance: np.random.Generator, folder: Path) -> Words:
+    """Return the words of a terrain for legs of that length."""
+    grid = {"size": [SIZE * leg] * 2, "foot_radius": 0.06 * leg}
+    grid["unsteppable_slope_deg"] = float(chance.uniform(28.0, 45.0))
+    if kind in TERRAIN_PRESETS and kind not in GENERATORS:
+        return {"preset": kind}
+
+    def draw(low: float, high: float) -> float:
+        return float(chance.uniform(low, high))
+
+    if kind == "sum":
+        uneven = [k for k in GENERATORS if k != "flat"]
+        two = chance.choice(len(uneven), 2, replace=False)
+        terms = [{"kind": uneven[k]} | GENERATORS[uneven[k]](draw, leg) for k in two]
+        return {"kind": kind, **grid, "cells": [360, 360], "of": terms}
+    if kind == "mesh":
+        del grid["size"]  # It has that of its file.
+    if kind in FILES:
+        return {"kind": kind, **grid} | FILES[kind](draw, leg, folder)
+    return {"kind": kind, **grid, "cells": [360, 360]} | GENERATORS[kind](draw, leg)
+
+
+def _fractal(draw: Draw, leg: float) -> Words:
+    return {"height": draw(0.3, 2.0) * leg, "roughness": draw(0.4, 0.62)}
+
+
+def _hills(draw: Draw, leg: float) -> Words:
+    return {"height": draw(0.3, 2.0) * leg, "spacing": draw(2.5, 8.0) * leg}
+
+
+def _stairs(draw: Draw, leg: float) -> Words:
+    words: Words = {"step_height": draw(0.04, 0.5) * leg, "step_depth": draw(0.25, 1.0) * leg}
+    course = ("up", "down", "up and down")[int(draw(0.0, 3.0))]
+    return words | {"start": draw(0.0, 1.5) * leg, "landing": draw(0.5, 2.0) * leg, "course": course}
+
+
+def _ramp(draw: Draw, leg: float) -> Words:
+    words: Words = {"slope_deg": draw(5.0, 40.0), "height": draw(0.3, 2.5) * leg}
+    return words | {"start": draw(0.0, 1.5) * leg, "level": draw(0.5, 2.0) * leg}
+
+
+def _ditches(draw: Draw, leg: float) -> Words:
+    width = float(np.exp(draw(np.log(0.15), np.log(4.0)))) * leg
+    words: Words = {"width": width, "depth": draw(0.1, 2.0) * leg, "variation": draw(0.0, 0.5)}
+    return words | {"spacing": width + draw(0.6, 2.5) * leg, "start": draw(0.0, 1.0) * leg}
+
+
+def _stones(draw: Draw, leg: float) -> Words:
+    words: Words = {"diameter": draw(0.3, 0.9) * leg, "gap": draw(0.08, 0.9) * leg}
+    words |= {"depth": draw(0.2, 1.5) * leg, "height_variation": draw(0.0, 0.25) * leg}
+    return words | {"start": draw(0.0, 1.0) * leg, "length": draw(2.0, 5.0) * leg}
+
+
+def _boulders(draw: Draw, leg: float) -> Words:
+    small = draw(0.15, 0.4) * leg
+    words: Words = {"diameters": [small, small * draw(1.5, 5.0)], "cover": draw(0.05, 0.35)}
+    words |= {"height": draw(0.0, 0.5) * leg, "spacing": draw(3.0, 8.0) * leg}
+    return words | {"buried": draw(0.3, 0.8), "clearing": draw(0.3, 1.0) * leg}
+
+
+def _image(draw: Draw, leg: float, folder: Path) -> Words:
+    """A picture of waves of two lengths."""
+    u, v = np.meshgrid(*[np.linspace(0.0, 2.0 * np.pi, 128)] * 2)
+    waves = np.sin(draw(1, 4) * u + draw(0, 6)) * np.cos(draw(1, 4) * v) + 0.3 * np.sin(
+        draw(4, 9) * u + draw(4, 9) * v
+    )
+    pixels = np.rint((waves + 1.3) / 2.6 * 65535).clip(0, 65535).astype(np.uint16)
+    Image.fromarray(pixels).save(folder / "land.png")
+    return {"file": "land.png", "low": 0.0, "high": draw(0.3, 1.5) * leg}
+
+
+def _mesh(draw: Draw, leg: float, folder: Path) -> Words:
+    """A grid of triangles, a valley with a ridge along it."""
+    side = np.linspace(-0.5, 0.5, 61) * SIZE * leg
+    x, z = np.meshgrid(side, side)
+    y = draw(0.02, 0.1) * x * x / leg + draw(0.05, 0.4) * leg * np.exp(-((z / leg) ** 2))
+    rows = [f"v {a:.6f} {b:.6f} {c:.6f}" for a, b, c in zip(x.flat, y.flat, z.flat, strict=True)]
+    n = len(side)
+    for j in range(n - 1):
+        for i in range(n - 1):
+            a = j * n + i + 1
+            rows += [f"f {a} {a + n + 1} {a + 1}", f"f {a} {a + n} {a + n + 1}"]
+    (folder / "land.obj").write_text("\n".join(rows) + "\n", encoding="utf-8")
+    return {"file": "land.obj"}
+
+
+GENERATORS: Mapping[str, Callable[[Draw, float], Words]] = {
+    "flat": lambda _draw, _leg: {},
+    "fractal": _fractal,
+    "hills": _hills,
+    "stairs": _stairs,
+    "ramp": _ramp,
+    "ditches": _ditches,
+    "stones": _stones,
+    "boulders": _boulders,
+}
+FILES: Mapping[str, Callable[[Draw, float, Path], Words]] = {"image": _image, "mesh": _mesh}
+KINDS = (*GENERATORS, "sum", *FILES, *(p for p in TERRAIN_PRESETS if p not in GENERATORS))
+"""Kinds, and those presets that are not named as their kinds; these are as large as they are."""

@@ -9,7 +9,7 @@ Source: Sims 1987, figure 9.2.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import UsageError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.gaits import Gait
+from pipeline.simulation.locomotion.gaits import TOGETHER
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
@@ -25,7 +25,8 @@ from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.take import Take
 from pipeline.simulation.terrain import Ground
 from pipeline.spec import Scene
-from pipeline.spec.walk import Walk
+from pipeline.spec.script import ChangeGait
+from pipeline.spec.walk import Manner
 
 STILL = 0.004
 """Speed below which a tip rests, in leg lengths a second."""
@@ -68,14 +69,17 @@ class CreatureBars:
 
 
 def walkers_of(scene: Scene) -> Walkers:
-    """Return the creatures of a scene that walk on legs, at their start.
+    """Return the creatures of a scene that walk on legs; at its end if a script directs them.
 
     Raises:
         UsageError: nobody does.
         PronkError: the scene cannot begin.
     """
-    for troupe in Simulation(scene).troupes:
+    simulation = Simulation(scene)
+    for troupe in simulation.troupes:
         if isinstance(troupe, Walkers) and troupe.herd.walks.any():
+            while scene.script and not simulation.finished:
+                simulation.step()
             return troupe
     raise UsageError(
         "nobody in this scene walks on legs, so there is no gait to plot; "
@@ -96,29 +100,30 @@ def bars_of(scene: Scene, walkers: Walkers, take: Take) -> Iterator[CreatureBars
     times = np.arange(len(take.positions)) / float(take.header.rate * take.header.samples)
     for c in np.flatnonzero(herd.walks):
         name, legs = herd.names[c], np.flatnonzero(herd.owner == c)
-        gait = Gait(herd.up[legs], herd.down[legs])
         course = _course(take, name)
-        begins, lengths = gait.flights().T
+        stances = [walkers.going.paces.stances(int(leg), course[0], course[-1]) for leg in legs]
         yield CreatureBars(
             name,
-            _called(words[name]),
+            " → ".join(_called(words) for words in [words[name], *_told(scene, name)]),
             herd.figures[c],
             tuple(
                 LegBars(
                     herd.leg_names[leg],
-                    _planned(gait.down[i], gait.duty[i], course, times),
+                    _planned(stances[i], course, times),
                     _actual(take, herd, ground, int(leg), times),
                 )
                 for i, leg in enumerate(legs)
             ),
-            np.concatenate(
-                [np.zeros((0, 2))]
-                + [_planned(*flight, course, times) for flight in zip(begins, lengths, strict=True)]
-            ),
+            _planned(_gaps(stances, course), course, times),
         )
 
 
-def _called(walk: Walk | None) -> str:
+def _told(scene: Scene, name: str) -> list[Manner]:
+    """Return the gaits that the script tells a creature to go over into, as they are written."""
+    return [one.do for one in scene.script if one.who == name and isinstance(one.do, ChangeGait)]
+
+
+def _called(walk: Manner | None) -> str:
     gait = walk.gait if walk is not None else ""
     return gait if isinstance(gait, str) else "a gait written out"
 
@@ -129,11 +134,18 @@ def _course(take: Take, name: str) -> Array:
     return np.unwrap(take.values[:, names.index(f"{name}.gait_phase")], period=1.0)
 
 
-def _planned(begin: float, length: float, course: Array, times: Array) -> Array:
-    """Return when (n, 2) the phase is within `length` after `begin` [s]."""
-    first, last = np.floor(course[0] - begin) - 1.0, np.ceil(course[-1] - begin)
-    begins = begin + np.arange(first, last + 1.0)
-    spans = np.clip(np.stack([begins, begins + length], axis=-1), course[0], course[-1])
+def _gaps(stances: Sequence[Array], course: Array) -> Array:
+    """Return between which phases (n, 2) no foot is to be down."""
+    spans = np.concatenate([np.zeros((0, 2)), *stances])
+    spans = spans[np.argsort(spans[:, 0], kind="stable")]
+    ends = np.maximum.accumulate(spans[:, 1]) if len(spans) else spans[:, 1]
+    gaps = np.stack([ends[:-1], spans[1:, 0]], axis=-1)
+    return gaps[gaps[:, 1] > gaps[:, 0] + TOGETHER]
+
+
+def _planned(phases: Array, course: Array, times: Array) -> Array:
+    """Return when (n, 2) the phase is between `phases` (n, 2) [s]."""
+    spans = np.clip(phases, course[0], course[-1])
     spans = spans[spans[:, 1] > spans[:, 0]]
     moments = np.interp(spans, course, times)
     # Who has halted keeps its phase: what was going on then goes on to the end.

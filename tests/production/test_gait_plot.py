@@ -177,3 +177,26 @@ def test_the_command_refuses_with_one_message(
     assert called(monkeypatch, "plot", "gait", name, "--json") == code
     assert json.loads(capfd.readouterr().out.splitlines()[-1])["exit_code"] == code
     assert not (folder / "out" / name).exists()
+
+
+def test_a_change_of_gait_is_planned_as_it_was_walked() -> None:
+    member = "- {name: mare, figure: horse, walk: {gait: walk}}\n"
+    script = "script: [{at: 1.5, who: mare, do: {gait: trot}}, {at: 5, who: mare, do: stop}]\n"
+    (mare,) = bars(read_scene(HEAD.replace("2\n", "5\n", 1) + member + script))
+    assert mare.gait == "walk → trot"
+    for leg in mare.legs:
+        assert leg.planned.shape == leg.actual.shape
+        begins, ends = (leg.actual - leg.planned).T
+        assert np.abs(begins[leg.planned[:, 0] > 0.0]).max() < 2e-3
+        assert np.abs(ends).max() < 2.0 / 96.0
+
+
+def test_a_leg_that_is_held_up_has_no_bars_while_it_is() -> None:
+    member = "- {name: pip, figure: person, walk: {gait: walk}}\n"
+    do = "{gait: hop, legs: [r1]}"
+    script = f"script: [{{at: 1, who: pip, do: {do}}}, {{at: 3, who: pip, do: {{gait: walk}}}}]\n"
+    (pip,) = bars(read_scene(HEAD.replace("2\n", "6\n", 1) + member + script))
+    left = next(leg for leg in pip.legs if leg.name == "l1")
+    assert left.planned.shape == left.actual.shape
+    assert np.max(left.planned[1:, 0] - left.planned[:-1, 1]) > 1.0
+    assert len(pip.flights) > 2

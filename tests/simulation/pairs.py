@@ -122,7 +122,11 @@ def _hills(draw: Draw, leg: float) -> Words:
 def _stairs(draw: Draw, leg: float) -> Words:
     words: Words = {"step_height": draw(0.04, 0.5) * leg, "step_depth": draw(0.25, 1.0) * leg}
     course = ("up", "down", "up and down")[int(draw(0.0, 3.0))]
-    return words | {"start": draw(0.0, 1.5) * leg, "landing": draw(0.5, 2.0) * leg, "course": course}
+    return words | {
+        "start": draw(0.0, 1.5) * leg,
+        "landing": draw(0.5, 2.0) * leg,
+        "course": course,
+    }
 
 
 def _ramp(draw: Draw, leg: float) -> Words:

@@ -150,6 +150,34 @@ class Paces:
                 result = change.after.gait if done else change.gaits
         return result
 
+    def stances(self, leg: int, first: float, last: float) -> Array:
+        """Return from which phase to which (n, 2) a leg was planned to be down.
+
+        Args:
+            leg: which.
+            first: phase from which all are wanted, whole cycles counted.
+            last: phase up to which they are.
+        """
+        c = int(self.herd.owner[leg])
+        own = leg - int(self.herd.first_leg[c])
+        count = len(self.herd.paces[c].gait.up)
+        found, up = list[tuple[float, float]](), self._next_up(c, own, first - 2.0)
+        while up < last:
+            if self.held(leg, up):
+                up = self._next_up(c, own, up + 0.5)
+                continue
+            down = float(self.gait(c, up).down_after(np.full(count, up))[own])
+            up = self._next_up(c, own, down)
+            found.append((down, up))
+        return np.array(found).reshape(-1, 2)
+
+    def _next_up(self, c: int, own: int, phase: float) -> float:
+        """Return when a leg goes up after `phase`, also if a change begins before that."""
+        gait = self.gait(c, phase)
+        up = float(gait.next_up(phase)[own])
+        later = self.gait(c, up)
+        return up if later is gait else float(later.next_up(phase)[own])
+
     def held(self, leg: int, phase: float) -> bool:
         """Return whether a leg that goes up at `phase` is held up then."""
         c = int(self.herd.owner[leg])

@@ -107,12 +107,13 @@ class Posing:
         R, p = self.path.pose(creature, way.ravel(), phase.ravel(), drive.ravel())
         R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
         p_WB[..., 1] -= _stooped(herd, stoop, s)
-        around = self._posed_bodies(steps * self.dt, way, R_WB, p_WB)
+        tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
+        around = self._posed_bodies(steps * self.dt, way, tall, R_WB, p_WB)
         grip = self.postures.free(steps * self.dt)
         if tuck.any():
             up = _between(tuck, s)
             grip = grip * (1.0 - up)
-            tips = tips + up[..., None] * (self._tucked(creature, phase, R_WB, p_WB) - tips)
+            tips = tips + up[..., None] * (self._tucked(tall, R_WB, p_WB) - tips)
         p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         solution = settle(herd.legs, self._chains, goals)
@@ -138,10 +139,9 @@ class Posing:
             ],
         )
 
-    def _tucked(self, creature: NDArray[np.int64], phase: Array, R_WB: Array, p_WB: Array) -> Array:
+    def _tucked(self, tall: Array, R_WB: Array, p_WB: Array) -> Array:
         """Return where tips (n, L, 3) are held up [m]."""
         herd = self.herd
-        tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
         x, z = herd.rest.T
         height = TUCKED * herd.legs.lengths - tall[:, herd.owner]
         back = np.broadcast_to(x - BACK * herd.legs.lengths, height.shape)
@@ -155,14 +155,16 @@ class Posing:
         return speeds.reshape(phase.shape)
 
     def _posed_bodies(
-        self, times: Array, way: Array, R_WB: Array, p_WB: Array
+        self, times: Array, way: Array, tall: Array, R_WB: Array, p_WB: Array
     ) -> dict[int, Surroundings]:
         """Put bodies where they are asked to be; return what that is relative to."""
         if not self.postures.of:
             return {}
         creature = np.tile(np.arange(way.shape[1]), len(way))
         turned = self.path.on_route(creature, way.ravel())[1].reshape(way.shape)
-        grounds = {c: self.postures.ground(c, turned[:, c], p_WB[:, c]) for c in self.postures.of}
+        grounds = {
+            c: self.postures.ground(turned[:, c], p_WB[:, c], tall[:, c]) for c in self.postures.of
+        }
         self.postures.move_bodies(times, turned, R_WB, p_WB)
         return {
             c: Surroundings(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)

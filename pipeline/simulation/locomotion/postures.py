@@ -40,21 +40,24 @@ class Postures:
         }
         self._legs: dict[int, Array] = {}
 
-    def ground(self, c: int, turned: Array, p_WB: Array) -> tuple[Array, Array]:
+    @staticmethod
+    def ground(turned: Array, p_WB: Array, tall: Array) -> tuple[Array, Array]:
         """Return the frames R_WG (n, 3, 3), p_WG (n, 3) of the ground below a body.
 
         Args:
-            c: whose.
             turned: (n,) its heading [rad].
             p_WB: (n, 3) where it is [m].
+            tall: (n,) how high it goes [m].
         """
-        return heading(turned), p_WB - [0.0, self.herd.body_height[c], 0.0]
+        p_WG = p_WB.copy()
+        p_WG[:, 1] -= tall
+        return heading(turned), p_WG
 
     def move_bodies(self, times: Array, turned: Array, R_WB: Array, p_WB: Array) -> None:
         """Put bodies (n, C), headed as `turned` (n, C), where they are to be at `times` (n,)."""
         for c, posture in self.of.items():
             R, p = posture.body(times)
-            R_WG, _ = self.ground(c, turned[:, c], p_WB[:, c])
+            R_WG = heading(turned[:, c])
             R_WB[:, c] = R_WG @ R @ R_WG.transpose(0, 2, 1) @ R_WB[:, c]
             p_WB[:, c] += turn(R_WG, p)
 

@@ -1,0 +1,85 @@
+"""What holds for every walker in every shipped scene, at every step."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.spatial import Array
+from pipeline.spec import find_scene, load_scene, shipped_scenes
+
+from .conftest import Walk, walk_through
+
+MILLIMETRE = 1e-3
+
+QUICKEST = 30.0
+"""Speed that no joint of a leg reaches [rad/s]; a galloping horse's are at 24."""
+
+HARDEST = 60.0
+"""Acceleration that no body reaches [m/s²], six times that of its weight."""
+
+BALL = np.random.default_rng(0).normal(size=(40, 3))
+BALL /= np.linalg.norm(BALL, axis=-1, keepdims=True)
+
+
+def walked(name: str) -> bool:
+    """Tell whether anybody walks on legs over the ground of a scene."""
+    return any(
+        member.walk is not None and member.figure != "inchworm"
+        for _, member in load_scene(find_scene(name)).creatures
+    )
+
+
+def left_alone(walk: Walk) -> Array:
+    """Return (K, L) which feet are left to their walk, not moved by an author."""
+    times = np.arange(len(walk.phases)) * walk.simulation.world.clock.dt
+    return walk.walkers.postures.free(times) > 0.999
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in shipped_scenes() if walked(name)])
+def test_walkers_of_shipped_scenes_keep_what_walking_promises(name: str) -> None:
+    walk = walk_through(load_scene(find_scene(name)))
+    take, herd, ground = walk.take, walk.walkers.herd, walk.simulation.world.ground
+    dt, free = walk.simulation.world.clock.dt, left_alone(walk)
+    assert [note for note in take.notes if "foothold" in note.text and note.kind != "stopped"] == []
+
+    down = walk.standing[1:] & walk.standing[:-1] & free[1:]
+    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
+    assert moved[down].max() < MILLIMETRE, "a foot slides"
+
+    p = walk.tips[:, :, None] + herd.sole[:, None, None] * BALL
+    above = (p[..., 1] - ground.height(p[..., 0], p[..., 2])).min(axis=-1)
+    assert above[free].min() > -MILLIMETRE, "a foot is below the ground"
+
+    x, y, z = np.array([contact.place for contact in take.contacts]).T
+    assert ground.steppable(x, z).all(), "a foothold is in a forbidden zone"
+    assert np.abs(y - ground.height(x, z)).max() < 1e-9
+
+    q = walk.q
+    assert (q >= herd.legs.lower).all()
+    assert (q <= herd.legs.upper).all()
+    assert np.abs(np.diff(q, axis=0)).max() < QUICKEST * dt, "a joint jumps"
+    bodies = [take.nodes.index(n) for n in take.nodes if n.name.endswith(".body")]
+    jerked = np.diff(take.positions[:, bodies], 2, axis=0) / dt**2
+    assert np.linalg.norm(jerked, axis=-1).max() < HARDEST, "a body jumps"
+
+    _keeps_its_phases(walk)
+    for c in np.flatnonzero(herd.walks):
+        own, pace = herd.owner == c, herd.paces[c]
+        if pace.flight is None and c not in walk.walkers.going.paces.changes:
+            assert walk.standing[:, own].sum(axis=1).min() >= 1, "nobody flies"
+
+
+def _keeps_its_phases(walk: Walk) -> None:
+    """Feet come down when their gaits say so."""
+    herd, paces = walk.walkers.herd, walk.walkers.going.paces
+    names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
+    touches = [contact for contact in walk.take.contacts if contact.kind == "touch"]
+    assert touches
+    for contact in touches:
+        leg = names.index(contact.part)
+        before, after = (float(walk.phases[contact.step + k][herd.owner[leg]]) for k in (0, 1))
+        phase = before + contact.fraction * (after - before)
+        planned = paces.stances(leg, phase - 0.5, phase + 0.5)[:, 0]
+        assert np.abs(planned - phase).min() < 1e-6, contact

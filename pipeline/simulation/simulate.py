@@ -158,11 +158,9 @@ def simulate(
 
 
 def _figures(scene: Scene) -> dict[str, Figure]:
-    """Return the figure of each creature by its name."""
-    return {
-        member.name: build_figure(member.figure, scene.figures[member.figure], member.scale)
-        for _, member in scene.creatures
-    }
+    """Return the figure of each creature by its name; those alike at one scale share theirs."""
+    built = cache(lambda name, scale: build_figure(name, scene.figures[name], scale))
+    return {member.name: built(member.figure, member.scale) for _, member in scene.creatures}
 
 
 def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.drawing import Drawing
 from pipeline.simulation.figures.network import FEELER, HEAD, LEG, Anatomy
@@ -39,6 +41,11 @@ class Piece:
     solid: Solid
     material: str
     size: float
+
+    @cached_property
+    def vertices(self) -> NDArray[np.float32]:
+        """Those of the solid (V, 3), as a picture needs them: one array for all who have it."""
+        return self.solid.vertices.astype(np.float32)
 
 
 def flesh(skeleton: Skeleton, drawing: Drawing, anatomy: Anatomy, body: Solid) -> list[Piece]:

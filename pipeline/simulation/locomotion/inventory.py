@@ -25,7 +25,8 @@ class NodeTable:
     Attributes:
         names: of the nodes.
         owner: (J,) creature.
-        frame: (J,) which of `frames` is its own.
+        frame: (J,) number of the frame that is its own: the body's, then those of all joints
+            of legs, padding and all, then those of all other joints.
         rest: (J, 3) place in the creation frame [m].
         parent: (J,) node it hangs on, -1 for bodies.
     """
@@ -55,18 +56,24 @@ class NodeTable:
         )
 
     def poses(self, X_legs: Array, X_idle: Array) -> Array:
-        """Return X_BN (n, J, 4, 4), the poses of all nodes relative to their bodies."""
-        return frames(X_legs, X_idle)[:, self.frame]
+        """Return X_BN (n, J, 4, 4), the poses of all nodes relative to their bodies.
 
-
-def frames(X_legs: Array, X_idle: Array) -> Array:
-    """Return the frames (n, m, 4, 4) of the body, of all joints of legs, and of all others."""
-    body = np.broadcast_to(np.eye(4), (len(X_idle), 1, 4, 4))
-    return np.concatenate([body, X_legs, X_idle], axis=1)
+        Args:
+            X_legs: (n, m, 4, 4) frames of all joints of legs.
+            X_idle: (n, M, 4, 4) frames of all others.
+        """
+        poses = np.empty((len(X_idle), len(self.frame), 4, 4))
+        first = 0
+        for frames in (np.broadcast_to(np.eye(4), (len(X_idle), 1, 4, 4)), X_legs, X_idle):
+            after = first + frames.shape[1]
+            here = np.flatnonzero((self.frame >= first) & (self.frame < after))
+            poses[:, here] = frames[:, self.frame[here] - first]
+            first = after
+        return poses
 
 
 def _frame_numbers(herd: Herd, idlers: Idlers) -> dict[tuple[int, int], int]:
-    """Return creature and joint -> number in `frames`; see there."""
+    """Return creature and joint -> number of the frame; see `NodeTable`."""
     numbers = {(c, BODY): 0 for c in range(len(herd.names))}
     width, leg = herd.legs.is_joint.shape[1], 0
     for c, figure in enumerate(herd.figures):
@@ -150,7 +157,7 @@ def solids(
         count = len(piece.solid.vertices)
         meshes.append(
             Mesh(
-                piece.solid.vertices.astype(np.float32),
+                piece.vertices,
                 piece.solid.faces,
                 np.full((count, 2), first + piece.link, dtype=np.int32),
                 np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
@@ -177,10 +184,8 @@ def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:
 
 def leg_mass(herd: Herd) -> Array:
     """Return the masses of the legs (L,) [kg]."""
-    return np.array(
-        [
-            Inertia(figure).mass_of(limb.links)
-            for figure in herd.figures
-            for limb in figure.skeleton.legs
-        ]
-    )
+    of = {
+        figure: [Inertia(figure).mass_of(limb.links) for limb in figure.skeleton.legs]
+        for figure in dict.fromkeys(herd.figures)
+    }
+    return np.array([mass for figure in herd.figures for mass in of[figure]])

@@ -111,7 +111,9 @@ class HeightField:
         """
         n_x, n_z = self.cells
         u, v = self._on_grid(x, z)
-        u, v = np.clip(u, 0.0, n_x), np.clip(v, 0.0, n_z)
+        # A third of the time that clip takes for a few points.
+        u = np.minimum(np.maximum(u, 0.0), n_x)
+        v = np.minimum(np.maximum(v, 0.0), n_z)
         i = np.minimum(u.astype(np.int64), n_x - 1)
         j = np.minimum(v.astype(np.int64), n_z - 1)
         return j * (n_x + 1) + i, u - i, v - j

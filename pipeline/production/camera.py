@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.reel import reel, rows_of
 from pipeline.simulation.spatial import UP, Array, matrix, normalized
 from pipeline.simulation.take import Take
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -136,10 +137,12 @@ def _follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.in
         and (node.parent < 0 or take.nodes[node.parent].performer != node.performer)
     ]
     points = _corners(take, wanted, rows)
-    middle = 0.5 * (points.min(axis=1) + points.max(axis=1))
+    middle = np.concatenate(
+        [0.5 * (points[some].min(axis=1) + points[some].max(axis=1)) for some in rows_of(points)]
+    )
     place = _smoothed(middle, SMOOTHING * _rate(take))
     # One heading for the whole cut: a camera that turned with every step would sway.
-    ahead = matrix(take.rotations[rows][:, roots])[..., 0].sum(axis=(0, 1))
+    ahead = matrix(take.rotations[np.ix_(rows, roots)])[..., 0].sum(axis=(0, 1))
     ahead[1] = 0.0
     heading = normalized(ahead) if np.linalg.norm(ahead) > 1e-6 else np.array([1.0, 0.0, 0.0])
     return _Followed(place, points, heading)
@@ -156,9 +159,12 @@ def _corners(take: Take, wanted: tuple[str, ...] | None, rows: NDArray[np.int64]
             node = int(mesh.nodes[0, 0])
             nodes.append(node)
             corners.append(box - take.nodes[node].rest)
-    R, p = matrix(take.rotations[rows][:, nodes]), take.positions[rows][:, nodes]
-    world = np.einsum("fpij,pcj->fpci", R, np.array(corners)) + p[:, :, None]
-    corners_W: Array = world.reshape(len(rows), -1, 3)
+    corners_W: Array = reel((len(rows), 8 * len(nodes), 3), float)
+    for some in rows_of(corners_W):
+        which = np.ix_(rows[some], nodes)
+        R, p = matrix(take.rotations[which]), take.positions[which]
+        world = np.einsum("fpij,pcj->fpci", R, np.array(corners)) + p[:, :, None]
+        corners_W[some] = world.reshape(-1, 8 * len(nodes), 3)
     return corners_W
 
 
@@ -175,13 +181,17 @@ def _too_near(points: Array, poses: Sequence[CameraPose], aspect: float) -> floa
     right = normalized(np.cross(forward, up))
     upward = np.cross(right, forward)
     away = np.linalg.norm(target - eye, axis=-1)
-    relative = points - target[:, None]
     tan = math.tan(math.radians(poses[0].fov_deg) / 2.0)
-    wide = np.abs(np.einsum("fnk,fk->fn", relative, right)) / (tan * aspect)
-    high = np.abs(np.einsum("fnk,fk->fn", relative, upward)) / tan
-    # What stands nearer to the camera than its target needs that much more distance.
-    needed = MARGIN * np.maximum(wide, high) - np.einsum("fnk,fk->fn", relative, forward)
-    return float((needed.max(axis=-1) / away).max().clip(0.1, 1e6))
+    most = np.empty(len(poses))
+    for some in rows_of(points):
+        relative = points[some] - target[some, None]
+        wide = np.abs(np.einsum("fnk,fk->fn", relative, right[some])) / (tan * aspect)
+        high = np.abs(np.einsum("fnk,fk->fn", relative, upward[some])) / tan
+        # What stands nearer to the camera than its target needs that much more distance.
+        needed = MARGIN * np.maximum(wide, high)
+        needed -= np.einsum("fnk,fk->fn", relative, forward[some])
+        most[some] = needed.max(axis=-1) / away[some]
+    return float(most.max().clip(0.1, 1e6))
 
 
 def _clear(eye: Array, target: Array, ground: HeightField, distance: float, rate: float) -> Array:

@@ -58,40 +58,40 @@ class Bond:
     X_PB: Array | None = None
     X_HB: Array | None = None
 
-    def apply(self, R: Array, p: Array, which: slice) -> None:
-        """Bring the rows `which` of its nodes into the world.
+    def apply(self, R: Array, p: Array, first: int) -> None:
+        """Bring its nodes into the world in n rows, after all that it goes along with.
 
         Args:
-            R: (K, J, 3, 3) rotations of all nodes; changed.
-            p: (K, J, 3) their positions [m]; changed.
-            which: rows in which all that it goes along with is in its place.
+            R: (n, J, 3, 3) rotations of all nodes; changed.
+            p: (n, J, 3) their positions [m]; changed.
+            first: number of the first of the rows; they follow those of the last call.
         """
         if self.parent >= 0:
-            R_WP, p_WP = R[which, self.parent, None], p[which, self.parent, None]
-            p[which, self.nodes] = p_WP + turn(R_WP, p[which, self.nodes])
-            R[which, self.nodes] = R_WP @ R[which, self.nodes]
+            R_WP, p_WP = R[:, self.parent, None], p[:, self.parent, None]
+            p[:, self.nodes] = p_WP + turn(R_WP, p[:, self.nodes])
+            R[:, self.nodes] = R_WP @ R[:, self.nodes]
         if self.grips:
-            for row in range(which.start, which.stop):
-                self._hold(R, p, row, int(self.nodes[0]))
+            for i in range(len(p)):
+                self._hold(R[i], p[i], first + i, int(self.nodes[0]))
 
     def _hold(self, R: Array, p: Array, row: int, own: int) -> None:
-        """Put a prop where it is in one row."""
-        X_WP = np.eye(4) if self.parent < 0 else _pose(R, p, row, self.parent)
-        X_WB = _pose(R, p, row, own) if self.X_PB is None else X_WP @ self.X_PB
+        """Put a prop where it is in one row; R (J, 3, 3) and p (J, 3) are those of the row."""
+        X_WP = np.eye(4) if self.parent < 0 else _pose(R, p, self.parent)
+        X_WB = _pose(R, p, own) if self.X_PB is None else X_WP @ self.X_PB
         for grip in self.grips:
             # Let go where the hand has it now; then another may take it.
             if grip.rows[0] <= row <= grip.rows[1]:
-                X_WH = _pose(R, p, row, grip.node)
+                X_WH = _pose(R, p, grip.node)
                 if row == grip.rows[0] or self.X_HB is None:
                     self.X_HB = np.linalg.inv(X_WH) @ X_WB
                 X_WB = X_WH @ self.X_HB
                 self.X_PB = np.linalg.inv(X_WP) @ X_WB
-        R[row, own], p[row, own] = X_WB[:3, :3], X_WB[:3, 3]
+        R[own], p[own] = X_WB[:3, :3], X_WB[:3, 3]
 
 
-def _pose(R: Array, p: Array, row: int, node: int) -> Array:
+def _pose(R: Array, p: Array, node: int) -> Array:
     X = np.eye(4)
-    X[:3, :3], X[:3, 3] = R[row, node], p[row, node]
+    X[:3, :3], X[:3, 3] = R[node], p[node]
     return X
 
 

@@ -1,4 +1,10 @@
-"""Recorder: collects rows and facts until they are a take."""
+"""Recorder: collects rows and facts until they are a take.
+
+Rows come in batches. A batch is written as positions and matrices, in which performers can
+be hung on one another; once whole it is kept as the take has it, in reels that lie on disk
+where they are long. What grows in memory with the length of a film is the list of contacts
+and sound events alone.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +15,8 @@ import numpy as np
 
 from pipeline.simulation.attaching import Bond
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.spatial import continuous, quaternion
+from pipeline.simulation.reel import put_down, reel
+from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
     Contact,
     Header,
@@ -38,10 +45,11 @@ class Recorder:
         self.channels = tuple(c for inventory in inventories for c in inventory.channels)
         self._slices = _slices(inventories)
         rows, nodes = clock.rows, len(self.nodes)
-        self.positions = np.zeros((rows, nodes, 3))
-        self.rotations = np.zeros((rows, nodes, 3, 3))
-        self.alive = np.zeros((rows, nodes), dtype=bool)
-        self.values = np.zeros((rows, len(self.channels)))
+        self.positions = reel((rows, nodes, 3), float)
+        self.quaternions = reel((rows, nodes, 4), float)
+        self.alive = reel((rows, nodes), bool)
+        self.values = reel((rows, len(self.channels)), float)
+        self._R = np.zeros((0, nodes, 3, 3))
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
         self._notes: dict[tuple[str, str], Note] = {}
@@ -55,26 +63,50 @@ class Recorder:
                     nodes[i] = replace(nodes[i], parent=bond.parent)
         self.nodes = tuple(nodes)
 
+    @property
+    def rotations(self) -> Array:
+        """Matrices (K, J, 3, 3) of the nodes in all rows, worked out anew."""
+        return matrix(self.quaternions)
+
     def rows(self, which: slice) -> list[Rows]:
         """Return each troupe's slice of the rows `which`, to be written into."""
+        count = which.stop - which.start
+        if len(self._R) < count:
+            self._R = np.zeros((count, *self._R.shape[1:]))
+        self._R[:] = 0.0
         return [
             Rows(
                 self.positions[which, nodes],
-                self.rotations[which, nodes],
+                self._R[:count, nodes],
                 self.alive[which, nodes],
                 self.values[which, channels],
             )
             for nodes, channels in self._slices
         ]
 
-    def not_finite(self, which: slice) -> tuple[int, str] | None:
-        """Return the first of the rows `which` with a pose that is not finite, and its node."""
-        poses = self.positions[which].sum(axis=-1) + self.rotations[which].sum(axis=(-1, -2))
-        wrong = np.argwhere(~np.isfinite(poses))
-        if not len(wrong):
-            return None
-        row, node = wrong[0]
-        return which.start + int(row), self.nodes[int(node)].name
+    def keep(self, which: slice, bonds: Iterable[Bond]) -> tuple[int, str] | None:
+        """Keep the rows `which`, all troupes having written theirs.
+
+        Args:
+            which: the rows after those that were kept before.
+            bonds: what goes along with what, parents first.
+
+        Returns:
+            The first row with a pose that is not finite, and its node; None if all are.
+        """
+        R, p = self._R[: which.stop - which.start], self.positions[which]
+        for bond in bonds:
+            bond.apply(R, p, which.start)
+        if not (np.isfinite(p).all() and np.isfinite(R).all()):
+            row, node = np.argwhere(~np.isfinite(p.sum(axis=-1) + R.sum(axis=(-1, -2))))[0]
+            return which.start + int(row), self.nodes[int(node)].name
+        # The sign goes on from the last row before.
+        last = self.quaternions[max(which.start - 1, 0) : which.start]
+        run = continuous(np.concatenate([last, quaternion(R)]))
+        self.quaternions[which] = run[len(last) :]
+        for rows in (self.positions, self.quaternions, self.alive, self.values):
+            put_down(rows)
+        return None
 
     def happened(
         self,
@@ -90,15 +122,14 @@ class Recorder:
 
     def take(self) -> Take:
         """Return the finished take."""
-        rotations = continuous(quaternion(self.rotations))
         field = self.ground.field
         return Take(
             header=self.header,
             nodes=self.nodes,
             positions=self.positions,
-            rotations=rotations,
+            rotations=self.quaternions,
             alive=self.alive,
-            scales=np.zeros((len(rotations), 0, 3)),
+            scales=np.zeros((len(self.positions), 0, 3)),
             scaled=(),
             channels=self.channels,
             values=self.values,

@@ -114,9 +114,7 @@ class Simulation:
     def _write(self, which: slice) -> None:
         for troupe, rows in zip(self.troupes, self.recorder.rows(which), strict=True):
             troupe.write(rows)
-        for bond in self.bonds:
-            bond.apply(self.recorder.rotations, self.recorder.positions, which)
-        wrong = self.recorder.not_finite(which)
+        wrong = self.recorder.keep(which, self.bonds)
         if wrong is not None:
             row, node = wrong
             step = row * self.world.clock.steps // self.world.clock.samples

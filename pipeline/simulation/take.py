@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.reel import rows_of
 from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
@@ -311,7 +312,8 @@ class Take:
         state.update(json.dumps(words, sort_keys=True).encode())
         for name, values in self.arrays():
             state.update(f"{name}{values.dtype.str}{values.shape}".encode())
-            state.update(np.ascontiguousarray(values).tobytes())
+            for some in rows_of(values):
+                state.update(np.ascontiguousarray(values[some]).data)
         return state.hexdigest()
 
 

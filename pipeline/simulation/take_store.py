@@ -1,7 +1,9 @@
 """Take store: a take as a zarr group, in chunks of 32 frames.
 
 Zarr stays readable up to its last whole chunk when its writer is killed, and other
-programs read it. Everything that is no array stands in the group's attributes.
+programs read it. Everything that is no array stands in the group's attributes. Rows are
+written and read some chunks at a time, from reels and into reels, so that a long take
+needs no more memory than a short one.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import zarr
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
+from pipeline.simulation.reel import reel, rows_of
 from pipeline.simulation.take import (
     FORMAT,
     Channel,
@@ -73,11 +76,13 @@ def write_take(take: Take, path: Path) -> None:
 def _write_array(group: zarr.Group, name: str, values: NDArray[Any], samples: int) -> None:
     rows = FRAMES_A_CHUNK * samples if name in BY_ROW else max(len(values), 1)
     shape = tuple(max(n, 1) for n in values.shape)
+    rows = min(rows, shape[0])
     array = group.create_array(
-        name, shape=values.shape, dtype=values.dtype, chunks=(min(rows, shape[0]), *shape[1:])
+        name, shape=values.shape, dtype=values.dtype, chunks=(rows, *shape[1:])
     )
     if values.size:
-        array[...] = values
+        for some in rows_of(values, rows):
+            array[some] = values[some]
 
 
 def read_key(path: Path) -> str | None:
@@ -112,7 +117,11 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
     def array(name: str) -> NDArray[Any]:
         found = group[name]
         assert isinstance(found, zarr.Array)
-        return np.asarray(found[...])
+        values = reel(found.shape, found.dtype)
+        if values.size:
+            for some in rows_of(values, found.chunks[0]):
+                values[some] = found[some]
+        return values
 
     tables: dict[str, Any] = {
         name: tuple(_rows(row, plain["tables"][name])) for name, row in ROWS.items()

@@ -39,6 +39,9 @@ SKIN, THING = "brown chitin", "wood"
 ROWS_AT_ONCE = 96
 """Rows are worked out and written together: as arrays they cost a tenth."""
 
+POSES_AT_ONCE = 65_536
+"""Nodes times rows that are, about: so many stay in memory that is at hand."""
+
 
 class Simulation:
     """The world of one scene, one step at a time.
@@ -67,6 +70,8 @@ class Simulation:
         self._arrived: tuple[str, ...] = ()
         self.step_number = 0
         self._kept = self._written = 0
+        room = POSES_AT_ONCE // max(len(self.recorder.nodes), 1)
+        self._at_once = min(max(room, ROWS_AT_ONCE // 6), ROWS_AT_ONCE)
         self._keep()
         contacts, notes = self._facts()
         self.recorder.happened(contacts, [], notes)
@@ -107,7 +112,7 @@ class Simulation:
         for troupe in self.troupes:
             troupe.keep()
         self._kept += 1
-        if self._kept - self._written == ROWS_AT_ONCE or self.finished:
+        if self._kept - self._written == self._at_once or self.finished:
             self._write(slice(self._written, self._kept))
             self._written = self._kept
 

@@ -142,7 +142,7 @@ def _follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.in
     )
     place = _smoothed(middle, SMOOTHING * _rate(take))
     # One heading for the whole cut: a camera that turned with every step would sway.
-    ahead = matrix(take.rotations[np.ix_(rows, roots)])[..., 0].sum(axis=(0, 1))
+    ahead = matrix(take.rotations[np.ix_(rows, np.array(roots))])[..., 0].sum(axis=(0, 1))
     ahead[1] = 0.0
     heading = normalized(ahead) if np.linalg.norm(ahead) > 1e-6 else np.array([1.0, 0.0, 0.0])
     return _Followed(place, points, heading)
@@ -161,7 +161,7 @@ def _corners(take: Take, wanted: tuple[str, ...] | None, rows: NDArray[np.int64]
             corners.append(box - take.nodes[node].rest)
     corners_W: Array = reel((len(rows), 8 * len(nodes), 3), float)
     for some in rows_of(corners_W):
-        which = np.ix_(rows[some], nodes)
+        which = np.ix_(rows[some], np.array(nodes))
         R, p = matrix(take.rotations[which]), take.positions[which]
         world = np.einsum("fpij,pcj->fpci", R, np.array(corners)) + p[:, :, None]
         corners_W[some] = world.reshape(-1, 8 * len(nodes), 3)

@@ -124,9 +124,9 @@ def chains_of(batch: LimbBatch, owner: NDArray[np.int64]) -> list[Chains]:
     for row, own in enumerate(joints):
         families[int(owner[row]), own.tobytes()].append(row)
     makes = defaultdict[bytes, list[int]](list)
-    for (_, own), rows in families.items():
-        used[rows] = used[rows].any(axis=0)
-        makes[own + used[rows[0]].tobytes()].extend(rows)
+    for (_, own), alike in families.items():
+        used[alike] = used[alike].any(axis=0)
+        makes[own + used[alike[0]].tobytes()].extend(alike)
     found = []
     for numbers in makes.values():
         rows = np.array(numbers)

@@ -42,7 +42,7 @@ class Settled:
 
     Attributes:
         q: (m, L, n) joint values within their limits [rad or m].
-        X_BJ: (m, L, n, 4, 4) frames of the joints relative to the body.
+        X_BJ: (m, L, n, 4, 4) frames of the joints relative to the body; padding has none.
         residual: (m, L) distance of tip from goal [m].
     """
 
@@ -100,14 +100,14 @@ def _blocks(chains: Sequence[Chains], moments: int) -> Iterator[tuple[Chains, sl
 
 def _settled(chain: Chains, goal: Array) -> Array:
     """Return the joint values (k, l, m) of a block for goals (3, l, m) [m]."""
-    l, m = goal.shape[1:]
-    shape = len(chain.slides), l, m
+    limbs, moments = goal.shape[1:]
+    shape = len(chain.slides), limbs, moments
     lower, upper, preferred = (
         np.broadcast_to(bound, shape).reshape(shape[0], -1)
         for bound in (chain.lower, chain.upper, chain.preferred)
     )
-    longest = np.broadcast_to(SEGMENT * chain.lengths, (l, m))
-    damping = np.broadcast_to((DAMPING * chain.lengths) ** 2, (l, m)).ravel()
+    longest = np.broadcast_to(SEGMENT * chain.lengths, (limbs, moments))
+    damping = np.broadcast_to((DAMPING * chain.lengths) ** 2, (limbs, moments)).ravel()
     # At the preferred values, where all begin, moments do not differ yet.
     tip, J = _jacobian(chain, chain.preferred)
     J, q = np.broadcast_to(J, (3, *shape)), preferred

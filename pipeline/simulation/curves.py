@@ -59,3 +59,9 @@ def cyclic(values: Array, phase: Array | float) -> Array:
         (c - a) + t * ((2 * a - 5 * b + 4 * c - d) + t * (3 * (b - c) + d - a))
     )
     return result
+
+
+def bounded(x: Array) -> Array:
+    """Return x / (1 + x⁴)^(1/4): x where it is small, and never beyond ±1, without a corner."""
+    result: Array = x / np.sqrt(np.sqrt(1.0 + (x * x) * (x * x)))
+    return result

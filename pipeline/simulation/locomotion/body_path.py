@@ -15,13 +15,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.curves import hinge
+from pipeline.simulation.curves import bounded, hinge
+from pipeline.simulation.locomotion.bearing import Bearing
 from pipeline.simulation.locomotion.footing import Footing
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pace import GRAVITY
 from pipeline.simulation.locomotion.paces import Paces
 from pipeline.simulation.locomotion.route import Route, direction
-from pipeline.simulation.spatial import Array, heading
+from pipeline.simulation.locomotion.trunk import Trunks
+from pipeline.simulation.spatial import Array, heading, unturn
 from pipeline.simulation.terrain import Ground
 
 PITCH_FOLLOWS = 0.85
@@ -42,6 +44,9 @@ BANK = 0.6
 
 MOST_BANK = math.radians(14.0)
 
+MOST_PITCH = math.radians(15.0)
+"""How far a bearing holds a body nose up or down."""
+
 
 class BodyPath:
     """Poses of the bodies of a herd on a ground.
@@ -51,8 +56,10 @@ class BodyPath:
         ground: what they go over.
         footing: the ground that they can stand on, and the surface it makes.
         routes: their ways over the plane; a route may be changed where its creature has not
-            been yet.
+            been yet, which makes another list.
         paces: how they go.
+        bearing: (C,) how they carry themselves now.
+        trunks: how their bodies rock with their gaits.
     """
 
     def __init__(self, herd: Herd, ground: Ground, routes: Sequence[Route], paces: Paces) -> None:
@@ -61,11 +68,13 @@ class BodyPath:
         self.paces = paces
         self.footing = Footing(herd, ground)
         self.routes = list(routes)
+        self.bearing = Bearing.neutral(len(herd.names))
+        self.trunks = Trunks(paces)
         self._goes_straight = np.array([route.goes_straight for route in routes], dtype=bool)
 
     def lead(self, c: int, route: Route) -> None:
         """Give creature `c` another way, which is as before up to where it is."""
-        self.routes[c] = route
+        self.routes = [*self.routes[:c], route, *self.routes[c + 1 :]]
         self._goes_straight[c] = route.goes_straight
 
     @cached_property
@@ -81,6 +90,7 @@ class BodyPath:
         travelled: Array,
         phase: Array,
         drive: Array | float = 1.0,
+        nose_up: Array | None = None,
     ) -> tuple[Array, Array]:
         """Return the poses that bodies are to have.
 
@@ -89,6 +99,7 @@ class BodyPath:
             travelled: (N,) way gone since the start [m].
             phase: (N,) phase of the gait, whole cycles counted.
             drive: (N,) part of its speed at which it goes: who rests does not bounce.
+            nose_up: (N,) how far its bearing holds it nose up, if that is another than now [rad].
 
         Returns:
             R_WB (N, 3, 3) and p_WB (N, 3) [m].
@@ -101,9 +112,36 @@ class BodyPath:
         tall = self.paces.value("body_height", creature, phase)
         lift = hinge(crest + herd.belly[creature] - tall, CORNER * tall)
         p = np.stack([xz[:, 0], height + tall + lift + beat, xz[:, 1]], axis=-1)
-        pitch = PITCH_FOLLOWS * np.arctan(slope[:, 0])
-        roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1]) - lean
+        rocks = self._rocks(creature, phase, drive, nose_up)
+        pitch = PITCH_FOLLOWS * np.arctan(slope[:, 0]) + rocks[0]
+        roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1]) - lean * drive * drive + rocks[1]
         return heading(turned) @ pitched_and_rolled(pitch, roll), p
+
+    def _rocks(
+        self,
+        creature: NDArray[np.int64],
+        phase: Array,
+        drive: Array | float = 1.0,
+        nose_up: Array | None = None,
+    ) -> tuple[Array, Array]:
+        """Return by how much bodies pitch and roll (N,), whatever they go over [rad]."""
+        pitch, roll = self.trunks.at(phase, creature)
+        part = np.minimum(drive, 1.0)
+        held = self.bearing.body_pitch[creature] if nose_up is None else nose_up
+        return part * pitch + MOST_PITCH * bounded(held / MOST_PITCH), part * roll
+
+    def below(self, creature: NDArray[np.int64], phase: Array, rest: Array) -> Array:
+        """Return places of feet (N, 3) relative to bodies that rock, as if these did not [m].
+
+        A foot is put below its hip: it does not swing out because a body holds its nose up.
+
+        Args:
+            creature: (N,) which creatures.
+            phase: (N,) of their gaits.
+            rest: (3,) relative to a body that does not rock [m].
+        """
+        pitch, roll = self._rocks(creature, phase)
+        return unturn(pitched_and_rolled(pitch, roll), np.broadcast_to(rest, (len(phase), 3)))
 
     def on_route(self, creature: NDArray[np.int64], travelled: Array) -> tuple[Array, Array, Array]:
         """Return places (N, 2) [m], headings (N,) and how far curves make bodies lean (N,) [rad].

@@ -131,9 +131,11 @@ class Footholds:
 
     def rest(self, leg: int, travelled: float, phase: float) -> Array:
         """Return where a foot rests (2,) below a body that has gone `travelled` [m]."""
-        owner = self.herd.owner[leg]
-        R, p = self.path.pose(np.array([owner]), np.array([travelled]), np.array([phase]))
-        result: Array = (p[0] + R[0] @ self._rest(leg, phase))[[0, 2]]
+        owner, now = np.array([self.herd.owner[leg]]), np.array([phase])
+        R, p = self.path.pose(owner, np.array([travelled]), now)
+        result: Array = (p + turn(R, self.path.below(owner, now, self._rest(leg, phase))))[
+            0, [0, 2]
+        ]
         return result
 
     def _around(self, leg: int, middle: Array) -> Array:
@@ -217,8 +219,10 @@ class Footholds:
         # Its stride grows with the root of the drive, see `Going`.
         way = travelled + self.path.paces.way(owner, phase, moments) * math.sqrt(drive)
         R, p = self.path.pose(np.full(len(moments), owner), way, moments)
-        middle = len(STANCE) // 2
-        wished: Array = (p[middle] + R[middle] @ self._rest(leg, float(moments[middle])))[[0, 2]]
+        middle = slice(len(STANCE) // 2, len(STANCE) // 2 + 1)
+        rest = self._rest(leg, float(moments[middle][0]))
+        rest = self.path.below(np.array([owner]), moments[middle], rest)
+        wished: Array = (p[middle] + turn(R[middle], rest))[0, [0, 2]]
         return R, p, wished
 
     def _stoop(self, leg: int, tips: Array, R: Array, p: Array) -> Array:

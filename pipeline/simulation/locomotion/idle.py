@@ -1,29 +1,31 @@
-"""Idle motion: heads that keep level, tails and feelers that never quite rest.
+"""Idle motion: tails and feelers that sway with the gait and never quite rest.
 
 The legs carry a creature; what else it has sways with its gait and wanders a little
-of its own accord.
+of its own accord. Where heads look is said by `gaze`, what trails behind by `overlap`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import Tree
-from pipeline.simulation.figures.network import FEELER, HEAD, LEG, TAIL
-from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
+from pipeline.simulation.figures.skeleton import BODY, Limb
+from pipeline.simulation.locomotion.bearing import Bearing
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.joint_room import JointRoom
+from pipeline.simulation.locomotion.overlap import Hanging
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 
 SWAY = {
-    (HEAD, "yaw"): (0.05, 1.0),
-    (HEAD, "roll"): (0.03, 1.0),
-    (TAIL, "yaw"): (0.06, 1.0),
+    (TAIL, "yaw"): (0.09, 1.0),
     (TAIL, "pitch"): (0.03, 2.0),
+    (ARM, "pitch"): (0.32, 1.0),
+    (ARM, "bend"): (0.06, 1.0),
 }
 """With the gait: amplitude [rad] and how many times a cycle."""
 
@@ -34,10 +36,7 @@ WANDER = {
     (FEELER, "pitch"): 0.16,
     (FEELER, "bend"): 0.10,
 }
-"""Of its own accord: amplitude [rad]."""
-
-LEVEL = {(HEAD, "pitch"): -0.6}
-"""Part of the body's pitch that is taken back."""
+"""Of its own accord: amplitude [rad]. Heads wander as a whole, in where they look."""
 
 SLOW, FAST = 0.25, 0.95
 """Range of the frequencies of wandering [1/s]."""
@@ -52,57 +51,87 @@ class Idlers:
         owner: creature of each.
         names: such as "bug.head.base_yaw".
         number: its number in its own figure's skeleton.
+        room: what they may do.
+        limbs: which of them make up a limb.
+        sway, lag, times: how far they go with the gait [rad], by which part of a cycle later,
+            and how many times a cycle.
+        wander, frequency, offset: how far they go of their own accord [rad], how often a
+            second, and where they begin [rad].
+        raises: whether they raise a tail.
     """
 
     tree: Tree
     owner: NDArray[np.int64]
     names: tuple[str, ...]
     number: NDArray[np.int64]
-    lower: Array
-    upper: Array
-    preferred: Array
+    room: JointRoom
+    limbs: tuple[Hanging, ...]
     sway: Array
+    lag: Array
     times: Array
-    level: Array
     wander: Array
     frequency: Array
     offset: Array
+    raises: NDArray[np.bool_]
 
-    def values(self, phase: Array, pitch: Array, time: Array) -> Array:
-        """Return the joint values (n, M) at n moments [rad].
+    @property
+    def numbers(self) -> dict[tuple[int, int], int]:
+        """Creature and number of a joint in its skeleton -> number of the joint here."""
+        pairs = zip(self.owner.tolist(), self.number.tolist(), strict=True)
+        return {pair: i for i, pair in enumerate(pairs)}
+
+    def sways(self, phase: Array, drive: Array, bearing: Bearing) -> Array:
+        """Return what the joints (n, M) do with the gait and to hold a tail up [rad].
 
         Args:
             phase: (n, C) of the creatures' gaits.
-            pitch: (n, C) of the bodies, nose up [rad].
-            time: (n,) since the start [s].
+            drive: (n, C) part of their speed at which they go: who rests does not sway.
+            bearing: (n, C).
         """
-        turns = 2.0 * np.pi
-        q = self.preferred + self.level * pitch[:, self.owner]
-        q = q + self.sway * np.sin(turns * self.times * phase[:, self.owner])
+        own = self.owner
+        strength = (bearing.sway * np.minimum(drive, 1.0))[:, own] * self.sway
+        result: Array = strength * np.sin(2.0 * np.pi * self.times * (phase[:, own] - self.lag))
+        result += self.raises * bearing.tail_raise[:, own]
+        return result
+
+    def wanders(self, time: Array, bearing: Bearing) -> Array:
+        """Return what the joints (n, M) do of their own accord [rad].
+
+        Args:
+            time: (n,) since the start [s].
+            bearing: (n, C).
+        """
         # Two waves of incommensurable length never come round.
-        angle = turns * self.frequency * time[:, None] + self.offset
-        q = q + self.wander * (0.65 * np.sin(angle) + 0.35 * np.sin(1.618 * angle + 1.0))
-        return np.clip(q, self.lower, self.upper)
+        angle = 2.0 * np.pi * self.frequency * time[:, None] + self.offset
+        waves = 0.65 * np.sin(angle) + 0.35 * np.sin(1.618 * angle + 1.0)
+        result: Array = bearing.wander[:, self.owner] * self.wander * waves
+        return result
 
 
-def gather_idlers(names: Sequence[str], figures: Sequence[Figure], seed: int) -> Idlers:
+def gather_idlers(herd: Herd, seed: int) -> Idlers:
     """Collect all joints that belong to no leg.
 
     Args:
-        names: of the creatures; each draws its own chances.
-        figures: of the creatures.
+        herd: the creatures; each draws its own chances, by its name.
         seed: of the scene.
     """
+    names, figures = herd.names, herd.figures
     rows: list[tuple[int, int, int, str, str]] = []  # creature, joint, parent, kind, turn
+    limbs, lags = list[Hanging](), list[float]()
     for c, figure in enumerate(figures):
         skeleton = figure.skeleton
         place = {}
         for limb in (limb for limb in skeleton.limbs if limb.kind != LEG):
+            first = len(rows)
             for j in limb.joints:
                 parent = int(skeleton.parents[j])
                 place[j] = len(rows)
                 turn = skeleton.joint_names[j].rsplit("_", 1)[1]
                 rows.append((c, j, place.get(parent, BODY), limb.kind, turn))
+            turns = [turn for *_, turn in rows[first:]]
+            own = range(first, len(rows))
+            limbs.append(Hanging(limb.kind, own, turns, limb.tip, limb.length))
+            lags += [_lag(herd, c, limb)] * len(own)
     skeletons = [figures[c].skeleton for c, *_ in rows]
     number = np.array([j for _, j, *_ in rows], dtype=np.int64)
 
@@ -128,13 +157,22 @@ def gather_idlers(names: Sequence[str], figures: Sequence[Figure], seed: int) ->
             f"{names[c]}.{s.joint_names[j]}" for (c, j, *_), s in zip(rows, skeletons, strict=True)
         ),
         number=number,
-        lower=taken("lower"),
-        upper=taken("upper"),
-        preferred=taken("preferred"),
+        room=JointRoom(taken("lower"), taken("preferred"), taken("upper")),
+        limbs=tuple(limbs),
         sway=np.array([SWAY.get(k, (0.0, 1.0))[0] for k in kinds]),
+        lag=np.array(lags),
         times=np.array([SWAY.get(k, (0.0, 1.0))[1] for k in kinds]),
-        level=np.array([LEVEL.get(k, 0.0) for k in kinds]),
         wander=np.array([WANDER.get(k, 0.0) for k in kinds]),
         frequency=SLOW + (FAST - SLOW) * chance[:, 0],
         offset=2.0 * np.pi * chance[:, 1],
+        raises=np.array([k == (TAIL, "pitch") for k in kinds], dtype=bool),
     )
+
+
+def _lag(herd: Herd, c: int, limb: Limb) -> float:
+    """Return when a limb comes forward in the cycle, a quarter early: an arm with the other leg."""
+    other = {"l": "r", "r": "l"}.get(limb.side)
+    legs = np.flatnonzero((herd.owner == c) & (limb.kind == ARM))
+    across = [leg for leg in legs if herd.leg_names[leg][0] == other]
+    # A foot is farthest ahead where it comes down.
+    return float(herd.down[across[0]]) - 0.25 if across else 0.0

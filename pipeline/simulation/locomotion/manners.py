@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.locomotion.bearing import Bearing
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.moods import Feeling, blended, in_mood
 from pipeline.simulation.locomotion.pace import Pace, pace_of
@@ -37,7 +38,8 @@ class Manners:
         self.herd = herd
         self.moods = moods
         self.plain = list(herd.plain)
-        self.feelings = [[(0.0, blended(member.mood, moods))] for _, member, _ in cast]
+        self._bearing: Bearing | None = None
+        self.feelings = [[(-2.0 * MOMENT, blended(member.mood, moods))] for _, member, _ in cast]
 
     def possible(self, c: int, order: ChangeGait, where: str = "do") -> Pace:
         """Return the pace that a creature is asked to have, without its mood.
@@ -70,14 +72,34 @@ class Manners:
         feeling = self.feelings[c][-1][1]
         return in_mood(self.plain[c], feeling, self.herd.figures[c], self.herd.spreads[c])
 
-    def bearing(self, name: str, times: Array) -> Array:
-        """Return how creatures carry themselves (n, C) at `times` (n,): a part of `Feeling`."""
-        result = np.empty((len(times), len(self.feelings)))
+    def bearing(self, time: float) -> Bearing:
+        """Return how all carry themselves at `time` [s]; the same object while nothing changes."""
+        if self._bearing is None or time <= self._settled:
+            self._bearing = Bearing(
+                head_raise=self._felt("head", time),
+                head_turn=np.ones(len(self.feelings)),
+                tail_raise=self._felt("tail", time),
+                body_pitch=self._felt("pitch", time),
+                sway=self._felt("sway", time),
+                wander=self._felt("wander", time),
+                looseness=self._felt("looseness", time),
+            )
+        return self._bearing
+
+    @property
+    def _settled(self) -> float:
+        """Time from which on nobody carries itself otherwise [s]."""
+        return max(since for course in self.feelings for since, _ in course) + 2.0 * MOMENT
+
+    def _felt(self, name: str, time: float) -> Array:
+        """Return a part of what creatures (C,) feel at `time` [s]."""
+        result = np.empty(len(self.feelings))
         for c, course in enumerate(self.feelings):
             before: Feeling = course[0][1]
-            result[:, c] = getattr(before, name)
+            result[c] = getattr(before, name)
             for since, feeling in course[1:]:
                 step = getattr(feeling, name) - getattr(before, name)
-                result[:, c] += step * ease(np.clip((times - since) / MOMENT, 0.0, 1.0))
+                done = min(max((time - since) / MOMENT, 0.0), 1.0)
+                result[c] += step * ease(np.array(done))
                 before = feeling
         return result

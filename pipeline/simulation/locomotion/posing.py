@@ -7,7 +7,7 @@ moments together, which costs a fraction of doing it step by step.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,11 +19,16 @@ from pipeline.simulation.figures.chains import chains_of
 from pipeline.simulation.figures.posed_limb import Miss
 from pipeline.simulation.figures.settling import settle
 from pipeline.simulation.figures.surroundings import Surroundings
+from pipeline.simulation.locomotion.bearing import Bearing
 from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.carriage import Carriage
+from pipeline.simulation.locomotion.give import Give
 from pipeline.simulation.locomotion.herd import REACH, Herd
 from pipeline.simulation.locomotion.idle import Idlers
 from pipeline.simulation.locomotion.inventory import NodeTable
+from pipeline.simulation.locomotion.looking import Look, Rows
 from pipeline.simulation.locomotion.postures import Postures
+from pipeline.simulation.locomotion.route import Route
 from pipeline.simulation.locomotion.swing import swing
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.take import Note
@@ -38,7 +43,7 @@ TUCKED, BACK = 0.3, 0.12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """The state of a herd at one step; see `Walkers` for its parts."""
+    """The state of a herd at one step; see `Walkers` for its parts, and `Rows`."""
 
     step: int
     gone: Array
@@ -51,6 +56,13 @@ class Moment:
     swinging: NDArray[np.bool_]
     stoop: Array
     tuck: Array
+    bearing: Bearing
+    routes: Sequence[Route]
+    looks: Mapping[int, Look]
+
+
+ARRAYS = tuple(Moment.__slots__[1:11])
+"""What of a moment is arrays, to be stacked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,13 +102,15 @@ class Posing:
         self.dt = clock.dt
         self.row_dt = clock.dt * clock.steps / clock.samples
         self._chains = chains_of(herd.legs, herd.owner)
+        self.give = Give(herd, self.row_dt)
+        self.carriage = Carriage(herd, idlers, self.row_dt)
 
     def poses(self, moments: Sequence[Moment]) -> Poses:
         """Return where everything is at `moments`."""
         herd, n = self.herd, len(moments)
         steps = np.array([moment.step for moment in moments])
         gone, drive, start, end, height, lifted, span, swinging, stoop, tuck = (
-            np.stack([getattr(moment, name) for moment in moments]) for name in Moment.__slots__[1:]
+            np.stack([getattr(moment, name) for moment in moments]) for name in ARRAYS
         )
         way, phase = gone[:, 0], gone[:, 1]
         s = _swung(herd, phase, lifted, span, swinging)
@@ -104,10 +118,14 @@ class Posing:
             start.shape
         )
         creature = np.tile(np.arange(len(herd.names)), n)
-        R, p = self.path.pose(creature, way.ravel(), phase.ravel(), drive.ravel())
+        bearing = Bearing.stacked([moment.bearing for moment in moments])
+        R, p = self.path.pose(
+            creature, way.ravel(), phase.ravel(), drive.ravel(), bearing.body_pitch.ravel()
+        )
         R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
         p_WB[..., 1] -= _stooped(herd, stoop, s)
         tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
+        self.give.apply(R_WB, p_WB)
         around = self._posed_bodies(steps * self.dt, way, tall, R_WB, p_WB)
         grip = self.postures.free(steps * self.dt)
         if tuck.any():
@@ -118,8 +136,10 @@ class Posing:
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         solution = settle(herd.legs, self._chains, goals)
         residual = solution.residual
-        pitch = np.arcsin(np.clip(R_WB[..., 1, 0], -1.0, 1.0))
-        q_idle = self.idlers.values(phase, pitch, steps * self.dt)
+        routes, looks = [m.routes for m in moments], [m.looks for m in moments]
+        q_idle = self.carriage.values(
+            Rows(steps * self.dt, way, phase, drive, bearing, routes, looks, R_WB, p_WB)
+        )
         q_legs, X_legs = solution.q, solution.X_BJ
         self.postures.keep_feet(goals, q_legs, residual)
         X_idle = self.idlers.tree.pose(q_idle)

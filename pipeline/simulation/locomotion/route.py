@@ -104,7 +104,7 @@ class Route:
         """Return how much the heading changes a metre (n,) [rad/m]; 0 on the spot."""
         if len(self.s) < 2:
             return np.zeros(len(s))
-        inside = (s > 0.0) & (s < self.s[-1])
+        inside = (s >= 0.0) & (s <= self.s[-1])
         return np.where(inside, np.interp(s, *self._bends), 0.0)
 
     def upto(self, s: float) -> Route:

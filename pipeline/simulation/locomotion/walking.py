@@ -10,7 +10,7 @@ Source: Sims 1987, ch. 10.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,7 @@ from pipeline.simulation.locomotion.inventory import (
     foot_materials,
     leg_mass,
 )
+from pipeline.simulation.locomotion.looking import Look
 from pipeline.simulation.locomotion.manners import Manners
 from pipeline.simulation.locomotion.paces import Paces
 from pipeline.simulation.locomotion.posing import Moment, Posing
@@ -65,6 +66,7 @@ class Walkers:
         swinging: (L,).
         tuck: (2, L) how much it was held up before this swing, and will be after it, 0 or 1.
         up, swings: (L,) foot-up phases and lengths of swings, of legs whose gait stays.
+        looks: what creatures are told to look at; who is not looks where it goes.
     """
 
     def __init__(
@@ -80,7 +82,7 @@ class Walkers:
         ]
         path = BodyPath(herd, world.ground, routes, paces)
         self.footholds = Footholds(herd, world.ground, path)
-        idlers = gather_idlers(herd.names, herd.figures, world.seed)
+        idlers = gather_idlers(herd, world.seed)
         table = NodeTable.of(herd, idlers)
         self.postures = Postures(cast, herd, idlers, world.seed)
         self.posing = Posing(herd, path, idlers, table, self.postures, world.clock)
@@ -89,6 +91,7 @@ class Walkers:
         self._mass = leg_mass(herd)
         self._foot_materials = foot_materials(herd, materials)
         legs = len(herd.owner)
+        path.bearing = manners.bearing(0.0)
         self.going = Going(herd, path, manners, world.clock.dt)
         self.up, self.swings = herd.up.copy(), herd.swings.copy()
         self.span, self.tuck = herd.swings.copy(), np.zeros((2, legs))
@@ -99,6 +102,7 @@ class Walkers:
         self.holds: list[Foothold] = []
         self.scuffing = Scuffing(herd, world.ground)
         self.swinging = np.zeros(legs, dtype=bool)
+        self.looks: Mapping[int, Look] = {}
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
         self._told: list[Note] = []
@@ -141,6 +145,8 @@ class Walkers:
         self._notes = self._told
         self._told = []
         before = self.phase
+        going = self.going
+        going.path.bearing = going.manners.bearing(going.time)
         self._arrived = self._go_on()
         self._take_steps(step, before)
         self.step = step + 1
@@ -181,6 +187,9 @@ class Walkers:
                 swinging=self.swinging.copy(),
                 stoop=self.stoop.copy(),
                 tuck=self.tuck.copy(),
+                bearing=self.going.path.bearing,
+                routes=self.going.path.routes,
+                looks=self.looks,
             )
         )
 

@@ -24,19 +24,16 @@ class QuadField(HeightField):
 
     def height(self, x: Array, z: Array) -> Array:
         """Return the height of the surface [m] at world (x, z); any equal shapes."""
-        corner, u, v = self._locate(x, z)
-        h00, h10, h01, h11 = self._corners(corner)
+        (h00, h10, h01, h11), u, v = self._locate(x, z)
         rise_u, rise_v = _rises(h00, h10, h01, h11, u, v)
         middle = 0.25 * ((h00 + h10) + (h01 + h11))
         result: Array = middle + rise_u * (u - 0.5) + rise_v * (v - 0.5)
         return result
 
-    def gradient(self, x: Array, z: Array) -> Array:
-        """Return (..., 2): the rise of the surface along x and z, per metre."""
-        corner, u, v = self._locate(x, z)
-        rise_u, rise_v = _rises(*self._corners(corner), u, v)
-        along = self._turned(rise_u / self.cell[0], rise_v / self.cell[1])
-        return np.stack(along, axis=-1)
+    def _rise(self, x: Array, z: Array) -> tuple[Array, Array]:
+        (h00, h10, h01, h11), u, v = self._locate(x, z)
+        rise_u, rise_v = _rises(h00, h10, h01, h11, u, v)
+        return self._turned(rise_u / self.cell[0], rise_v / self.cell[1])
 
     @cached_property
     def vertices(self) -> Array:

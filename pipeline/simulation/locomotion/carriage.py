@@ -1,0 +1,84 @@
+"""Carriage: what creatures do beside their legs, all of it together.
+
+Heads look where they are to and stay level, tails and feelers sway and wander; then all of
+them trail behind what they hang on. It is worked out for many rows at once, in their order:
+springs remember the row before.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.locomotion.gaze import Gaze
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.idle import Idlers
+from pipeline.simulation.locomotion.looking import Rows, looks_of
+from pipeline.simulation.locomotion.overlap import Overlap
+from pipeline.simulation.locomotion.springs import Oscillators, Trailing
+from pipeline.simulation.spatial import Array
+
+QUICKEST = 0.25
+"""How fast heads are turned at most, in the frequencies of the necks' springs [rad]."""
+
+NECK_DAMPING = 0.8
+"""Ratio to the critical damping with which a head comes to where it is to look."""
+
+
+class Carriage:
+    """The carriage of a herd of C creatures with M joints that carry nothing.
+
+    Attributes:
+        herd: the creatures.
+        idlers: the joints.
+        gaze: the heads, H of them.
+        overlap: what trails.
+    """
+
+    def __init__(self, herd: Herd, idlers: Idlers, dt: float) -> None:
+        self.herd, self.idlers = herd, idlers
+        self.gaze = Gaze(herd.figures, idlers.numbers)
+        self.overlap = Overlap(idlers.tree, idlers.room, idlers.owner, idlers.limbs, dt)
+        frequency = self.overlap.springs.frequency[self.gaze.numbers[:, 0]]
+        self._look = Trailing(Oscillators(frequency, np.full_like(frequency, NECK_DAMPING), dt))
+        self._most = QUICKEST * frequency[:, None] * dt
+        self._last: Array | None = None
+
+    def values(self, rows: Rows) -> Array:
+        """Return the values of the joints (n, M), for rows one after the other [rad or m]."""
+        idlers, gaze = self.idlers, self.gaze
+        wanders = idlers.wanders(rows.time, rows.bearing)
+        wishes = idlers.sways(rows.phase, rows.drive, rows.bearing) + wanders
+        heads, joints = self._heads(rows, wanders), gaze.necks.is_joint
+        wishes[:, gaze.numbers[joints]] = heads[:, joints]
+        trailing = self.overlap.trail(wishes, rows.R_WB, rows.p_WB, rows.bearing.looseness)
+        return idlers.room.at(trailing)
+
+    def _heads(self, rows: Rows, wanders: Array) -> Array:
+        """Return what the joints of necks (n, H, k) do [rad]."""
+        gaze = self.gaze
+        looks = self._followed(self._looks(rows))
+        raised = rows.bearing.head_raise[:, gaze.owner]
+        wander = wanders[:, gaze.numbers]
+        azimuth = looks[..., 0] + (wander * gaze.yaw).sum(axis=-1)
+        elevation = looks[..., 1] + (wander * gaze.neck).sum(axis=-1) + gaze.nods * raised
+        R = rows.R_WB[:, gaze.owner]
+        tilt = np.arcsin(np.clip(R[..., 1, 0], -1.0, 1.0)), np.arctan2(-R[..., 1, 2], R[..., 1, 1])
+        return gaze.wishes((azimuth, elevation), tilt, raised[..., None] * gaze.neck)
+
+    def _looks(self, rows: Rows) -> Array:
+        """Return where heads are to look (n, H, 2), see `looks_of` [rad]."""
+        gaze, looks = self.gaze, np.zeros((len(rows.time), len(self.gaze.owner), 2))
+        for h, c in enumerate(gaze.owner):
+            looks[:, h, 0], looks[:, h, 1] = looks_of(
+                self.herd, rows, int(c), gaze.necks.places[h, 0], gaze.eyes[h], float(gaze.most[h])
+            )
+        return looks
+
+    def _followed(self, wanted: Array) -> Array:
+        """Return where heads look (n, H, 2) that follow at no more than a certain speed [rad]."""
+        goals = np.empty_like(wanted)
+        for row, goal in enumerate(wanted):
+            before = goal if self._last is None else self._last
+            ahead = np.minimum(np.maximum(goal - before, -self._most), self._most)
+            goals[row] = self._last = before + ahead
+        return goals + self._look.follow(goals)

@@ -186,7 +186,7 @@ def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Tro
 
 
 def _refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
-    """Refuse instructions to those who follow none.
+    """Refuse instructions to those who follow none, and looks of those who have none.
 
     Raises:
         SceneError: if there are any.
@@ -196,6 +196,11 @@ def _refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
         Problem(f"script[{i}].who", f"'{one.who}' is an inchworm, which follows no script")
         for i, one in enumerate(scene.script)
         if one.who in worms
+    ]
+    problems += [
+        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
+        for i, member in scene.creatures
+        if member.name in worms and member.look_at is not None
     ]
     if problems:
         raise scene.places.located(SceneError(problems))

@@ -12,7 +12,7 @@ from pipeline.spec.keyframes import Keyframe, faults_of_order
 from pipeline.spec.mood import MoodMix
 from pipeline.spec.pose import PoseKey
 from pipeline.spec.prop import Hold, Shape
-from pipeline.spec.values import Coordinate, Length, Name, Number, Words
+from pipeline.spec.values import Coordinate, Length, Name, Number, Target, Words
 from pipeline.spec.walk import Walk
 
 MOST_KEYS = 10_000
@@ -61,6 +61,11 @@ class Creature(Performer):
     walk: Walk | None = Field(None, description="How it walks; it stands still if left out.")
     mood: MoodMix = Field(
         {}, description="A mood by name, or weights of several: how it walks and carries itself."
+    )
+    look_at: Target | None = Field(
+        None,
+        description="What it looks at, as far as its neck turns: another creature, or a place "
+        "[x, y, z] [m]; where it goes if left out.",
     )
     pose: Annotated[tuple[PoseKey, ...], Field(max_length=MOST_KEYS)] = Field(
         (),

@@ -27,7 +27,16 @@ def faults_of_references(scene: object) -> list[Fault]:
     Args:
         scene: a scene, or the mapping that is to become one.
     """
-    finders = (_figures, _repeated_names, _materials, _followed, _attached, _scripted, _moods)
+    finders = (
+        _figures,
+        _repeated_names,
+        _materials,
+        _followed,
+        _attached,
+        _scripted,
+        _moods,
+        _seen,
+    )
     return list(islice((fault for find in finders for fault in find(scene)), MOST_FAULTS))
 
 
@@ -131,6 +140,27 @@ def _moods(scene: object) -> Iterator[Fault]:
         for name in [mood] if isinstance(mood, str) else sorted(_keys(mood)):
             if name not in known:
                 yield Fault(place, f"no mood is called '{name}', {hint(name, known)}")
+
+
+def _seen(scene: object) -> Iterator[Fault]:
+    names, cast = _names(scene), dict(_items(_get(scene, "cast")))
+    looks: list[tuple[Place, Any, Any]] = [
+        (("cast", i), _get(member, "look_at"), names[i]) for i, member in cast.items()
+    ]
+    for i, one in _items(_get(scene, "script")):
+        looks.append((("script", i, "do"), _get(_get(one, "do"), "look_at"), _get(one, "who")))
+    for place, whom, who in looks:
+        if not isinstance(whom, str):
+            continue
+        if whom not in names:
+            message = f"nobody in the cast is called '{whom}', {hint(whom, names)}"
+        elif whom == who:
+            message = f"'{whom}' cannot look at itself"
+        elif _get(cast[names.index(whom)], "prop") is not None:
+            message = f"'{whom}' is a prop; give the place that is to be looked at, [x, y, z]"
+        else:
+            continue
+        yield Fault((*place, "look_at"), message)
 
 
 def _names(scene: object) -> list[str]:

@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.mood import MoodMix
-from pipeline.spec.values import Name, Number, Point, Words
+from pipeline.spec.values import Name, Number, Point, Target, Words
 from pipeline.spec.walk import GAIT, Gait, Manner
 
 
@@ -54,6 +54,18 @@ class ChangeMood(Words):
     mood: MoodMix = Field(description="A mood by name, or weights of several; {} takes all away.")
 
 
+class LookAt(Words):
+    """Look at something from now on, wherever it goes."""
+
+    look_at: Target = Field(description="Another creature, or a place [x, y, z] [m].")
+
+
+class LookAhead(Words):
+    """Look where it goes again."""
+
+    look: Literal["ahead"] = Field(description="ahead.")
+
+
 Plain = Literal["stop", "walk"]
 """Stop here; walk straight on."""
 
@@ -64,6 +76,8 @@ FORMS: Mapping[str, type[Words]] = {
     "turn_deg": TurnBy,
     "speed": SetSpeed,
     "wait": Wait,
+    "look_at": LookAt,
+    "look": LookAhead,
 }
 """What can be done, by the key that says it."""
 
@@ -83,7 +97,9 @@ Do = Annotated[
     | Annotated[GoTo, Tag("GoTo")]
     | Annotated[TurnBy, Tag("TurnBy")]
     | Annotated[SetSpeed, Tag("SetSpeed")]
-    | Annotated[Wait, Tag("Wait")],
+    | Annotated[Wait, Tag("Wait")]
+    | Annotated[LookAt, Tag("LookAt")]
+    | Annotated[LookAhead, Tag("LookAhead")],
     Discriminator(_form),
 ]
 
@@ -104,7 +120,9 @@ class Instruction(Words):
         "same are given one after the other, each time that it happens.",
     )
     who: Name = Field(description="Who is to do it.")
-    do: Do = Field(description="stop, walk, or go_to, turn_deg, speed, gait, mood or wait.")
+    do: Do = Field(
+        description="stop, walk, or go_to, turn_deg, speed, gait, mood, look_at, look or wait."
+    )
 
     @model_validator(mode="after")
     def _has_a_time(self) -> Self:

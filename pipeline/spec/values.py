@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
 
 class Words(BaseModel):
@@ -31,3 +31,15 @@ Length = Annotated[Number, Field(gt=0, le=FAR)]
 LengthOrZero = Annotated[Number, Field(ge=0, le=FAR)]
 Phase = Annotated[Number, Field(ge=0, le=1)]
 Point = tuple[Coordinate, Coordinate]
+Place = tuple[Coordinate, Coordinate, Coordinate]
+
+
+def _name_or_place(words: Any) -> str:
+    return "a name" if isinstance(words, str) else "a place"
+
+
+Target = Annotated[
+    Annotated[Name, Tag("a name")] | Annotated[Place, Tag("a place")],
+    Discriminator(_name_or_place),
+]
+"""A performer by its name, or a place [x, y, z] [m]."""

@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.simulation.locomotion.gaze import Gaze
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.idle import Idlers
-from pipeline.simulation.locomotion.looking import Rows, looks_of
+from pipeline.simulation.locomotion.looking import Rows, sight_of
 from pipeline.simulation.locomotion.overlap import Overlap
 from pipeline.simulation.locomotion.springs import Oscillators, Trailing
 from pipeline.simulation.spatial import Array
@@ -22,6 +22,9 @@ QUICKEST = 0.25
 
 NECK_DAMPING = 0.8
 """Ratio to the critical damping with which a head comes to where it is to look."""
+
+ROUNDS = 3
+"""In which eyes that look at something come to where they look from."""
 
 
 class Carriage:
@@ -56,21 +59,33 @@ class Carriage:
     def _heads(self, rows: Rows, wanders: Array) -> Array:
         """Return what the joints of necks (n, H, k) do [rad]."""
         gaze = self.gaze
-        looks = self._followed(self._looks(rows))
-        raised = rows.bearing.head_raise[:, gaze.owner]
-        wander = wanders[:, gaze.numbers]
-        azimuth = looks[..., 0] + (wander * gaze.yaw).sum(axis=-1)
-        elevation = looks[..., 1] + (wander * gaze.neck).sum(axis=-1) + gaze.nods * raised
         R = rows.R_WB[:, gaze.owner]
         tilt = np.arcsin(np.clip(R[..., 1, 0], -1.0, 1.0)), np.arctan2(-R[..., 1, 2], R[..., 1, 1])
-        return gaze.wishes((azimuth, elevation), tilt, raised[..., None] * gaze.neck)
+        raised = rows.bearing.head_raise[:, gaze.owner]
+        own, wander = raised[..., None] * gaze.neck, wanders[:, gaze.numbers]
+        looks = self._looks(rows)
+        if any(rows.looks):
+            # A neck takes the eyes elsewhere, from where a near thing is seen elsewhere.
+            for _ in range(ROUNDS):
+                looks = self._looks(rows, gaze.eyes(gaze.wishes(looks, tilt, own)))
+        looks = self._followed(looks)
+        looks[..., 0] += (wander * gaze.yaw).sum(axis=-1)
+        looks[..., 1] += (wander * gaze.neck).sum(axis=-1) + gaze.nods * raised
+        return gaze.wishes(looks, tilt, own)
 
-    def _looks(self, rows: Rows) -> Array:
-        """Return where heads are to look (n, H, 2), see `looks_of` [rad]."""
+    def _looks(self, rows: Rows, eyes: Array | None = None) -> Array:
+        """Return where heads are to look (n, H, 2), see `sight_of` [rad].
+
+        Args:
+            rows: what is known of them.
+            eyes: (n, H, 3) where they are, if that is known [m].
+        """
         gaze, looks = self.gaze, np.zeros((len(rows.time), len(self.gaze.owner), 2))
         for h, c in enumerate(gaze.owner):
-            looks[:, h, 0], looks[:, h, 1] = looks_of(
-                self.herd, rows, int(c), gaze.necks.places[h, 0], gaze.eyes[h], float(gaze.most[h])
+            head = gaze.necks.places[h, 0], gaze.end[h]
+            own = None if eyes is None else eyes[:, h]
+            looks[:, h, 0], looks[:, h, 1] = sight_of(
+                self.herd, rows, int(c), head, float(gaze.most[h]), own
             )
         return looks
 

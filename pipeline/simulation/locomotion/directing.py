@@ -12,8 +12,19 @@ from typing import Any
 import numpy as np
 
 from pipeline.simulation.locomotion.going import Going
+from pipeline.simulation.locomotion.looking import look_of
 from pipeline.simulation.locomotion.route import Route, direction, straight, through, turning
-from pipeline.spec.script import ChangeGait, ChangeMood, Do, GoTo, SetSpeed, TurnBy, Wait
+from pipeline.spec.script import (
+    ChangeGait,
+    ChangeMood,
+    Do,
+    GoTo,
+    LookAhead,
+    LookAt,
+    SetSpeed,
+    TurnBy,
+    Wait,
+)
 
 NEAR = 0.02
 """Places nearer to one another than this part of the stride are the same."""
@@ -99,6 +110,21 @@ def _set_speed(going: Going, c: int, order: SetSpeed) -> str | None:
     return f"goes at {most:.3g} m/s, the most that its legs can do, instead of {order.speed:g}"
 
 
+def _look_at(going: Going, c: int, order: LookAt) -> str | None:
+    """Look at something from now on."""
+    try:
+        going.looks = {**going.looks, c: look_of(going.herd, c, order.look_at)}
+    except ValueError as error:
+        return str(error)
+    return None
+
+
+def _look(going: Going, c: int, order: LookAhead) -> None:
+    """Look ahead again."""
+    del order
+    going.looks = {who: look for who, look in going.looks.items() if who != c}
+
+
 def _here(going: Going, c: int) -> Route:
     """Return what is gone of its route."""
     return going.path.routes[c].upto(float(going.way[c]))
@@ -128,4 +154,6 @@ ORDERS: dict[Any, Callable[[Going, int, Any], str | None]] = {
     GoTo: _go_to,
     TurnBy: _turn,
     SetSpeed: _set_speed,
+    LookAt: _look_at,
+    LookAhead: _look,
 }

@@ -46,6 +46,8 @@ class Gaze:
         yaw, neck: (H, k) which of them turn it, and which raise the neck, by how much.
         room: (H, k) of its joints.
         most: (H,) how far it turns [rad].
+        rest: (H, 3, 3) how it is turned at rest in the body's frame.
+        end: (H, 3) where the neck ends then [m].
         nods: (H,) part of a raised neck by which it looks up.
         necks: the joints.
     """
@@ -77,13 +79,19 @@ class Gaze:
         )
         self.most = MOST_TURN * (rooms * self.yaw).sum(axis=-1)
         rest = self.necks.pose(self.necks.preferred)
-        self._rest, self.eyes = rest.R_BF, rest.tips
+        self.rest, self.end = rest.R_BF, rest.tips
 
-    def wishes(self, look: tuple[Array, Array], tilt: tuple[Array, Array], start: Array) -> Array:
+    def eyes(self, wishes: Array) -> Array:
+        """Return where the necks end (n, H, 3) in the body's frame, for wishes (n, H, k) [m]."""
+        n, count, k = wishes.shape
+        batch = self.necks.rows(np.tile(np.arange(count), n))
+        return batch.pose(self.room.at(wishes).reshape(-1, k)).tips.reshape(n, count, 3)
+
+    def wishes(self, looks: Array, tilt: tuple[Array, Array], start: Array) -> Array:
         """Return what the joints (n, H, k) are to do, as `JointRoom` takes it [rad].
 
         Args:
-            look: azimuth from the body's heading and elevation (n, H) of the look [rad].
+            looks: (n, H, 2) azimuth from the body's heading and elevation of the look [rad].
             tilt: pitch and roll (n, H) of the bodies [rad].
             start: (n, H, k) wishes that the neck has of its own [rad].
         """
@@ -92,10 +100,9 @@ class Gaze:
             return start
         batch = self.necks.rows(np.tile(np.arange(count), n))
         R_WB = pitched_and_rolled(tilt[0].ravel(), tilt[1].ravel())
-        R_look = heading(look[0].ravel()) @ pitched_and_rolled(
-            look[1].ravel(), np.zeros(look[1].size)
-        )
-        R_wanted = R_WB.transpose(0, 2, 1) @ R_look @ np.tile(self._rest, (n, 1, 1))
+        azimuth, elevation = looks.reshape(-1, 2).T
+        R_look = heading(azimuth) @ pitched_and_rolled(elevation, np.zeros(len(elevation)))
+        R_wanted = R_WB.transpose(0, 2, 1) @ R_look @ np.tile(self.rest, (n, 1, 1))
         wish, eye = start, DAMPING * np.eye(3)
         for _ in range(ROUNDS):
             pose = batch.pose(self.room.at(wish).reshape(-1, k))

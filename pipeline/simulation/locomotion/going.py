@@ -11,12 +11,14 @@ Source: Sims 1987, 3.2.3 and 10.1; Alexander 1989 for how stride and cadence gro
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.looking import Look
 from pipeline.simulation.locomotion.manners import Manners
 from pipeline.simulation.locomotion.pace import Pace
 from pipeline.simulation.locomotion.route import Route, direction
@@ -51,6 +53,7 @@ class Going:
         halted: (C,) whether it found no foothold.
         closed: (C,) phase at which its feet have closed up; infinite while it goes.
         cycle, full: (C,) duration [s] and length [m] of a cycle at full drive.
+        looks: what creatures are told to look at; the others look where they go.
     """
 
     def __init__(self, herd: Herd, path: BodyPath, manners: Manners, dt: float) -> None:
@@ -66,6 +69,7 @@ class Going:
         self.halted = np.zeros(count, dtype=bool)
         self.closed = np.full(count, np.inf)
         self.cycle, self.full = herd.cycle.copy(), herd.stride.copy()
+        self.looks: Mapping[int, Look] = {}
         self._cycles = np.where(herd.walks, dt / herd.cycle, 0.0)
         self._changing: dict[int, float] = {}
         self._steps = self._looks = 0

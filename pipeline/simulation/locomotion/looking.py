@@ -13,11 +13,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import hinge
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.network import HEAD
 from pipeline.simulation.locomotion.bearing import Bearing
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.route import Route, direction
 from pipeline.simulation.spatial import Array, heading, turn
+from pipeline.spec.cast import Creature
+from pipeline.spec.values import Target
 
 LEAD = 0.8
 """How long before it is somewhere a creature looks there [s]."""
@@ -28,7 +33,7 @@ LEAST = 0.35
 BEYOND = 2.0
 """How far beyond its eyes' place there it looks, in half lengths of its stance."""
 
-MOST_UP = math.radians(50.0)
+MOST_UP = math.radians(60.0)
 """How far heads look up or down."""
 
 ROUNDS = 3
@@ -69,8 +74,45 @@ class Rows:
         return result
 
 
-def looks_of(
-    herd: Herd, rows: Rows, c: int, base: Array, eye: Array, most: float
+def look_of(herd: Herd, c: int, words: Target) -> Look:
+    """Return what the creature `c` of a herd is told to look at.
+
+    Raises:
+        ValueError: it cannot; says why.
+    """
+    if all(limb.kind != HEAD for limb in herd.figures[c].skeleton.limbs):
+        raise ValueError(f"'{herd.names[c]}' has no head to turn")
+    if not isinstance(words, str):
+        return np.array(words)
+    if words not in herd.names:
+        raise ValueError(f"'{words}' is not on the same ground on legs; give a place, [x, y, z]")
+    return herd.names.index(words)
+
+
+def looks_in(herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]) -> Mapping[int, Look]:
+    """Return what the creatures of a herd are told to look at, by creature.
+
+    Args:
+        herd: of the cast.
+        cast: place in the scene's cast, words and figure of each.
+
+    Raises:
+        SceneError: one cannot.
+    """
+    looks, problems = dict[int, Look](), []
+    for c, (number, member, _) in enumerate(cast):
+        try:
+            if member.look_at is not None:
+                looks[c] = look_of(herd, c, member.look_at)
+        except ValueError as error:
+            problems.append(Problem(f"cast[{number}].look_at", str(error)))
+    if problems:
+        raise SceneError(problems)
+    return looks
+
+
+def sight_of(
+    herd: Herd, rows: Rows, c: int, head: tuple[Array, Array], most: float, eyes: Array | None
 ) -> tuple[Array, Array]:
     """Return where a head is to look (n,): left of its body's heading, and up [rad].
 
@@ -78,30 +120,35 @@ def looks_of(
         herd: the creatures.
         rows: what is known of them.
         c: whose head.
-        base: (3,) of its neck, relative to the body [m].
-        eye: (3,) its end at rest, likewise [m].
+        head: base of its neck (3,) and the neck's end at rest (3,), relative to the body [m].
         most: how far it turns [rad].
+        eyes: (n, 3) where the neck's end is, if that is known [m].
     """
     azimuth, elevation = np.zeros((2, len(rows.time)))
     told = np.array([c in looks for looks in rows.looks], dtype=bool)
+    out = float(np.hypot(*head[1][[0, 2]]))
     for span in _spans(rows):
         route = rows.routes[span.start][c]
         own = np.arange(span.start, span.stop)[~told[span]]
         if not route.goes_straight and len(own):
-            targets = _ahead(herd, rows, c, route, own, float(np.hypot(*eye[[0, 2]])))
-            aside = _seen(rows, c, own, targets, base, eye)[0]
+            targets = _ahead(herd, rows, c, route, own, out)
+            aside = _seen(rows, c, own, targets, *head)[0]
             azimuth[own] = rows.bearing.head_turn[own, c] * aside
     if told.any():
         own = np.flatnonzero(told)
         targets = np.array([_place(rows, k, rows.looks[k][c]) for k in own.tolist()])
-        azimuth[own], up = _seen(rows, c, own, targets, base, eye)
+        if eyes is None:
+            azimuth[own], up = _seen(rows, c, own, targets, *head)
+        else:
+            from_eyes = targets - rows.p_WB[own, c] - turn(rows.R_WB[own, c], eyes[own])
+            azimuth[own], up = _angles(from_eyes, rows.turned[own, c])
         elevation[own] = within(up, MOST_UP)
     return within(azimuth, most), elevation
 
 
 def within(angle: Array, most: float) -> Array:
-    """Return angles as they are up to half of `most`, and then ever less, up to `most` [rad]."""
-    width = max(0.25 * most, 1e-6)
+    """Return angles as they are up to 0.7 of `most`, and then ever less, up to `most` [rad]."""
+    width = max(0.15 * most, 1e-6)
     result: Array = angle - np.sign(angle) * hinge(np.abs(angle) - (most - width), width)
     return np.clip(result, -most, most)
 
@@ -135,9 +182,15 @@ def _seen(
 ) -> tuple[Array, Array]:
     """Return azimuths and elevations (n,) of places (n, 3) from the eyes that look at them."""
     R, p, turned = rows.R_WB[own, c], rows.p_WB[own, c], rows.turned[own, c]
-    azimuth = np.zeros(len(own))
+    azimuth = elevation = np.zeros(len(own))
     for _ in range(ROUNDS):
-        eyes = p + turn(R, base + turn(heading(azimuth), np.broadcast_to(eye - base, p.shape)))
-        x, y, z = (targets - eyes).T
-        azimuth = np.remainder(np.arctan2(-z, x) - turned + np.pi, 2.0 * np.pi) - np.pi
+        out = turn(heading(azimuth), np.broadcast_to(eye - base, p.shape))
+        azimuth, elevation = _angles(targets - p - turn(R, base + out), turned)
+    return azimuth, elevation
+
+
+def _angles(way: Array, turned: Array) -> tuple[Array, Array]:
+    """Return azimuths from headings `turned` (n,), and elevations (n,), of ways (n, 3) [rad]."""
+    x, y, z = way.T
+    azimuth = np.remainder(np.arctan2(-z, x) - turned + np.pi, 2.0 * np.pi) - np.pi
     return azimuth, np.arctan2(y, np.hypot(x, z))

@@ -10,7 +10,7 @@ Source: Sims 1987, ch. 10.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ from pipeline.simulation.locomotion.inventory import (
     foot_materials,
     leg_mass,
 )
-from pipeline.simulation.locomotion.looking import Look
+from pipeline.simulation.locomotion.looking import looks_in
 from pipeline.simulation.locomotion.manners import Manners
 from pipeline.simulation.locomotion.paces import Paces
 from pipeline.simulation.locomotion.posing import Moment, Posing
@@ -66,7 +66,6 @@ class Walkers:
         swinging: (L,).
         tuck: (2, L) how much it was held up before this swing, and will be after it, 0 or 1.
         up, swings: (L,) foot-up phases and lengths of swings, of legs whose gait stays.
-        looks: what creatures are told to look at; who is not looks where it goes.
     """
 
     def __init__(
@@ -96,13 +95,13 @@ class Walkers:
         self.up, self.swings = herd.up.copy(), herd.swings.copy()
         self.span, self.tuck = herd.swings.copy(), np.zeros((2, legs))
         self._changing: set[int] = set()
+        self.going.looks = looks_in(herd, cast)
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
         self.holds: list[Foothold] = []
         self.scuffing = Scuffing(herd, world.ground)
         self.swinging = np.zeros(legs, dtype=bool)
-        self.looks: Mapping[int, Look] = {}
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
         self._told: list[Note] = []
@@ -189,7 +188,7 @@ class Walkers:
                 tuck=self.tuck.copy(),
                 bearing=self.going.path.bearing,
                 routes=self.going.path.routes,
-                looks=self.looks,
+                looks=self.going.looks,
             )
         )
 

@@ -17,7 +17,7 @@ from pipeline.simulation.locomotion.overlap import Overlap
 from pipeline.simulation.locomotion.springs import Oscillators, Trailing
 from pipeline.simulation.spatial import Array
 
-QUICKEST = 0.25
+QUICKEST = 0.15
 """How fast heads are turned at most, in the frequencies of the necks' springs [rad]."""
 
 NECK_DAMPING = 0.8

@@ -21,7 +21,7 @@ from pipeline.simulation.locomotion.body_path import pitched_and_rolled
 from pipeline.simulation.locomotion.joint_room import JointRoom
 from pipeline.simulation.spatial import Array, heading, turn
 
-ROUNDS = 4
+ROUNDS = 3
 """Of Newton's method; the error of an angle of 1 is then less than a thousandth."""
 
 DAMPING = 1e-3

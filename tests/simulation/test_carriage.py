@@ -195,6 +195,7 @@ def test_who_rests_does_not_move_but_of_its_own_accord() -> None:
         )
 
 
+@pytest.mark.slow
 def test_a_tail_comes_later_the_farther_out() -> None:
     """Overlap: at the rhythm of a bound each joint lags behind the one before."""
     seen = Seen("{figure: horse, walk: {gait: bound}}", duration=6, wander=0.0, sway=0.0)
@@ -305,6 +306,7 @@ CAST = (
 )
 
 
+@pytest.mark.slow
 def test_rows_do_not_depend_on_how_many_are_written_at_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -317,6 +319,7 @@ def test_rows_do_not_depend_on_how_many_are_written_at_once(
     assert found[2] == found[0]
 
 
+@pytest.mark.slow
 def test_another_frame_rate_shows_the_same_motion() -> None:
     takes = [simulation.simulate(scene_of(*CAST, more=f"fps: {fps}")) for fps in (24, 48)]
     slow, quick = takes[0].values, takes[1].values[::2]

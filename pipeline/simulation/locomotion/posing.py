@@ -61,7 +61,8 @@ class Moment:
     looks: Mapping[int, Look]
 
 
-ARRAYS = tuple(Moment.__slots__[1:11])
+ALONE = ("step", "bearing", "routes", "looks")
+ARRAYS = tuple(name for name in Moment.__slots__ if name not in ALONE)
 """What of a moment is arrays, to be stacked."""
 
 

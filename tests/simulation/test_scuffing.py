@@ -164,3 +164,20 @@ def test_a_take_keeps_its_scuffs_and_older_ones_stay_as_they_are(
     assert lengths == {"touch": 12, "scuff": 13}
     plain = replace(take, contacts=tuple(c for c in take.contacts if c.kind == "touch"))
     assert plain.digest != take.digest
+
+
+def test_feet_that_do_not_come_to_rest_scuff_as_they_touch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if feet went evenly from foothold to foothold."""
+
+    def even(start: Array, end: Array, height: Array, s: Array) -> Array:
+        return start + s[:, None] * (end - start)
+
+    monkeypatch.setattr("pipeline.simulation.locomotion.scuffing.swing", even)
+    take = simulate(scene("beetle", "", "flat"))
+    touches = [c for c in take.contacts if c.kind == "touch"]
+    scuffs = [c for c in take.contacts if c.kind == "scuff"]
+    assert len(scuffs) > 10
+    moments = {(c.part, c.step, c.fraction): c for c in touches}
+    for scuff in scuffs:
+        assert scuff.place == moments[scuff.part, scuff.step, scuff.fraction].place
+    assert len({(c.part, c.step) for c in scuffs}) == len(scuffs)

@@ -9,6 +9,7 @@ Source: Sims 1987, 13.1.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -121,6 +122,11 @@ class Scuffing:
         self.at = np.full(len(herd.owner), np.inf)
         self.span = herd.swings.copy()
         self._planned: dict[int, Scuff] = {}
+        # Swings are linear in their ways and heights, and plain ones come to rest.
+        step, still = np.array([1.0, 0.0, 0.0]), np.zeros(3)
+        ends = (_way(still, step, 0.0, LAST), _way(still, still, 1.0, LAST))
+        speeds = [np.linalg.norm(np.diff(tips, axis=0)) / np.diff(LAST)[0] for tips in ends]
+        self._slides = float(max(speeds))
 
     def plan(
         self, leg: int, step: Step, start: Array, end: Array, heights: tuple[float, float]
@@ -174,14 +180,18 @@ class Scuffing:
         Returns:
             None if it is too slow, or has scuffed in this swing already.
         """
-        if np.isfinite(self.at[leg]):
+        most = self._slides * (math.dist(start, hold.tip) + height)
+        if np.isfinite(self.at[leg]) or not self._is_loud(leg, most, rate):
             return None
         tips = _way(start, hold.tip, height, LAST)
         return self._loud(leg, slid(tips, LAST, hold.place, hold.normal), rate)
 
     def _loud(self, leg: int, scuff: Scuff, rate: float) -> tuple[Scuff, float] | None:
         speed = scuff.way * rate / float(self.span[leg])
-        return (scuff, speed) if speed >= QUICK * self.herd.legs.lengths[leg] else None
+        return (scuff, speed) if self._is_loud(leg, scuff.way, rate) else None
+
+    def _is_loud(self, leg: int, way: float, rate: float) -> bool:
+        return bool(way * rate >= QUICK * self.herd.legs.lengths[leg] * self.span[leg])
 
 
 def _way(start: Array, end: Array, height: float, parts: Array) -> Array:

@@ -105,6 +105,12 @@ class Manner(Words):
     step_height: LengthOrZero | None = Field(
         None, description="How high a foot clears the ground between two footholds [m]."
     )
+    swing: Literal["spline", "passive", "least-effort"] = Field(
+        "spline",
+        description="How feet swing from one foothold to the next: along a plain arch, as legs "
+        "do that fall forward by themselves and are only placed at the end, or on the way that "
+        "takes the joints the least work.",
+    )
 
     @model_validator(mode="after")
     def _stride_agrees(self) -> Self:

@@ -72,7 +72,8 @@ def _shared(points: Array, bears: NDArray[np.bool_], force: Array, moment: Array
     levers = cross_matrix((points - middle) * bears[..., None])
     wide = levers.transpose(0, 2, 1, 3).reshape(K, 3, 3 * F)
     left = moment - cross(points, even).sum(axis=1)
-    square: Array = np.linalg.pinv(wide @ wide.transpose(0, 2, 1), rcond=ALIKE, hermitian=True)
-    differ = turn(wide.transpose(0, 2, 1), turn(square, left)).reshape(K, F, 3)
+    square = wide @ wide.transpose(0, 2, 1)
+    inverse = np.asarray(np.linalg.pinv(square, rcond=ALIKE, hermitian=True), dtype=np.float64)
+    differ = turn(wide.transpose(0, 2, 1), turn(inverse, left)).reshape(K, F, 3)
     result: Array = even + differ
     return result

@@ -55,13 +55,18 @@ class FrameMasses:
                 centre[frame] = whole.centre - places[frame]
         return FrameMasses(mass, centre, inertia)
 
-    def limb(self, joints: Sequence[int]) -> FrameMasses:
-        """Return those of some joints alone, on a body that weighs nothing."""
-        rows = list(joints)
+    def limb(self, joints: Sequence[int], count: int) -> FrameMasses:
+        """Return those of some joints alone, on a body that weighs nothing.
+
+        Args:
+            joints: which.
+            count: how many there shall be; those beyond `joints` weigh nothing.
+        """
+        rows, lacking = list(joints), count - len(joints) + 1
         return FrameMasses(
-            np.append(self.mass[rows], 0.0),
-            np.concatenate([self.centre[rows], np.zeros((1, 3))]),
-            np.concatenate([self.inertia[rows], np.zeros((1, 3, 3))]),
+            np.concatenate([self.mass[rows], np.zeros(lacking)]),
+            np.concatenate([self.centre[rows], np.zeros((lacking, 3))]),
+            np.concatenate([self.inertia[rows], np.zeros((lacking, 3, 3))]),
         )
 
 

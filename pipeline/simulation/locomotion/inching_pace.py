@@ -38,6 +38,7 @@ IDLE_WORDS = {
     "gait": "has no legs to time: its ends take turns",
     "duty": "has no legs to time: its ends take turns",
     "body_height": "lies on the ground: its loop is as high as its stride makes it",
+    "swing": "lifts its ends by its loop, and has no legs that swing",
     "bounciness": "has no body that bounces",
     "path": "goes straight on, and follows no path",
     "repeat": "goes straight on, and follows no path",

@@ -59,9 +59,10 @@ class Moment:
     bearing: Bearing
     routes: Sequence[Route]
     looks: Mapping[int, Look]
+    bend: Array | None = None
 
 
-ALONE = ("step", "bearing", "routes", "looks")
+ALONE = ("step", "bearing", "routes", "looks", "bend")
 ARRAYS = tuple(name for name in Moment.__slots__ if name not in ALONE)
 """What of a moment is arrays, to be stacked."""
 
@@ -115,9 +116,8 @@ class Posing:
         )
         way, phase = gone[:, 0], gone[:, 1]
         s = _swung(herd, phase, lifted, span, swinging)
-        tips = swing(start.reshape(-1, 3), end.reshape(-1, 3), height.ravel(), s.ravel()).reshape(
-            start.shape
-        )
+        ends = start.reshape(-1, 3), end.reshape(-1, 3)
+        tips = swing(*ends, height.ravel(), s.ravel(), _bends(moments)).reshape(start.shape)
         creature = np.tile(np.arange(len(herd.names)), n)
         bearing = Bearing.stacked([moment.bearing for moment in moments])
         R, p = self.path.pose(
@@ -200,6 +200,12 @@ class Posing:
         name = f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
         gap = float(residual[row, leg]) * 1000.0
         return Note("clamped", int(steps[row]), name, f"{gap:.2g} mm from its foothold")
+
+
+def _bends(moments: Sequence[Moment]) -> Array | None:
+    """Return the bends of all swings of all moments, one after the other, if there are any."""
+    bends = [moment.bend for moment in moments if moment.bend is not None]
+    return np.concatenate(bends) if bends else None
 
 
 def _swung(

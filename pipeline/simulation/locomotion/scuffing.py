@@ -129,7 +129,13 @@ class Scuffing:
         self._slides = float(max(speeds))
 
     def plan(
-        self, leg: int, step: Step, start: Array, end: Array, heights: tuple[float, float]
+        self,
+        leg: int,
+        step: Step,
+        start: Array,
+        end: Array,
+        heights: tuple[float, float],
+        bend: Array | None = None,
     ) -> None:
         """Find out where a swing will scuff.
 
@@ -139,13 +145,14 @@ class Scuffing:
             start: (3,) tip at lifting [m].
             end: (3,) tip at coming down [m].
             heights: of the arch, and of that on level ground [m].
+            bend: what the swing has beside the arch.
         """
         self.at[leg], self.span[leg] = np.inf, step.swing
         height, level = heights
         if level >= SHUFFLES * self.herd.legs.lengths[leg]:
             return
         herd = self.herd
-        tips = _way(start, end, height, MIDDLE)
+        tips = _way(start, end, height, MIDDLE, bend)
         low = LOW * float(herd.legs.lengths[leg])
         scuff = brushed(self.ground, tips, MIDDLE, float(herd.sole[leg]), low)
         if scuff is not None:
@@ -166,7 +173,13 @@ class Scuffing:
         return self._loud(leg, self._planned[leg], rate)
 
     def landing(
-        self, leg: int, start: Array, hold: Foothold, height: float, rate: float
+        self,
+        leg: int,
+        start: Array,
+        hold: Foothold,
+        height: float,
+        rate: float,
+        bend: Array | None = None,
     ) -> tuple[Scuff, float] | None:
         """Return how a leg that comes down scuffs and its speed [m/s].
 
@@ -176,6 +189,7 @@ class Scuffing:
             hold: where it comes down.
             height: of the arch [m].
             rate: of the phase, in cycles a second.
+            bend: what the swing has beside the arch.
 
         Returns:
             None if it is too slow, or has scuffed in this swing already.
@@ -183,7 +197,7 @@ class Scuffing:
         most = self._slides * (math.dist(start, hold.tip) + height)
         if np.isfinite(self.at[leg]) or not self._is_loud(leg, most, rate):
             return None
-        tips = _way(start, hold.tip, height, LAST)
+        tips = _way(start, hold.tip, height, LAST, bend)
         return self._loud(leg, slid(tips, LAST, hold.place, hold.normal), rate)
 
     def _loud(self, leg: int, scuff: Scuff, rate: float) -> tuple[Scuff, float] | None:
@@ -194,7 +208,8 @@ class Scuffing:
         return bool(way * rate >= QUICK * self.herd.legs.lengths[leg] * self.span[leg])
 
 
-def _way(start: Array, end: Array, height: float, parts: Array) -> Array:
+def _way(start: Array, end: Array, height: float, parts: Array, bend: Array | None) -> Array:
     """Return the tips (n, 3) of one foot at parts (n,) of its swing [m]."""
     n = len(parts)
-    return swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.full(n, height), parts)
+    bends = None if bend is None else np.broadcast_to(bend, (n, *bend.shape))
+    return swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.full(n, height), parts, bends)

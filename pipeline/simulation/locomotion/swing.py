@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.curves import bump, ease
+from pipeline.simulation.locomotion.swing_bend import bent
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -18,7 +19,14 @@ SAMPLES = np.linspace(0.0, 1.0, 50)[1:-1]
 """Places along the way at which the ground is looked at."""
 
 
-def lift_to_clear(ground: Ground, start: Array, end: Array, sole: float, least: float) -> float:
+def lift_to_clear(
+    ground: Ground,
+    start: Array,
+    end: Array,
+    sole: float,
+    least: float,
+    bend: Array | None = None,
+) -> float:
     """Return how high a swing must arch to clear the ground [m].
 
     Args:
@@ -27,8 +35,11 @@ def lift_to_clear(ground: Ground, start: Array, end: Array, sole: float, least: 
         end: (3,) tip at coming down [m].
         sole: radius of the tip [m].
         least: height of the arch on level ground [m].
+        bend: what the way has beside the arch, see `swing_bend`.
     """
     way = start + ease(SAMPLES)[:, None] * (end - start)
+    if bend is not None:
+        way = way + bent(np.broadcast_to(bend, (len(way), *bend.shape)), SAMPLES)
     rise = ground.height(way[:, 0], way[:, 2]) + sole - way[:, 1]
     # Beside the footholds the arch grows with the square of the time and the ground can
     # rise with its cube only, so the quotient stays bounded.
@@ -36,21 +47,29 @@ def lift_to_clear(ground: Ground, start: Array, end: Array, sole: float, least: 
     return float(np.maximum(rise / arch + 0.4 * least, least).max())
 
 
-def swing(start: Array, end: Array, height: Array, s: Array) -> Array:
+def swing(start: Array, end: Array, height: Array, s: Array, bend: Array | None = None) -> Array:
     """Return the tips (L, 3) of feet at parts `s` (L,) of their swings [m].
 
-    Horizontal way and height both begin and end at rest; see `bump`.
+    Horizontal way and height both begin and end at rest; see `bump`. What swings have beside
+    that, their `bend` (L, m, 3), does so too.
     """
     along = ease(s)[:, None]
     p = start + along * (end - start)
     p[:, 1] += height * bump(s)
-    return p
+    return p if bend is None else p + bent(bend, s)
 
 
 LAST = np.linspace(0.9, 1.0, 9)
 
 
-def approach_speed(start: Array, end: Array, height: float, normal: Array, time: float) -> float:
+def approach_speed(
+    start: Array,
+    end: Array,
+    height: float,
+    normal: Array,
+    time: float,
+    bend: Array | None = None,
+) -> float:
     """Return the speed at which a foot comes down [m/s].
 
     A planned foot comes to rest as it touches, as an animal's does; what is heard is
@@ -62,8 +81,10 @@ def approach_speed(start: Array, end: Array, height: float, normal: Array, time:
         height: of the arch [m].
         normal: (3,) of the ground.
         time: of the whole swing [s].
+        bend: of the swing.
     """
     n = len(LAST)
-    way = swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.full(n, height), LAST)
+    bends = None if bend is None else np.broadcast_to(bend, (n, *bend.shape))
+    way = swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.full(n, height), LAST, bends)
     speeds = -np.diff(way @ normal) / np.diff(LAST) / time
     return float(max(speeds.max(), 0.0))

@@ -37,6 +37,7 @@ from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.scuffing import Scuffing
 from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear
+from pipeline.simulation.locomotion.swing_plans import Asked, SwingPlans
 from pipeline.simulation.locomotion.wayfinding import route_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -59,6 +60,7 @@ class Walkers:
         going: how far it has gone, and how fast it goes.
         start, end, height: of each leg's swing, (L, 3), (L, 3), (L,) [m]; a leg that
             stands does so at `end`.
+        bend: (L, m, 3) what swings have beside their arches, if anybody's have any [m].
         holds: the footholds that the legs stand on or are on their way to.
         stoop: (2, L) how far the body is lowered for each leg's foothold before the one at
             `end`, and for that one [m].
@@ -99,6 +101,8 @@ class Walkers:
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
+        self._swings = SwingPlans.of(cast, self.going, world.ground)
+        self.bend = None if self._swings is None else self._swings.none
         self.holds: list[Foothold] = []
         self.scuffing = Scuffing(herd, world.ground)
         self.swinging = np.zeros(legs, dtype=bool)
@@ -189,6 +193,7 @@ class Walkers:
                 bearing=self.going.path.bearing,
                 routes=self.going.path.routes,
                 looks=self.going.looks,
+                bend=None if self.bend is None else self.bend.copy(),
             )
         )
 
@@ -304,6 +309,8 @@ class Walkers:
         """Hold a foot up from `phase` on."""
         self.start[leg] = self.end[leg]
         self.height[leg] = 0.0
+        if self.bend is not None:
+            self.bend[leg] = 0.0
         self.stoop[:, leg] = self.stoop[1, leg], 0.0
         self.tuck[:, leg] = self.tuck[1, leg], 1.0
         self.lifted[leg], self.swinging[leg] = phase, True
@@ -347,9 +354,17 @@ class Walkers:
         self.height[leg] = lift_to_clear(
             self.world.ground, self.start[leg], place.tip, herd.sole[leg], least
         )
+        if self._swings is not None and self.bend is not None:
+            asked = Asked(swung, self.start[leg], place.tip, way, drive, least)
+            planned = self._swings.plan(leg, asked, self.height[leg], self.stoop[1])
+            self.height[leg], self.bend[leg] = planned
         self.lifted[leg], self.span[leg], self.swinging[leg] = phase, swung.swing, True
         heights = float(self.height[leg]), least
-        self.scuffing.plan(leg, swung, self.start[leg], place.tip, heights)
+        self.scuffing.plan(leg, swung, self.start[leg], place.tip, heights, self._bend(leg))
+
+    def _bend(self, leg: int) -> Array | None:
+        """Return what the swing of a leg has beside its arch."""
+        return None if self.bend is None else self.bend[leg]
 
     def _step_of(self, leg: int, phase: float) -> Step:
         """Return when a foot swings and stands that goes up at `phase`."""
@@ -384,11 +399,12 @@ class Walkers:
             return
         hold = self.holds[leg]
         time = self.going.cycle[owner] * float(self.span[leg])
-        speed = approach_speed(self.start[leg], hold.tip, self.height[leg], hold.normal, time)
+        way, bend = (self.start[leg], hold.tip, self.height[leg]), self._bend(leg)
+        speed = approach_speed(*way, hold.normal, time, bend)
         mass = float(self._mass[leg])
         self._meet(step, fraction, leg, (hold.place, hold.normal), speed, mass, "touch")
         slide = self.scuffing.landing(
-            leg, self.start[leg], hold, float(self.height[leg]), span / self.world.clock.dt
+            leg, self.start[leg], hold, float(self.height[leg]), span / self.world.clock.dt, bend
         )
         if slide is not None:
             scuff, speed = slide

@@ -1,0 +1,258 @@
+"""Kinds of swings: what they take, where they land, and that they keep to the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, get_args
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.locomotion import swing_plans
+from pipeline.simulation.locomotion.swing import lift_to_clear
+from pipeline.simulation.locomotion.swing_bend import KNOTS, POINTS, SPANS, bend_through, bent
+from pipeline.simulation.locomotion.swing_passive import fall
+from pipeline.simulation.locomotion.swing_plans import PLANNERS
+from pipeline.simulation.locomotion.swing_trial import ROWS, SwingTrial
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground
+from pipeline.spec import Scene
+from pipeline.spec.walk import Walk as Words
+
+if TYPE_CHECKING:
+    from tests.simulation.conftest import Walk
+
+HILLS = "{kind: hills, height: 0.8, spacing: 5, size: [40, 40]}"
+
+
+def test_every_kind_of_the_language_has_a_planner() -> None:
+    kinds = set(get_args(Words.model_fields["swing"].annotation))
+    assert kinds == {"spline", *PLANNERS}
+
+
+# --- bends --------------------------------------------------------------------------
+
+
+def test_bends_begin_and_end_at_rest_and_are_smooth() -> None:
+    bend = np.random.default_rng(1).normal(size=(POINTS, 3))
+    s = np.linspace(0.0, 1.0, 4001)
+    p = bent(np.broadcast_to(bend, (len(s), POINTS, 3)), s)
+    h = s[1]
+    speed, change = np.diff(p, axis=0) / h, np.diff(p, 2, axis=0) / h**2
+    assert not p[[0, -1]].any()
+    assert np.abs(speed[[0, -1]]).max() < 1e-3
+    assert np.abs(change[[0, -1]]).max() < 0.05 * np.abs(change).max()
+    # No corner in the acceleration: it changes by its slope times the step.
+    assert np.abs(np.diff(change, axis=0)).max() < 1.5 * SPANS**3 * np.abs(np.diff(
+        bend, 3, axis=0)).max() * h + 1e-4 * np.abs(change).max()  # fmt: skip
+
+
+def test_bends_follow_values_to_fourth_order() -> None:
+    """In the middle, where no end is near."""
+
+    def error(waves: float) -> float:
+        values = np.sin(waves * KNOTS)[:, None] * np.ones(3)
+        s = np.linspace(0.3, 0.7, 101)
+        p = bent(np.broadcast_to(bend_through(values), (len(s), POINTS, 3)), s)
+        return float(np.abs(p - np.sin(waves * s)[:, None]).max())
+
+    assert error(3.0) < 1e-4
+    assert error(6.0) / error(3.0) == pytest.approx(16.0, rel=0.3)
+
+
+# --- what they take -----------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A swing that was planned, and the plain one in its place."""
+
+    trial: SwingTrial
+    height: float
+    bend: Array
+    plain: float
+
+    @property
+    def both(self) -> Array:
+        """(rows, 2, 3) places of the foot, as planned and plainly."""
+        tips = self.trial.tips
+        return np.stack([tips(self.height, self.bend), tips(self.plain, 0 * self.bend)], axis=1)
+
+
+Record = Callable[[Scene], list[Planned]]
+
+
+@pytest.fixture
+def record(monkeypatch: pytest.MonkeyPatch) -> Record:
+    """Simulate scenes, keeping all swings that are planned."""
+
+    def run(scene: Scene) -> list[Planned]:
+        found = list[Planned]()
+
+        def recording(kind: str) -> swing_plans.Planner:
+            def planner(
+                trial: SwingTrial, ground: Ground, sole: float, least: float
+            ) -> tuple[float, Array]:
+                height, bend = PLANNERS[kind](trial, ground, sole, least)
+                plain = lift_to_clear(ground, trial.start, trial.end, sole, least)
+                found.append(Planned(trial, height, bend, plain))
+                return height, bend
+
+            return planner
+
+        planners = {kind: recording(kind) for kind in PLANNERS}
+        monkeypatch.setattr(swing_plans, "PLANNERS", planners)
+        simulation = Simulation(scene)
+        while not simulation.finished:
+            simulation.step()
+        monkeypatch.undo()
+        return found
+
+    return run
+
+
+def walking(figure: str, swing: str) -> str:
+    return f"{{figure: {figure}, walk: {{swing: {swing}}}}}"
+
+
+def test_least_effort_takes_less_than_the_spline(
+    shipped: Figure, scene_of: Callable[..., Scene], record: Record
+) -> None:
+    if not shipped.skeleton.legs:
+        return
+    swings = record(scene_of(walking(shipped.name, "least-effort"), duration=0.5))
+    assert swings
+    works = np.array([one.trial.works(one.both)[0] for one in swings])
+    assert (works[:, 0] <= works[:, 1] * (1 + 1e-12)).all()
+    least, plain = works.sum(axis=0)
+    assert least < 0.85 * plain
+
+
+UPRIGHT = ("horse", "person", "ostrich", "kangaroo")
+
+
+def test_a_free_leg_takes_less_than_a_led_one(
+    shipped: Figure, scene_of: Callable[..., Scene], record: Record
+) -> None:
+    """While it falls; to catch up afterwards takes more."""
+    if not shipped.skeleton.legs:
+        return
+    swings = record(scene_of(walking(shipped.name, "passive"), duration=0.5))
+    free = [one for one in swings if one.bend.any()]
+    works = np.zeros((1, 2))
+    for one in free:
+        last = fall(one.trial, one.plain)[1]
+        assert last >= 1
+        power = one.trial.powers(one.both)[0][: last + 1]
+        assert power[:, 0].sum() < power[:, 1].sum()
+        works = np.concatenate([works, power.sum(axis=0)[None]])
+    if shipped.name in UPRIGHT:
+        assert len(free) == len(swings)
+        by_itself, led = works.sum(axis=0)
+        assert by_itself < 0.55 * led
+
+
+def test_nothing_turns_a_free_leg_about_its_hip(
+    scene_of: Callable[..., Scene], record: Record
+) -> None:
+    """The push on the foot that would replace the muscles points along the leg: see `fall`."""
+    for one in record(scene_of(walking("ostrich", "passive"), duration=0.5)):
+        trial, last = one.trial, fall(one.trial, one.plain)[1]
+        assert last > ROWS // 2
+        motion, _ = trial.motion(one.both)
+        torques = trial.load(motion).torques
+        model = trial.model
+        shares = []
+        for row in range(6, last - 3):
+            pushes = []
+            for k in (0, 1):
+                pose = model.batch.pose(motion.q[row, k][None])
+                J = trial.R_WB[row + 1] @ pose.jacobian[0].T
+                f = np.linalg.lstsq(J.T, torques[row, k], rcond=1e-9)[0]
+                hip = trial.p_WB[row + 1] + trial.R_WB[row + 1] @ model.batch.places[0, 0]
+                leg = one.both[row + 1, k] - hip
+                ahead = (trial.end - trial.start) * [1.0, 0.0, 1.0]
+                across = ahead - (ahead @ leg) / (leg @ leg) * leg
+                pushes.append(abs(float(f @ across) / np.linalg.norm(across)))
+            shares.append(pushes)
+        free, led = np.mean(shares, axis=0)
+        assert free < 0.2 * led
+
+
+# --- where they lead ----------------------------------------------------------------
+
+CASTS = [(figure, swing) for figure in ("horse", "person") for swing in ("passive", "least-effort")]
+
+
+@pytest.fixture(scope="module", params=CASTS, ids=" ".join)
+def upright(
+    request: pytest.FixtureRequest,
+    scene_of: Callable[..., Scene],
+    walk_through: Callable[[Scene], Walk],
+) -> Walk:
+    """Walks of mammals over hills."""
+    return walk_through(scene_of(walking(*request.param), terrain=HILLS, duration=2.5, seed=2))
+
+
+def test_feet_stand_still_on_their_footholds(upright: Walk) -> None:
+    down = upright.standing[1:] & upright.standing[:-1]
+    moved = np.linalg.norm(np.diff(upright.tips, axis=0), axis=-1)
+    assert moved[down].max() < 1e-4
+    ends = np.array(upright.ends)[upright.standing]
+    assert np.abs(upright.tips[upright.standing] - ends).max() < 1e-4
+    assert not upright.take.notes
+
+
+def test_they_touch_at_their_foot_down_phases(upright: Walk) -> None:
+    herd = upright.walkers.herd
+    names = [f"{herd.names[0]}.{leg}" for leg in herd.leg_names]
+    assert len(upright.take.contacts) > 4
+    for contact in upright.take.contacts:
+        leg = names.index(contact.part)
+        before, after = (float(upright.phases[contact.step + k][0]) for k in (0, 1))
+        off = before + contact.fraction * (after - before) - herd.down[leg]
+        assert abs(off - round(off)) < 1e-9
+
+
+def test_soles_keep_above_the_ground(upright: Walk) -> None:
+    ground, herd = upright.simulation.world.ground, upright.walkers.herd
+    x, y, z = np.moveaxis(upright.tips, -1, 0)
+    assert (y - ground.height(x, z) - herd.sole / ground.normal(x, z)[..., 1]).min() > -1e-3
+
+
+def test_joints_keep_their_limits_and_knees_their_sides(upright: Walk) -> None:
+    legs, q = upright.walkers.herd.legs, upright.q
+    assert (q >= legs.lower).all()
+    assert (q <= legs.upper).all()
+    skeleton = upright.walkers.herd.figures[0].skeleton
+    for i, leg in enumerate(skeleton.legs):
+        for k, joint in enumerate(leg.joints):
+            if skeleton.joint_names[joint].endswith("_bend"):
+                bends = q[:, i, k]
+                assert bends.min() * bends.max() >= 0.0
+
+
+def test_joints_do_not_jump(upright: Walk) -> None:
+    dt = upright.simulation.world.clock.dt
+    assert np.abs(np.diff(upright.q, axis=0)).max() < 20.0 * dt
+    assert np.abs(np.diff(upright.q, 2, axis=0)).max() < 400.0 * dt**2
+
+
+def test_who_swings_plainly_is_not_changed_by_those_beside_who_do_not(
+    scene_of: Callable[..., Scene], walk_through: Callable[[Scene], Walk]
+) -> None:
+    plain = "{name: a, figure: beetle, walk: {}}"
+    least = "{name: b, figure: beetle, at: [0, 8], walk: {swing: least-effort}}"
+    alone = [walk_through(scene_of(one, duration=0.5)) for one in (plain, least)]
+    both = walk_through(scene_of(plain, least, duration=0.5))
+    apart = np.concatenate([one.take.positions for one in alone], axis=1)
+    assert np.array_equal(both.take.positions, apart)
+    assert both.take.contacts == tuple(
+        sorted(
+            (c for one in alone for c in one.take.contacts),
+            key=lambda c: (c.step, c.fraction, c.part),
+        )
+    )

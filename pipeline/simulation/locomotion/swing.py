@@ -26,6 +26,7 @@ def lift_to_clear(
     sole: float,
     least: float,
     bend: Array | None = None,
+    margin: float | None = None,
 ) -> float:
     """Return how high a swing must arch to clear the ground [m].
 
@@ -36,6 +37,8 @@ def lift_to_clear(
         sole: radius of the tip [m].
         least: height of the arch on level ground [m].
         bend: what the way has beside the arch, see `swing_bend`.
+        margin: by how much the top of an arch is to clear the ground; 0.4 of `least` if left
+            out [m].
     """
     way = start + ease(SAMPLES)[:, None] * (end - start)
     if bend is not None:
@@ -44,7 +47,8 @@ def lift_to_clear(
     # Beside the footholds the arch grows with the square of the time and the ground can
     # rise with its cube only, so the quotient stays bounded.
     arch = bump(SAMPLES)
-    return float(np.maximum(rise / arch + 0.4 * least, least).max())
+    margin = 0.4 * least if margin is None else margin
+    return float(np.maximum(rise / arch + margin, least).max())
 
 
 def swing(start: Array, end: Array, height: Array, s: Array, bend: Array | None = None) -> Array:

@@ -100,7 +100,8 @@ class _Asked:
 
     def _lift(self, least: float, bend: Array) -> float:
         ends = self.trial.start, self.trial.end
-        return lift_to_clear(self.ground, *ends, self.sole, least, bend)
+        # A lower arch is to clear the ground by no less than the plain one.
+        return lift_to_clear(self.ground, *ends, self.sole, least, bend, 0.4 * self.least)
 
 
 def _warped(s: Array, early: float) -> Array:

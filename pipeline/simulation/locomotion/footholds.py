@@ -17,10 +17,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.grasp import Grasp
 from pipeline.simulation.locomotion.herd import REACH, Herd
-from pipeline.simulation.spatial import Array, turn
+from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
 NEARER = np.linspace(1.0, 0.0, 49)
@@ -42,6 +44,11 @@ what the plan does not know."""
 
 STANCE = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 """Parts of a stance at which reach is checked."""
+
+AT_ONCE = np.array([1, 9, 73])
+"""After how many places the next ones are tried together: the first are mostly good."""
+
+UP = np.array([0.0, 1.0, 0.0])
 
 LAGS = 0.25
 """Part of the swing after it in which the foot has hardly left its place, see `ease`."""
@@ -90,6 +97,7 @@ class Footholds:
         self.herd = herd
         self.ground = ground
         self.path = path
+        self.grasp = Grasp(herd)
 
     def next(
         self, leg: int, present: Array, travelled: float, step: Step, drive: float = 1.0
@@ -161,14 +169,31 @@ class Footholds:
         for xz in choices:
             tips = self.stand(leg, xz)
             safe = self.path.footing.allows(owner, xz[:, 0], xz[:, 1])
-            looked_at.append((xz, np.where(safe, self._stoop(leg, tips, R, p), np.inf)))
-            if (looked_at[-1][1] == 0.0).any():
-                break
-        for most in (0.0, STOOP * room):
-            for xz, stoop in looked_at:
-                if (stoop <= most).any():
-                    best = int(np.argmax(stoop <= most))
-                    return self._foothold(leg, xz[best], float(stoop[best]))
+            stoop = np.where(safe, self._stoop(leg, tips, R, p), np.inf)
+            best = self._first_reached(leg, tips, stoop, stoop == 0.0, R, p)
+            if best is not None:
+                return self._foothold(leg, xz[best], 0.0)
+            looked_at.append((xz, tips, stoop))
+        for xz, tips, stoop in looked_at:
+            low = (stoop > 0.0) & (stoop <= STOOP * room)
+            best = self._first_reached(leg, tips, stoop, low, R, p)
+            if best is not None:
+                return self._foothold(leg, xz[best], float(stoop[best]))
+        return None
+
+    def _first_reached(
+        self, leg: int, tips: Array, stoop: Array, which: NDArray[np.bool_], R: Array, p: Array
+    ) -> int | None:
+        """Return the first of those tips (n, 3) that the joints bring the leg to."""
+        places = np.flatnonzero(which)
+        for few in np.split(places, AT_ONCE[AT_ONCE < len(places)]):
+            if not len(few):
+                continue
+            lowered = p - np.multiply.outer(stoop[few], UP)[:, None]
+            goals = unturn(R, tips[few, None] - lowered)
+            reached = self.grasp.holds(leg, goals).all(axis=-1)
+            if reached.any():
+                return int(few[np.argmax(reached)])
         return None
 
     def _foothold(self, leg: int, xz: Array, stoop: float) -> Foothold:

@@ -124,7 +124,10 @@ class Scuffing:
         self._planned: dict[int, Scuff] = {}
         # Swings are linear in their ways and heights, and plain ones come to rest.
         step, still = np.array([1.0, 0.0, 0.0]), np.zeros(3)
-        ends = (_way(still, step, 0.0, LAST), _way(still, still, 1.0, LAST))
+        ends = (
+            _way(still, step, 0.0, LAST, None),
+            _way(still, still, 1.0, LAST, None),
+        )
         speeds = [np.linalg.norm(np.diff(tips, axis=0)) / np.diff(LAST)[0] for tips in ends]
         self._slides = float(max(speeds))
 

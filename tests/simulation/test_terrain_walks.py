@@ -8,8 +8,12 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.take import Take
+from tests.simulation.conftest import Walk
 
 MILLIMETRE = 1e-3
+
+GENTLE = 4.0
+"""Greatest deceleration of a walker that comes to rest [m/s²]."""
 
 TERRAINS = {
     "stairs": "stairs",
@@ -25,14 +29,13 @@ TERRAINS = {
 
 WALKERS = {"beetle": 0.7, "spider": 0.7, "horse": 1.0, "person": 1.0}
 
-# Ditches and gaps are too wide for the steps of two legs, and rocks for the soles of a horse.
-BEYOND = {
-    ("person", "ditches"),
-    ("person", "stones"),
-    ("horse", "rocks"),
-    ("horse", "rocks of quads"),
+PAIRS = [(figure, name) for figure in WALKERS for name in TERRAINS]
+
+BARRIERS = {
+    "moat": "{kind: ditches, width: 4, depth: 1, spacing: 8}",
+    "cliff down": "{kind: stairs, step_height: 1.5, step_depth: 3, course: down}",
+    "cliff up": "{kind: stairs, step_height: 1.5, step_depth: 3, course: up}",
 }
-PAIRS = [(figure, name) for figure in WALKERS for name in TERRAINS if (figure, name) not in BEYOND]
 
 
 @pytest.mark.parametrize(("figure", "name"), PAIRS)
@@ -44,9 +47,36 @@ def test_a_walker_gets_over(
 ) -> None:
     member = f"{{figure: {figure}, scale: {WALKERS[figure]}, at: [-1.5, 0], walk: {{}}}}"
     walk = walk_through(scene_of(member, terrain=TERRAINS[name], duration=7, seed=1))
-    take, ground = walk.take, walk.simulation.world.ground
+    take = walk.take
     assert take.notes == ()
     assert take.positions[-1, 0, 0] > 2.2
+    keeps_to_the_ground(walk)
+
+
+@pytest.mark.parametrize("name", BARRIERS)
+@pytest.mark.parametrize("figure", WALKERS)
+def test_a_walker_stops_before_what_it_cannot_get_over(
+    figure: str,
+    name: str,
+    scene_of: Callable[..., object],
+    walk_through: Callable[..., object],
+) -> None:
+    member = f"{{figure: {figure}, scale: {WALKERS[figure]}, at: [-1.5, 0], walk: {{}}}}"
+    walk = walk_through(scene_of(member, terrain=BARRIERS[name], duration=10, seed=1))
+    assert [note.kind for note in walk.take.notes] == ["stopped"]
+    keeps_to_the_ground(walk)
+    # As at the end of any way: level with where it came from, at rest, nothing sudden.
+    body = walk.take.positions[:, 0]
+    assert abs(body[-1, 1] - body[0, 1]) < 0.1 * walk.walkers.herd.body_height[0]
+    assert np.ptp(body[-24:], axis=0).max() < MILLIMETRE
+    dt = walk.simulation.world.clock.dt
+    along = np.abs(np.diff(body[:, 0], 2)).max() / dt**2
+    assert along < GENTLE
+
+
+def keeps_to_the_ground(walk: Walk) -> None:
+    """Feet stay, nothing of a sole is below ground, and all stand where it is allowed."""
+    take, ground = walk.take, walk.simulation.world.ground
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
     assert moved[down].max() < 0.1 * MILLIMETRE

@@ -13,8 +13,9 @@ has to stoop is known a whole swing before.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,9 @@ from numpy.typing import NDArray
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.grasp import Grasp
 from pipeline.simulation.locomotion.herd import REACH, Herd
+from pipeline.simulation.locomotion.paces import Step
+from pipeline.simulation.locomotion.sole import lowest
+from pipeline.simulation.locomotion.swing import lift_to_clear, swing
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
@@ -38,6 +42,9 @@ STOOP = 0.9
 """How far a body may be lowered so that its feet reach, as a part of the room that its
 belly has over level ground."""
 
+CROUCH = 0.2
+"""How far at most, in leg lengths: legs under a lower body would fold too far."""
+
 PLANNED_REACH = 0.98 * REACH
 """How far a leg is planned to stretch, as a part of its length; the rest is kept for
 what the plan does not know."""
@@ -45,8 +52,21 @@ what the plan does not know."""
 STANCE = np.array([0.0, 0.25, 0.5, 0.75, 1.0])
 """Parts of a stance at which reach is checked."""
 
-AT_ONCE = np.array([1, 9, 73])
+AT_ONCE = np.array([1, 9])
 """After how many places the next ones are tried together: the first are mostly good."""
+
+MOST = 41
+"""How many places of one kind are tried."""
+
+SWUNG = np.linspace(0.1, 0.9, 9)
+"""Parts of a swing at which reach is checked."""
+
+MOST_ARCH = 0.4
+"""Highest arch of a swing, in leg lengths: a leg that goes over more folds up."""
+
+EASY_WAY = 1.25
+EASY_ARCH = 1.5
+"""Way and arch of swings that legs can do anyway, in those on level ground."""
 
 UP = np.array([0.0, 1.0, 0.0])
 
@@ -63,31 +83,14 @@ class Foothold:
         normal: (3,) of the ground there.
         tip: (3,) place of the leg's tip [m].
         stoop: how far the body has to be lowered for it [m].
+        arch: how high the swing to it has to arch [m].
     """
 
     place: Array
     normal: Array
     tip: Array
     stoop: float
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """When a foot swings and stands.
-
-    Attributes:
-        up: phase at which it goes up, whole cycles counted.
-        swing, stance: how long it is in the air, and down after that, in cycles.
-    """
-
-    up: float
-    swing: float
-    stance: float
-
-
-_ANGLES = np.arange(8) * (np.pi / 4.0)
-RIM = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=-1) * math.sqrt(0.5)
-"""Where a round sole of radius 1 is looked at, halfway up to its side."""
+    arch: float = 0.0
 
 
 class Footholds:
@@ -116,17 +119,66 @@ class Footholds:
         """
         R, p, wished = self._stance(leg, travelled, step.up, step, drive)
         here = present[[0, 2]]
-        return self._best(leg, self._choices(leg, wished, here), R, p)
 
-    def first(self, leg: int, phase: float) -> Foothold | None:
+        @cache
+        def on_way() -> tuple[Array, Array]:
+            return self._bodies(leg, travelled, step.up, step.up + step.swing * SWUNG, drive)
+
+        def swung(place: Foothold) -> Foothold | None:
+            return self._swung(leg, present, place, step.up, on_way)
+
+        return self._best(leg, self._choices(leg, wished, here), R, p, swung)
+
+    def _swung(
+        self,
+        leg: int,
+        present: Array,
+        place: Foothold,
+        phase: float,
+        bodies: Callable[[], tuple[Array, Array]],
+    ) -> Foothold | None:
+        """Return a foothold with the arch that leads to it, None if the leg cannot swing so."""
+        sole, owner = float(self.herd.sole[leg]), int(self.herd.owner[leg])
+        least, stride = (
+            float(self.path.paces.number(name, owner, np.array(phase)))
+            for name in ("step_height", "stride")
+        )
+        arch = lift_to_clear(self.ground, present, place.tip, sole, least)
+        if arch > MOST_ARCH * float(self.herd.legs.lengths[leg]):
+            return None
+        across = place.tip - present
+        plain = arch < EASY_ARCH * least and abs(across[1]) < least
+        if not plain or np.hypot(across[0], across[2]) > EASY_WAY * stride:
+            n, (R, p) = len(SWUNG), bodies()
+            way = swing(
+                np.tile(present, (n, 1)), np.tile(place.tip, (n, 1)), np.full(n, arch), SWUNG
+            )
+            if not self.grasp.holds(leg, unturn(R, way - p)[None]).all():
+                return None
+        return replace(place, arch=arch)
+
+    def first(self, leg: int, phase: float, moves: bool = True) -> Foothold | None:
         """Return where `leg` stands at the start: the good place nearest to where it would.
 
         Args:
             leg: which.
             phase: its gait's phase from which its foot has been down, at most 0.
+            moves: whether its body comes walking.
         """
         swing = float(self.herd.swings[leg])
-        R, p, wished = self._stance(leg, 0.0, 0.0, Step(phase - swing, swing, 1.0 - swing))
+        step = Step(phase - swing, swing, 1.0 - swing)
+        R, p, wished = self._stance(leg, 0.0, 0.0, step, 1.0 if moves else 0.0)
+        return self._best(leg, self._choices(leg, wished), R, p)
+
+    def later(self, leg: int, travelled: float, step: Step) -> Foothold | None:
+        """Return where `leg` can come down from wherever it will be.
+
+        Args:
+            leg: which.
+            travelled: way that the body will have gone when it lifts [m].
+            step: when it is to swing and stand.
+        """
+        R, p, wished = self._stance(leg, travelled, step.up, step)
         return self._best(leg, self._choices(leg, wished), R, p)
 
     def _choices(self, leg: int, wished: Array, present: Array | None = None) -> Iterator[Array]:
@@ -154,7 +206,14 @@ class Footholds:
         result: Array = middle + (radii[:, None, None] * spokes).reshape(-1, 2)
         return result
 
-    def _best(self, leg: int, choices: Iterable[Array], R: Array, p: Array) -> Foothold | None:
+    def _best(
+        self,
+        leg: int,
+        choices: Iterable[Array],
+        R: Array,
+        p: Array,
+        swung: Callable[[Foothold], Foothold | None] = lambda place: place,
+    ) -> Foothold | None:
         """Return the first good foothold, rather a later one than one to stoop for.
 
         Args:
@@ -162,39 +221,44 @@ class Footholds:
             choices: places (n, 2) in each, the best first [m].
             R: (m, 3, 3) and
             p: (m, 3), poses of the body while the foot is there [m].
+            swung: gives a foothold the swing that leads to it, or None where none does.
         """
         owner = self.herd.owner[leg]
         room = max(float(self.herd.body_height[owner] - self.herd.belly[owner]), 0.0)
+        lowest_at = min(STOOP * room, CROUCH * float(self.herd.legs.lengths[leg]))
         looked_at = []
         for xz in choices:
             tips = self.stand(leg, xz)
             safe = self.path.footing.allows(owner, xz[:, 0], xz[:, 1])
             stoop = np.where(safe, self._stoop(leg, tips, R, p), np.inf)
-            best = self._first_reached(leg, tips, stoop, stoop == 0.0, R, p)
-            if best is not None:
-                return self._foothold(leg, xz[best], 0.0)
+            for best in self._reached(leg, tips, stoop, stoop == 0.0, R, p):
+                place = swung(self._foothold(leg, xz[best], 0.0))
+                if place is not None:
+                    return place
             looked_at.append((xz, tips, stoop))
         for xz, tips, stoop in looked_at:
-            low = (stoop > 0.0) & (stoop <= STOOP * room)
-            best = self._first_reached(leg, tips, stoop, low, R, p)
-            if best is not None:
-                return self._foothold(leg, xz[best], float(stoop[best]))
+            low = (stoop > 0.0) & (stoop <= lowest_at)
+            for best in self._reached(leg, tips, stoop, low, R, p):
+                place = swung(self._foothold(leg, xz[best], float(stoop[best])))
+                if place is not None:
+                    return place
         return None
 
-    def _first_reached(
+    def _reached(
         self, leg: int, tips: Array, stoop: Array, which: NDArray[np.bool_], R: Array, p: Array
-    ) -> int | None:
-        """Return the first of those tips (n, 3) that the joints bring the leg to."""
+    ) -> Iterator[int]:
+        """Yield those of tips (n, 3) that the joints bring the leg to, the first first.
+
+        Of very many, evenly chosen ones.
+        """
         places = np.flatnonzero(which)
+        if len(places) > MOST:
+            places = places[np.linspace(0, len(places) - 1, MOST).astype(np.int64)]
         for few in np.split(places, AT_ONCE[AT_ONCE < len(places)]):
-            if not len(few):
-                continue
-            lowered = p - np.multiply.outer(stoop[few], UP)[:, None]
-            goals = unturn(R, tips[few, None] - lowered)
-            reached = self.grasp.holds(leg, goals).all(axis=-1)
-            if reached.any():
-                return int(few[np.argmax(reached)])
-        return None
+            if len(few):
+                lowered = p - np.multiply.outer(stoop[few], UP)[:, None]
+                goals = unturn(R, tips[few, None] - lowered)
+                yield from few[self.grasp.holds(leg, goals).all(axis=-1)].tolist()
 
     def _foothold(self, leg: int, xz: Array, stoop: float) -> Foothold:
         """Return the foothold at `xz` (2,), its sole clear of the slopes beside it."""
@@ -203,9 +267,7 @@ class Footholds:
         place = np.array([float(x), float(self.ground.height(x, z)), float(z)])
         sole = float(self.herd.sole[leg])
         tip = place + sole * normal
-        rim = tip[[0, 2]] + sole * RIM
-        rise = self.ground.height(rim[:, 0], rim[:, 1]) - (tip[1] - sole * math.sqrt(0.5))
-        tip[1] += max(float(rise.max()), 0.0)
+        tip[1] = max(tip[1], float(lowest(self.ground, tip[:1], tip[2:], sole)[0]))
         return Foothold(place, normal, tip, stoop)
 
     def stand(self, leg: int, xz: Array) -> Array:
@@ -240,15 +302,28 @@ class Footholds:
         """
         down, stance = step.up + step.swing, step.stance
         moments = down + np.append(stance * STANCE, stance + LAGS * step.swing)
-        owner = int(self.herd.owner[leg])
-        # Its stride grows with the root of the drive, see `Going`.
-        way = travelled + self.path.paces.way(owner, phase, moments) * math.sqrt(drive)
-        R, p = self.path.pose(np.full(len(moments), owner), way, moments)
+        R, p = self._bodies(leg, travelled, phase, moments, drive)
         middle = slice(len(STANCE) // 2, len(STANCE) // 2 + 1)
         rest = self._rest(leg, float(moments[middle][0]))
-        rest = self.path.below(np.array([owner]), moments[middle], rest)
+        rest = self.path.below(self.herd.owner[leg : leg + 1], moments[middle], rest)
         wished: Array = (p[middle] + turn(R[middle], rest))[0, [0, 2]]
         return R, p, wished
+
+    def _bodies(
+        self, leg: int, travelled: float, phase: float, moments: Array, drive: float
+    ) -> tuple[Array, Array]:
+        """Return R_WB (m, 3, 3) and p_WB (m, 3) of a leg's body at later phases (m,).
+
+        Args:
+            leg: which.
+            travelled: way that its body has gone [m].
+            phase: of the gait at that, whole cycles counted.
+            moments: (m,) phases.
+            drive: part of its speed at which it goes: the stride grows with its root.
+        """
+        owner = int(self.herd.owner[leg])
+        way = travelled + self.path.paces.way(owner, phase, moments) * math.sqrt(drive)
+        return self.path.pose(np.full(len(moments), owner), way, moments)
 
     def _stoop(self, leg: int, tips: Array, R: Array, p: Array) -> Array:
         """Return how far (n,) all bodies (m, ...) have to be lowered so that `tips` are reached.

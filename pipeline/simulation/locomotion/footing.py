@@ -23,6 +23,9 @@ BLUR = {"across": 0.4, "along": 0.25, "leg": 0.12, "stride": 0.12}
 """Least standard deviation of the average: in half extents of the feet at rest, in lengths
 of a leg and of a stride. A body as quick as it is wide feels no single stone."""
 
+CLEARS = 0.15
+"""How much higher than its body stands a creature can lift its belly, in leg lengths."""
+
 WIDE = 0.4
 """Half the width of what must pass above the ground, in half the width between feet."""
 
@@ -31,15 +34,17 @@ class Footing:
     """What the creatures of a herd can stand on.
 
     Attributes:
+        herd: the creatures.
         ground: what they go over.
     """
 
     def __init__(self, herd: Herd, ground: Ground) -> None:
         self.ground = ground
+        self.herd = herd
         count = len(herd.names)
         islands = Islands(ground)
         reached = dict[bytes, NDArray[np.bool_]]()
-        made = dict[tuple[bytes, float, float], int]()
+        made = dict[tuple[bytes, float, float, float], int]()
         self._counts = list[NDArray[np.bool_]]()
         self._supports = list[Support]()
         self._which = np.zeros(count, dtype=np.int64)
@@ -55,12 +60,28 @@ class Footing:
                 BLUR["leg"] * leg,
                 BLUR["stride"] * float(herd.stride[c]),
             )
-            key = (name, blur, WIDE * float(herd.footprint[c, 1]))
+            room = float(herd.body_height[c] - herd.belly[c]) + CLEARS * leg
+            key = (name, blur, self.wide(c), room)
             if key not in made:
                 made[key] = len(self._supports)
                 self._counts.append(reached.setdefault(name, free))
                 self._supports.append(Support.of(ground, self._counts[-1], *key[1:]))
             self._which[c] = made[key]
+
+    def wide(self, c: int) -> float:
+        """Return half the width of what must pass above the ground [m]."""
+        return WIDE * float(self.herd.footprint[c, 1])
+
+    def is_level(self, c: int) -> bool:
+        """Tell whether all the ground is level for a creature, and can be stood on."""
+        return self._of(c).is_level
+
+    def barred(self, c: int, x: Array, z: Array) -> NDArray[np.bool_]:
+        """Say where the ground is too high for a creature's belly."""
+        return self._of(c).barred(x, z)
+
+    def _of(self, c: int) -> Support:
+        return self._supports[int(self._which[c])]
 
     def allows(self, c: int, x: Array, z: Array) -> NDArray[np.bool_]:
         """Say where creature `c` may put a foot; outside the grid it may not."""

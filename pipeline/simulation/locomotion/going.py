@@ -30,6 +30,9 @@ RISING, FALLING = 1.0, 0.6
 BRAKING = 0.3
 """Time in which a creature that finds no foothold comes to rest [s]."""
 
+HARD = 4.0
+"""Greatest deceleration of who comes to rest where it meant to [m/s²]."""
+
 CREEP = 0.06
 """Drive at which the last bit of a route is gone."""
 
@@ -53,6 +56,7 @@ class Going:
         halted: (C,) whether it found no foothold.
         closed: (C,) phase at which its feet have closed up; infinite while it goes.
         cycle, full: (C,) duration [s] and length [m] of a cycle at full drive.
+        braking: (C,) way on which it comes to rest from its full speed [m].
         looks: what creatures are told to look at; the others look where they go.
     """
 
@@ -194,6 +198,9 @@ class Going:
         self._steady = None
         rests = self.halted | self.arrived | ~herd.walks
         self._wish = np.where(rests, 0.0, np.maximum(self.throttle * self._easy, CREEP))
+        v = np.maximum(self.full / self.cycle, 1e-9)
+        # From v² = 2 a d, braking at a = v / cycle, and no harder than `HARD`.
+        self.braking = v * v / (2.0 * np.minimum(v / self.cycle, HARD))
         self._rises = dt / (RISING * self.cycle)
         self._falls = np.where(self.halted, dt / BRAKING, dt / (FALLING * self.cycle))
         length = np.array([route.length for route in self.path.routes])
@@ -204,8 +211,7 @@ class Going:
         """Return the greatest drive (C,) from which all come to rest where they have to."""
         routes = zip(self.path.routes, self.way, strict=True)
         left = np.maximum([route.free(s) for route, s in routes], 0.0)
-        # From v² = 2 a d, braking at a = v / cycle.
-        drive = np.sqrt(np.minimum(2.0 * left / np.maximum(self.full, 1e-9), 1.0))
+        drive = np.sqrt(np.minimum(left / np.maximum(self.braking, 1e-9), 1.0))
         rests = self.halted | self.arrived
         result: Array = np.where(rests, 0.0, np.maximum(drive, CREEP))
         return result
@@ -238,9 +244,10 @@ class Going:
         xz, turned, _ = self.path.on_route(creatures, self.way[creatures])
         reach = herd.footprint[creatures, 0]
         ahead = reach[:, None] * direction(turned)
-        height = self.path.ground.height
-        before, behind = xz + ahead, xz - ahead
-        rise = height(before[:, 0], before[:, 1]) - height(behind[:, 0], behind[:, 1])
+        ends = np.stack([xz + ahead, xz - ahead], axis=1)
+        # Not the ground itself: no single stone slows down.
+        height, _ = self.path.footing.surface(creatures, ends[..., 0], ends[..., 1])
+        rise = height[:, 0] - height[:, 1]
         slope = rise / (2.0 * reach)
         slowed = 1.0 + UPHILL * np.maximum(slope, 0.0) + DOWNHILL * np.maximum(-slope, 0.0)
         result[creatures] = 1.0 / slowed

@@ -7,9 +7,13 @@ that the leg comes to on level ground anyway.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.chains import Chains, chains_of
+from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.settling import settle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
@@ -17,9 +21,9 @@ from pipeline.simulation.spatial import Array
 MISSES = 1e-4
 """Distance of tip from place that is none, in the leg's length."""
 
-BESIDE = 0.12
-"""How far from its places on level ground a leg is sure to reach, in its length: as far
-down as it is not overstretched, and half as far up."""
+BESIDE = np.array([0.12, 0.12, 0.1])
+"""How far from its places on level ground a leg is sure to reach, in its length: along,
+upward and across. Downward its length alone is the bound."""
 
 
 class Grasp:
@@ -31,22 +35,27 @@ class Grasp:
 
     def __init__(self, herd: Herd) -> None:
         self.herd = herd
-        room = BESIDE * herd.legs.lengths
+        self._alone = cache(self._one)
         half = 0.5 * herd.stride[herd.owner] * (1.0 - 0.5 * herd.swings)
         x, z = herd.rest.T
+        room = BESIDE * herd.legs.lengths[:, None]
         floor = herd.sole - herd.body_height[herd.owner]
-        self._low = np.stack([x - half, floor - room, z - 0.5 * room], axis=-1)
-        self._high = np.stack([x + half, floor + 0.5 * room, z + 0.5 * room], axis=-1)
+        self._low = np.stack([x - half, floor - herd.legs.lengths, z], axis=-1) - room
+        self._high = np.stack([x + half, floor, z], axis=-1) + room
+
+    def _one(self, leg: int) -> tuple[LimbBatch, list[Chains]]:
+        batch = self.herd.legs.rows(np.array([leg]))
+        return batch, chains_of(batch, np.zeros(1, dtype=np.int64))
 
     def holds(self, leg: int, goals: Array) -> NDArray[np.bool_]:
         """Say to which of `goals` (n, m, 3), relative to the body, the leg's tip comes."""
-        known: NDArray[np.bool_] = (
-            (goals >= self._low[leg]) & (goals <= self._high[leg])
-        ).all(axis=-1)
+        known: NDArray[np.bool_] = ((goals >= self._low[leg]) & (goals <= self._high[leg])).all(
+            axis=-1
+        )
         asked = ~known
         if asked.any():
             far = goals[asked]
-            batch = self.herd.legs.rows(np.full(len(far), leg))
-            residual = settle(batch, far).residual
+            batch, chains = self._alone(leg)
+            residual = settle(batch, chains, far[:, None]).residual[:, 0]
             known[asked] = residual <= MISSES * self.herd.legs.lengths[leg]
         return known

@@ -21,6 +21,21 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pace import BOUNCE, Pace
 from pipeline.simulation.spatial import Array
 
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """When a foot swings and stands.
+
+    Attributes:
+        up: phase at which it goes up, whole cycles counted.
+        swing, stance: how long it is in the air, and down after that, in cycles.
+    """
+
+    up: float
+    swing: float
+    stance: float
+
+
 CYCLES = 1.5
 """How long a change takes at least, in cycles."""
 
@@ -149,6 +164,17 @@ class Paces:
                 done = change.gaits.end <= phase
                 result = change.after.gait if done else change.gaits
         return result
+
+    def step(self, leg: int, phase: float) -> Step:
+        """Return when a foot swings and stands that goes up at `phase`."""
+        c = int(self.herd.owner[leg])
+        if c not in self.changes:
+            swing = float(self.herd.swings[leg])
+            return Step(phase, swing, 1.0 - swing)
+        gait, own = self.gait(c, phase), leg - int(self.herd.first_leg[c])
+        count = len(self.herd.paces[c].gait.up)
+        down = float(gait.down_after(np.full(count, phase))[own])
+        return Step(phase, down - phase, float(gait.next_up(down)[own]) - down)
 
     def stances(self, leg: int, first: float, last: float) -> Array:
         """Return from which phase to which (n, 2) a leg was planned to be down.

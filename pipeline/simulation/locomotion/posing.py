@@ -245,7 +245,7 @@ def _overstretched(herd: Herd, tips: Array, R_WB: Array, p_WB: Array, grip: Arra
     reach = REACH * herd.legs.lengths
     across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1)
     highest = tips[..., 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
-    excess = grip * hinge(hips[..., 1] - highest, 0.01 * herd.legs.lengths)
+    excess = grip * hinge(hips[..., 1] - highest, 0.02 * herd.legs.lengths)
     lower = np.zeros(p_WB.shape[:2])
     for leg, owner in enumerate(herd.owner):
         lower[:, owner] = np.maximum(lower[:, owner], excess[:, leg])

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.locomotion.footholds import Foothold, Step
+from pipeline.simulation.locomotion.footholds import Foothold
 from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.paces import Step
 from pipeline.simulation.locomotion.swing import swing
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground

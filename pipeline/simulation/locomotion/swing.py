@@ -11,11 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.curves import bump, ease
+from pipeline.simulation.locomotion.sole import lowest
 from pipeline.simulation.locomotion.swing_bend import bent
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
-SAMPLES = np.linspace(0.0, 1.0, 50)[1:-1]
+SAMPLES = np.linspace(0.0, 1.0, 42)[1:-1]
 """Places along the way at which the ground is looked at."""
 
 
@@ -40,15 +41,15 @@ def lift_to_clear(
         margin: by how much the top of an arch is to clear the ground; 0.4 of `least` if left
             out [m].
     """
-    way = start + ease(SAMPLES)[:, None] * (end - start)
-    if bend is not None:
-        way = way + bent(np.broadcast_to(bend, (len(way), *bend.shape)), SAMPLES)
-    rise = ground.height(way[:, 0], way[:, 2]) + sole - way[:, 1]
+    n = len(SAMPLES)
+    starts, ends = np.tile(start, (n, 1)), np.tile(end, (n, 1))
+    bends = None if bend is None else np.broadcast_to(bend, (n, *bend.shape))
+    way = swing(starts, ends, np.zeros(n), SAMPLES, bends)
+    rise = lowest(ground, way[:, 0], way[:, 2], sole) - way[:, 1]
     # Beside the footholds the arch grows with the square of the time and the ground can
     # rise with its cube only, so the quotient stays bounded.
-    arch = bump(SAMPLES)
     margin = 0.4 * least if margin is None else margin
-    return float(np.maximum(rise / arch + margin, least).max())
+    return float(np.maximum(rise / bump(SAMPLES) + margin, least).max())
 
 
 def swing(start: Array, end: Array, height: Array, s: Array, bend: Array | None = None) -> Array:

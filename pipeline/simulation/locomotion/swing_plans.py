@@ -17,8 +17,8 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.locomotion.footholds import Step
 from pipeline.simulation.locomotion.going import Going
+from pipeline.simulation.locomotion.paces import Step
 from pipeline.simulation.locomotion.swing_bend import POINTS
 from pipeline.simulation.locomotion.swing_least import least_effort
 from pipeline.simulation.locomotion.swing_passive import passive

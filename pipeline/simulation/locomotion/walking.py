@@ -19,7 +19,7 @@ from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.directing import obey
-from pipeline.simulation.locomotion.footholds import Foothold, Footholds, Step
+from pipeline.simulation.locomotion.footholds import Foothold, Footholds
 from pipeline.simulation.locomotion.gaits import Gait
 from pipeline.simulation.locomotion.going import Going
 from pipeline.simulation.locomotion.herd import gather
@@ -35,8 +35,9 @@ from pipeline.simulation.locomotion.manners import Manners
 from pipeline.simulation.locomotion.paces import Paces
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
+from pipeline.simulation.locomotion.scout import Barrier, Scout
 from pipeline.simulation.locomotion.scuffing import Scuffing
-from pipeline.simulation.locomotion.swing import approach_speed, lift_to_clear
+from pipeline.simulation.locomotion.swing import approach_speed
 from pipeline.simulation.locomotion.swing_plans import Asked, SwingPlans
 from pipeline.simulation.locomotion.wayfinding import route_of
 from pipeline.simulation.script import Orders
@@ -67,7 +68,7 @@ class Walkers:
         lifted, span: (L,) phase at which its swing began, and how long that lasts, in cycles.
         swinging: (L,).
         tuck: (2, L) how much it was held up before this swing, and will be after it, 0 or 1.
-        up, swings: (L,) foot-up phases and lengths of swings, of legs whose gait stays.
+        up: (L,) foot-up phases of legs whose gait stays.
     """
 
     def __init__(
@@ -94,10 +95,12 @@ class Walkers:
         legs = len(herd.owner)
         path.bearing = manners.bearing(0.0)
         self.going = Going(herd, path, manners, world.clock.dt)
-        self.up, self.swings = herd.up.copy(), herd.swings.copy()
+        self.up = herd.up.copy()
         self.span, self.tuck = herd.swings.copy(), np.zeros((2, legs))
         self._changing: set[int] = set()
         self.going.looks = looks_in(herd, cast)
+        self.scout = Scout(self.footholds, self.going)
+        self._barred = np.full(len(herd.names), np.nan)
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
@@ -232,6 +235,20 @@ class Walkers:
                 self.tuck[0, leg] = 1.0
             elif in_air:
                 self._lift(0, leg, -float(into[leg]))
+        for walking in np.flatnonzero(herd.walks[herd.owner]).tolist():
+            self._end_before(0, walking, self.scout.before(walking))
+        for c in np.flatnonzero(self._barred == 0.0).tolist():
+            self._stay(c)
+
+    def _stay(self, c: int) -> None:
+        """Let a creature that does not set out stand: it never came walking."""
+        self.going.drive[c] = 0.0
+        for leg in np.flatnonzero(self.herd.owner == c).tolist():
+            place = self.footholds.first(leg, -0.5 * (1.0 - self.herd.swings[leg]), moves=False)
+            if place is not None:
+                self.start[leg] = self.end[leg] = place.tip
+                self.stoop[:, leg] = place.stoop
+                self.holds[leg], self.swinging[leg] = place, False
 
     def _no_ground(self, leg: int) -> str:
         owner = int(self.herd.owner[leg])
@@ -252,7 +269,26 @@ class Walkers:
             return []
         stood = going.arrived
         going.advance(np.bincount(self.herd.owner[self.swinging], minlength=count) > 0)
-        return [self.herd.names[c] for c in np.flatnonzero(going.arrived & ~stood)]
+        came = np.flatnonzero(going.arrived & ~stood)
+        return [self.herd.names[c] for c in came if not self._is_barred(int(c))]
+
+    def _is_barred(self, c: int) -> bool:
+        """Tell whether a creature's way ends at what it cannot go over."""
+        return bool(self.going.path.routes[c].length == self._barred[c])
+
+    def _end_before(self, step: int, leg: int, barrier: Barrier | None) -> None:
+        """End the way of a creature before what its scout finds."""
+        c = int(self.herd.owner[leg])
+        route = self.going.path.routes[c]
+        if barrier is None or barrier.way >= route.length:
+            return
+        told = self._is_barred(c)
+        self._barred[c] = barrier.way
+        self.going.lead(c, route.upto(barrier.way))
+        if told:
+            return
+        name = f"{self.herd.names[c]}.{self.herd.leg_names[leg]}"
+        self._notes.append(Note("stopped", step, name, barrier.cause))
 
     def _take_steps(self, step: int, before: Array) -> None:
         """Lift the feet whose foot-up phase was passed, put down those whose foot-down was."""
@@ -291,7 +327,7 @@ class Walkers:
             up_at[own] = gait.next_up(float(before[c]))
             if isinstance(gait, Gait) and not self.going.changes(c):
                 self._changing.remove(c)
-                self.up[own], self.swings[own] = gait.up, gait.swing
+                self.up[own] = gait.up
         return up_at
 
     def _go_up(self, step: int, leg: int, phase: float) -> None:
@@ -336,12 +372,17 @@ class Walkers:
         herd, owner = self.herd, int(self.herd.owner[leg])
         if self.going.halted[owner]:
             return
-        going, swung = self.going, self._step_of(leg, phase)
+        going, swung = self.going, self.going.paces.step(leg, phase)
         drive = float(going.drive[owner])
         back = going.paces.way(owner, float(self.phase[owner]), np.array([phase]))
         way = float(self.travelled[owner] + back[0] * math.sqrt(drive))
         place = self.footholds.next(leg, self.end[leg], way, swung, drive)
         if place is None:
+            if self._is_barred(owner):
+                # It has been told, and rests as soon as it can.
+                if not self.going.arrived[owner]:
+                    self.going.halt(owner)
+                return
             self.going.halt(owner)
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
             self._notes.append(Note("stopped", step, name, "no foothold within reach"))
@@ -350,10 +391,8 @@ class Walkers:
         self.stoop[:, leg] = self.stoop[1, leg], place.stoop
         self.tuck[:, leg] = 0.0
         self.holds[leg] = place
+        self.height[leg] = place.arch
         least = float(going.paces.number("step_height", owner, np.array(phase)))
-        self.height[leg] = lift_to_clear(
-            self.world.ground, self.start[leg], place.tip, herd.sole[leg], least
-        )
         if self._swings is not None and self.bend is not None:
             asked = Asked(swung, self.start[leg], place.tip, way, drive, least)
             planned = self._swings.plan(leg, asked, self.height[leg], self.stoop[1])
@@ -361,22 +400,11 @@ class Walkers:
         self.lifted[leg], self.span[leg], self.swinging[leg] = phase, swung.swing, True
         heights = float(self.height[leg]), least
         self.scuffing.plan(leg, swung, self.start[leg], place.tip, heights, self._bend(leg))
+        self._end_before(step, leg, self.scout.ahead(leg, way, phase))
 
     def _bend(self, leg: int) -> Array | None:
         """Return what the swing of a leg has beside its arch."""
         return None if self.bend is None else self.bend[leg]
-
-    def _step_of(self, leg: int, phase: float) -> Step:
-        """Return when a foot swings and stands that goes up at `phase`."""
-        c = int(self.herd.owner[leg])
-        if c not in self._changing:
-            swing = float(self.swings[leg])
-            return Step(phase, swing, 1.0 - swing)
-        gait, own = self.going.paces.gait(c, phase), leg - int(self.herd.first_leg[c])
-        down = float(gait.down_after(np.full(len(gait.next_up(phase)), phase))[own])
-        # The foot-up that it is about is behind, if only by a rounding.
-        again = float(gait.next_up(down)[own])
-        return Step(phase, down - phase, again - down)
 
     def _is_posed(self, step: int, leg: int) -> bool:
         """Tell whether its author has a foot somewhere else: it meets no ground."""

@@ -14,6 +14,7 @@ Source: Knutsson and Westin 1993 (normalised convolution).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,9 @@ FINE = 1.5
 SPLINE = 0.25 + 1.0 / 12.0
 """Variance of a quadratic B-spline and of the average over a block, in squares of a node's side."""
 
+LEVEL = 1e-9
+"""Rise that is none [m]."""
+
 FAINT = 1e-2
 """Weight of wider surroundings beside ground that counts."""
 
@@ -41,14 +45,18 @@ class Support:
         field: where the rectangle lies.
         side: distance of nodes along x and z [m].
         nodes: (2, n_z, n_x) height, and how far anything rises above it [m].
+        walls: (n_z, n_x) nodes near which something rises too high to pass above.
     """
 
     field: HeightField
     side: tuple[float, float]
     nodes: Array
+    walls: NDArray[np.bool_]
 
     @staticmethod
-    def of(ground: Ground, counts: NDArray[np.bool_], blur: float, wide: float) -> Support:
+    def of(
+        ground: Ground, counts: NDArray[np.bool_], blur: float, wide: float, room: float
+    ) -> Support:
         """Make the surfaces.
 
         Args:
@@ -56,6 +64,7 @@ class Support:
             counts: (n_z, n_x) cells that can be stood on.
             blur: standard deviation of the average [m].
             wide: half the width of what must pass above all that rises [m].
+            room: what rises more than this is a wall, which nothing passes above [m].
         """
         cell = ground.field.cell
         many = tuple(max(1, int(blur / (FINE * side))) for side in cell)
@@ -66,10 +75,28 @@ class Support:
         passes = [max(1, round(2.0 * ((blur / s) ** 2 - SPLINE))) for s in side]
         height, share = (_blurred(f / (many[0] * many[1]), passes) for f in sums)
         surface = filled(height, share)
-        excess = _blocks(_above(ground.field, surface, side), many, highest=True)
+        above = _above(ground.field, surface, side)
+        high = above > room
+        excess = _blocks(np.where(high, 0.0, above), many, highest=True)
+        walls = _blocks(high.astype(float), many, highest=True)
         # The spline at a place looks at nodes up to one and a half sides away.
         near = [1 + int(np.ceil(wide / s)) for s in side]
-        return Support(ground.field, side, np.stack([surface, _dilated(excess, near)]))
+        nodes = np.stack([surface, _dilated(excess, near)])
+        return Support(ground.field, side, nodes, _dilated(walls, near) > 0.0)
+
+    @cached_property
+    def is_level(self) -> bool:
+        """Whether all of it is level."""
+        return bool(np.ptp(self.nodes[0]) < LEVEL and self.nodes[1].max() < LEVEL)
+
+    def barred(self, x: Array, z: Array) -> NDArray[np.bool_]:
+        """Say beside which world (x, z) walls rise; any equal shapes."""
+        x, z = self.field.to_grid(x, z)
+        n_z, n_x = self.walls.shape
+        i = np.rint((x + 0.5 * self.field.size[0]) / self.side[0] - 0.5).astype(np.int64)
+        j = np.rint((z + 0.5 * self.field.size[1]) / self.side[1] - 0.5).astype(np.int64)
+        result: NDArray[np.bool_] = self.walls[np.clip(j, 0, n_z - 1), np.clip(i, 0, n_x - 1)]
+        return result
 
     def at(self, x: Array, z: Array) -> tuple[Array, Array]:
         """Return height and rise above it [m] at world (x, z); any equal shapes."""

@@ -1,0 +1,96 @@
+"""Random pairs of a figure and a terrain: what must hold at every step, whatever they are.
+
+Creatures that are put before ground which they cannot go over stop, and say so; nothing
+else excuses them.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.locomotion.pace import GRAVITY
+from tests.simulation.conftest import Walk, walk_through
+from tests.simulation.pairs import KINDS, WALKERS, pair
+
+MILLIMETRE = 1e-3
+
+COUNT = 300
+
+LIFT = 10.0 / np.sqrt(3.0) * 0.4 / 0.5**2
+"""Greatest acceleration of a body, in leg lengths and cycles: where its ground rises by as
+much as legs can step, 0.4 of their length, within half a cycle, along the path of least
+jerk, whose acceleration is at most 10 / √3 · d / t². To it comes what bounces, up to 2 g."""
+
+TURNS = 50.0
+"""Greatest speed of a joint [rad] in a cycle: it folds up by half a turn and opens again
+within a swing of a quarter of a cycle, along the path of least jerk: 2 · 15 / 8 · π / (1/4)."""
+
+_POINTS = np.random.default_rng(0).normal(size=(40, 3))
+BALL = _POINTS / np.linalg.norm(_POINTS, axis=-1, keepdims=True)
+
+
+def _numbers() -> list[object]:
+    """Every tenth pair in the full tier, all at night."""
+    return [
+        pytest.param(n, marks=pytest.mark.slow if n % 10 == 0 else pytest.mark.nightly)
+        for n in range(COUNT)
+    ]
+
+
+@pytest.mark.parametrize("number", _numbers())
+def test_what_must_hold_holds(number: int, tmp_path: Path) -> None:
+    walk = walk_through(pair(number, tmp_path).scene)
+    # A foot that does not come to its place is noted as clamped.
+    assert {note.kind for note in walk.take.notes} <= {"stopped"}
+    _feet_keep_to_the_ground(walk)
+    _joints_keep_their_limits(walk)
+    _bodies_move_smoothly(walk)
+    _feet_keep_to_the_gait(walk)
+
+
+def _feet_keep_to_the_ground(walk: Walk) -> None:
+    ground, herd = walk.simulation.world.ground, walk.walkers.herd
+    down = walk.standing[1:] & walk.standing[:-1]
+    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
+    assert moved[down].max(initial=0.0) < MILLIMETRE
+    p = walk.tips[:, :, None] + herd.sole[:, None, None] * BALL
+    assert (p[..., 1] - ground.height(p[..., 0], p[..., 2])).min() > -MILLIMETRE
+    places = np.array([contact.place for contact in walk.take.contacts]).reshape(-1, 3)
+    holds = np.array([hold.place for hold in walk.walkers.holds])
+    for x, _, z in (places.T, holds.T):
+        assert ground.steppable(x, z).all()
+
+
+def _joints_keep_their_limits(walk: Walk) -> None:
+    legs, q = walk.walkers.herd.legs, walk.q
+    assert (q >= legs.lower).all()
+    assert (q <= legs.upper).all()
+    speed = np.abs(np.diff(q, axis=0)).max() / walk.simulation.world.clock.dt
+    assert speed < TURNS / float(walk.walkers.herd.cycle[0])
+
+
+def _bodies_move_smoothly(walk: Walk) -> None:
+    herd, dt = walk.walkers.herd, walk.simulation.world.clock.dt
+    bound = LIFT * herd.legs.lengths.mean() / herd.cycle[0] ** 2 + 2.0 * GRAVITY
+    acceleration = np.diff(walk.take.positions[:, 0], 2, axis=0) / dt**2
+    assert np.abs(acceleration).max() < bound
+
+
+def _feet_keep_to_the_gait(walk: Walk) -> None:
+    herd = walk.walkers.herd
+    if not herd.bounces:
+        assert walk.standing.any(axis=1).all()
+    names = [f"{herd.names[0]}.{leg}" for leg in herd.leg_names]
+    for contact in walk.take.contacts:
+        leg = names.index(contact.part)
+        before, after = (walk.phases[contact.step + k][0] for k in (0, 1))
+        off = before + contact.fraction * (after - before) - herd.down[leg]
+        assert abs(off - round(off)) < 1e-9
+
+
+def test_pairs_hold_every_figure_and_every_kind_of_terrain() -> None:
+    seen = {(n % len(WALKERS), (n // len(WALKERS) + n) % len(KINDS)) for n in range(COUNT)}
+    assert len(seen) == len(WALKERS) * len(KINDS)

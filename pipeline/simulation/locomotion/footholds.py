@@ -124,10 +124,17 @@ class Footholds:
         def on_way() -> tuple[Array, Array]:
             return self._bodies(leg, travelled, step.up, step.up + step.swing * SWUNG, drive)
 
-        def swung(place: Foothold) -> Foothold | None:
-            return self._swung(leg, present, place, step.up, on_way)
+        # On level ground a leg that folds too far on a long way is above it all the same.
+        level = self.path.footing.is_level(int(self.herd.owner[leg]))
+        for far in (EASY_WAY, np.inf) if level else (EASY_WAY,):
 
-        return self._best(leg, self._choices(leg, wished, here), R, p, swung)
+            def swung(place: Foothold, far: float = far) -> Foothold | None:
+                return self._swung(leg, present, place, step.up, on_way, far)
+
+            best = self._best(leg, self._choices(leg, wished, here), R, p, swung)
+            if best is not None:
+                return best
+        return None
 
     def _swung(
         self,
@@ -136,6 +143,7 @@ class Footholds:
         place: Foothold,
         phase: float,
         bodies: Callable[[], tuple[Array, Array]],
+        far: float,
     ) -> Foothold | None:
         """Return a foothold with the arch that leads to it, None if the leg cannot swing so."""
         sole, owner = float(self.herd.sole[leg]), int(self.herd.owner[leg])
@@ -148,7 +156,7 @@ class Footholds:
             return None
         across = place.tip - present
         plain = arch < EASY_ARCH * least and abs(across[1]) < least
-        if not plain or np.hypot(across[0], across[2]) > EASY_WAY * stride:
+        if not plain or np.hypot(across[0], across[2]) > far * stride:
             n, (R, p) = len(SWUNG), bodies()
             way = swing(
                 np.tile(present, (n, 1)), np.tile(place.tip, (n, 1)), np.full(n, arch), SWUNG

@@ -33,7 +33,7 @@ BRAKING = 0.3
 HARD = 4.0
 """Greatest deceleration of who comes to rest where it meant to [m/s²]."""
 
-CREEP = 0.06
+CREEP = 0.02
 """Drive at which the last bit of a route is gone."""
 
 UPHILL, DOWNHILL = 0.9, 0.5

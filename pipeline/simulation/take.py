@@ -28,6 +28,9 @@ FORMAT = 1
 
 ContactKind = Literal["touch", "scuff"]
 
+TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes")
+"""What a take has rows of that are no numbers alone."""
+
 
 @dataclass(frozen=True, slots=True)
 class Header:
@@ -295,21 +298,27 @@ class Take:
         Last columns that have their defaults are left out, so that what was written before
         there were such columns has the same digest still.
         """
-        names = ("nodes", "channels", "parts", "contacts", "events", "notes")
-        return {name: [_plain(row) for row in getattr(self, name)] for name in names}
+        return {name: [_plain(row) for row in getattr(self, name)] for name in TABLES}
+
+    def _words(self) -> Iterator[str]:
+        """Yield, piece by piece, all that is no array as one JSON text with sorted keys."""
+        head, scaled, sizes = self.header.as_dict(), self.scaled, self.mesh_sizes
+        yield f'{{"header": {_json(head)}, "meshes": {_json(sizes)}, "scaled": {_json(scaled)}, '
+        yield '"tables": {'
+        for i, name in enumerate(sorted(TABLES)):
+            yield f'{", " if i else ""}"{name}": ['
+            # Row by row: of a long film the whole text would be as much memory as the contacts.
+            for k, row in enumerate(getattr(self, name)):
+                yield (", " if k else "") + _json(_plain(row))
+            yield "]"
+        yield f'}}, "terrain": {_json([self.terrain.cells, self.terrain.material])}}}'
 
     @cached_property
     def digest(self) -> str:
         """Digest of it all, as hexadecimal digits."""
         state = hashlib.blake2b(digest_size=20)
-        words = {
-            "header": self.header.as_dict(),
-            "tables": self.tables(),
-            "scaled": self.scaled,
-            "terrain": [self.terrain.cells, self.terrain.material],
-            "meshes": self.mesh_sizes,
-        }
-        state.update(json.dumps(words, sort_keys=True).encode())
+        for words in self._words():
+            state.update(words.encode())
         for name, values in self.arrays():
             state.update(f"{name}{values.dtype.str}{values.shape}".encode())
             for some in rows_of(values):
@@ -325,3 +334,7 @@ def _plain(row: DataclassInstance) -> list[Any]:
     ):
         values.pop()
     return values
+
+
+def _json(words: Any) -> str:
+    return json.dumps(words, sort_keys=True)

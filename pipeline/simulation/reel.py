@@ -25,7 +25,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from pipeline.errors import StoreError
 
-SHORT = 16 * 2**20
+SHORT = 4 * 2**20
 """Longest reel that is kept in memory [bytes]."""
 
 AT_ONCE = 4 * 2**20

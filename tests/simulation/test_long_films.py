@@ -73,7 +73,7 @@ def _crowd(scene_of: Callable[..., Scene], seconds: float) -> Scene:
     ("seconds", "on_disk_from"),
     [
         pytest.param(20, 2**16, marks=pytest.mark.slow),
-        pytest.param(300, 16 * 2**20, marks=pytest.mark.nightly),
+        pytest.param(300, 4 * 2**20, marks=pytest.mark.nightly),
     ],
 )
 def test_memory_stays_flat(scene_of: Callable[..., Scene], seconds: int, on_disk_from: int) -> None:

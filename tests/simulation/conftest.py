@@ -114,14 +114,14 @@ WALKS = {
     "hills, wave": BEETLE.format(scale=0.8, heading=-75, at=[0, 1], walk="{gait: wave}"),
     "rough, tripod": BEETLE.format(scale=0.5, heading=0, at=[0, 0], walk="{gait: tripod}"),
     "rough, slow wave": BEETLE.format(
-        scale=0.5, heading=200, at=[0, 0], walk="{gait: wave, speed: 0.3}"
+        scale=0.5, heading=200, at=[3, 1], walk="{gait: wave, speed: 0.3}"
     ),
     "rough, written out": BEETLE.format(scale=0.5, heading=90, at=[2, -2], walk=WRITTEN),
     "rough, passive": BEETLE.format(
         scale=0.5, heading=0, at=[0, 0], walk="{speed: 0.4, swing: passive}"
     ),
     "rough, least effort": BEETLE.format(
-        scale=0.5, heading=200, at=[0, 0], walk="{swing: least-effort}"
+        scale=0.5, heading=200, at=[3, 1], walk="{swing: least-effort}"
     ),
     "rough, halts": BEETLE.format(
         scale=0.5, heading=70, at=[0, 0], walk="{speed: 0.74, cycle: 0.6}"

@@ -74,7 +74,7 @@ def test_paces_back_and_forth() -> None:
 
 
 def test_turns_on_the_spot_at_a_sharp_corner() -> None:
-    walk = walked("walk: {path: [[0.8, 0], [0.1, 0.1]]}", duration=9)
+    walk = walked("walk: {path: [[0.8, 0], [0.1, 0.1]]}", duration=10)
     assert np.linalg.norm(places(walk) - [0.8, 0], axis=-1).min() < 1e-3
     np.testing.assert_allclose(places(walk)[-1], [0.1, 0.1], atol=1e-6)
     assert np.abs(np.diff(headings(walk))).max() / ROW < 2.0

@@ -42,7 +42,7 @@ STOOP = 0.9
 """How far a body may be lowered so that its feet reach, as a part of the room that its
 belly has over level ground."""
 
-CROUCH = 0.2
+CROUCH = 0.25
 """How far at most, in leg lengths: legs under a lower body would fold too far."""
 
 PLANNED_REACH = 0.98 * REACH
@@ -187,7 +187,10 @@ class Footholds:
             step: when it is to swing and stand.
         """
         R, p, wished = self._stance(leg, travelled, step.up, step)
-        return self._best(leg, self._choices(leg, wished), R, p)
+        # It will stand about a stride behind.
+        stride = float(self.path.paces.number("stride", self.herd.owner[leg], np.array(step.up)))
+        behind = wished - stride * R[len(STANCE) // 2, [0, 2], 0]
+        return self._best(leg, self._choices(leg, wished, behind), R, p)
 
     def _choices(self, leg: int, wished: Array, present: Array | None = None) -> Iterator[Array]:
         """Yield places (n, 2) to be looked at, the best first [m]."""
@@ -232,8 +235,9 @@ class Footholds:
             swung: gives a foothold the swing that leads to it, or None where none does.
         """
         owner = self.herd.owner[leg]
-        room = max(float(self.herd.body_height[owner] - self.herd.belly[owner]), 0.0)
-        lowest_at = min(STOOP * room, CROUCH * float(self.herd.legs.lengths[leg]))
+        lowest_at = min(
+            STOOP * self._room(int(owner), p), CROUCH * float(self.herd.legs.lengths[leg])
+        )
         looked_at = []
         for xz in choices:
             tips = self.stand(leg, xz)
@@ -251,6 +255,12 @@ class Footholds:
                 if place is not None:
                     return place
         return None
+
+    def _room(self, c: int, p: Array) -> float:
+        """Return how far a body at all of p (m, 3) can be lowered until its belly is down [m]."""
+        level = self.herd.body_height[c]
+        above = (p[:, 1] - self.ground.height(p[:, 0], p[:, 2])).min()
+        return max(float(max(level, above) - self.herd.belly[c]), 0.0)
 
     def _reached(
         self, leg: int, tips: Array, stoop: Array, which: NDArray[np.bool_], R: Array, p: Array

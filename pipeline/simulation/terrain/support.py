@@ -169,18 +169,19 @@ def filled(height: Array, share: Array) -> Array:
 def _above(field: HeightField, surface: Array, side: tuple[float, float]) -> Array:
     """Return how far the highest corner of each cell (n_z, n_x) rises above the surface [m]."""
     n_x, n_z = field.cells
-    h = field.heights
-    highest = np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:]))
     # Between the nodes straight lines are near enough, along x and then along z.
     for axis, n in ((1, n_x), (0, n_z)):
-        u = (np.arange(n) + 0.5) * field.cell[1 - axis] / side[1 - axis] - 0.5
+        u = np.arange(n + 1) * field.cell[1 - axis] / side[1 - axis] - 0.5
         last = surface.shape[axis] - 1
         u = np.clip(u, 0.0, last)
         i = np.minimum(u.astype(np.int64), max(last - 1, 0))
         low, high = np.take(surface, i, axis), np.take(surface, np.minimum(i + 1, last), axis)
         part = (u - i)[:, None] if axis == 0 else u - i
         surface = low + part * (high - low)
-    result: Array = highest - surface
+    h = field.heights - surface
+    result: Array = np.maximum(
+        np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])
+    )
     return result
 
 

@@ -8,9 +8,13 @@ other threads, and the processes they start, are deaf to it.
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+AGAIN = 0.05
+"""Time after which an interrupt that was lost is sent once more [s]."""
 
 _heard = threading.Event()
 _held = threading.Event()
@@ -25,6 +29,7 @@ def listen() -> None:
     signal.signal(signal.SIGUSR1, signal.default_int_handler)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     threading.Thread(target=_wait, name="interrupts", daemon=True).start()
+    sys.unraisablehook = _heard_in_vain
 
 
 @contextmanager
@@ -39,11 +44,26 @@ def held_back() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _wait() -> None:
+def _heard_in_vain(lost: sys.UnraisableHookArgs) -> None:
+    """Send an interrupt once more that came where Python can raise nothing: in a finaliser, say."""
+    if issubclass(lost.exc_type, KeyboardInterrupt):
+        again = threading.Timer(AGAIN, _interrupt)
+        again.daemon = True
+        again.start()
+    else:
+        sys.__unraisablehook__(lost)
+
+
+def _interrupt() -> None:
     main = threading.main_thread().ident
-    while main is not None:
+    if main is not None:
+        signal.pthread_kill(main, signal.SIGUSR1)
+
+
+def _wait() -> None:
+    while True:
         signal.sigwait({signal.SIGINT})
         again = _heard.is_set()
         _heard.set()
         if again or not _held.is_set():
-            signal.pthread_kill(main, signal.SIGUSR1)
+            _interrupt()

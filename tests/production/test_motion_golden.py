@@ -453,8 +453,13 @@ def test_a_slightly_other_walk_is_noticed_where_it_first_leaves(
     first = verdict.first
     assert first is not None
     # An independent look at both takes; the golden's rounding is 0.3 of the tolerance.
-    apart = np.linalg.norm(other.positions - first_steps.positions, axis=-1) / tolerance.POSITION
-    assert first.kind == "position"
+    if first.kind == "position":
+        way = np.linalg.norm(other.positions - first_steps.positions, axis=-1)
+        apart = way / tolerance.POSITION
+    else:
+        assert first.kind == "rotation"
+        cosine = np.abs((other.rotations * first_steps.rotations).sum(axis=-1))
+        apart = 2.0 * np.arccos(np.minimum(cosine, 1.0)) / tolerance.ROTATION
     assert apart[: first.step].max(initial=0.0) < 1.3
     assert 0.7 < apart[first.step, _node(other, first.who)] < 3.0
     if word == "bounciness":

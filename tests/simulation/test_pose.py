@@ -93,7 +93,7 @@ def test_a_joint_comes_to_its_value_and_goes_back() -> None:
     assert elbow[96] == pytest.approx(60, abs=1e-9)
     # Nothing else is touched: neither the other arm nor the walk.
     np.testing.assert_array_equal(posed.joint("elbow_l_deg"), itself.joint("elbow_l_deg"))
-    np.testing.assert_array_equal(posed.place("toe_r"), itself.place("toe_r"))
+    np.testing.assert_allclose(posed.place("toe_r"), itself.place("toe_r"), rtol=0, atol=1e-12)
 
 
 FRAMES = {"feet": [0.3, 1.3, 0.35], "body": [0.3, 0.4, 0.35], "world": [1.0, 1.3, -1.5]}

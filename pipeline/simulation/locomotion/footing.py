@@ -14,7 +14,7 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.terrain.islands import Islands
-from pipeline.simulation.terrain.support import Support
+from pipeline.simulation.terrain.support import Support, Supports
 
 RISE, GAP = 0.4, 1.0
 """Greatest rise and widest gap between two footholds, in leg lengths."""
@@ -67,6 +67,7 @@ class Footing:
                 self._counts.append(reached.setdefault(name, free))
                 self._supports.append(Support.of(ground, self._counts[-1], *key[1:]))
             self._which[c] = made[key]
+        self._together = Supports(self._supports) if self._supports else None
 
     def wide(self, c: int) -> float:
         """Return half the width of what must pass above the ground [m]."""
@@ -90,6 +91,15 @@ class Footing:
         result: NDArray[np.bool_] = field.inside(x, z) & counts[field.cell_of(x, z)]
         return result
 
+    def allows_each(self, creature: NDArray[np.int64], x: Array, z: Array) -> NDArray[np.bool_]:
+        """Say whether each of creatures (N,) may put a foot at its place x, z (N,)."""
+        field, which = self.ground.field, self._which[creature]
+        result, (row, column) = field.inside(x, z), field.cell_of(x, z)
+        for k in set(which.tolist()):
+            own = which == k
+            result[own] &= self._counts[k][row[own], column[own]]
+        return result
+
     def surface(self, creature: NDArray[np.int64], x: Array, z: Array) -> tuple[Array, Array]:
         """Return the surface that bodies follow, and how far anything rises above it.
 
@@ -101,12 +111,6 @@ class Footing:
         Returns:
             Heights and rises, (N, m) each [m].
         """
-        which = self._which[creature]
-        first = which[0] if len(which) else 0
-        if (which == first).all():
-            return self._supports[first].at(x, z)
-        height, excess = np.empty(x.shape), np.empty(x.shape)
-        for k in np.unique(which):
-            own = which == k
-            height[own], excess[own] = self._supports[k].at(x[own], z[own])
-        return height, excess
+        if self._together is None:
+            return np.zeros(x.shape), np.zeros(x.shape)
+        return self._together.at(self._which[creature], x, z)

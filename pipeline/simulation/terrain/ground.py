@@ -42,6 +42,10 @@ class Ground:
         """Return the unit normals (..., 3) of the surface at (x, z)."""
         return self.field.normal(x, z)
 
+    def surface(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Return heights (...) [m] and unit normals (..., 3) at (x, z), found together."""
+        return self.field.surface(x, z)
+
     def steppable(self, x: Array, z: Array) -> NDArray[np.bool_]:
         """Say where a foot may be put; outside the grid it may not."""
         forbidden = self.forbidden[self.field.cell_of(x, z)]

@@ -23,6 +23,12 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 
+Located = tuple[Array, Array, Array]
+"""Heights (4, ...) at the corners of cells, and places in them along x and z (...)."""
+
+AXES = 4
+"""Most axes of arrays of places, and one."""
+
 
 @dataclass(frozen=True, eq=False)
 class HeightField:
@@ -98,60 +104,74 @@ class HeightField:
     def _flat(self) -> Array:
         return np.ascontiguousarray(self.heights).ravel()
 
+    @cached_property
+    def _scales(self) -> tuple[tuple[Array, NDArray[np.int64], NDArray[np.int64]], ...]:
+        """Size, cells, and steps to the corners of a cell, shaped for places of few axes."""
+        steps = np.array([0, 1, self.cells[0] + 1, self.cells[0] + 2])
+        return tuple(
+            (
+                np.reshape(self.size, (2, *(1,) * axes)),
+                np.reshape(self.cells, (2, *(1,) * axes)),
+                steps.reshape(4, *(1,) * axes),
+            )
+            for axes in range(AXES)
+        )
+
     def _on_grid(self, x: Array, z: Array) -> Array:
         """Return world places (2, ...) counted in cells from the low corner of the grid."""
         # One array for both: most calls are for a few points, where it is the calls that cost.
         places = np.array(self.to_grid(x, z))
-        scales = (2, *(1,) * (places.ndim - 1))
-        places /= np.reshape(self.size, scales)
+        size, cells, _ = self._scales[places.ndim - 1]
+        places /= size
         places += 0.5
-        places *= np.reshape(self.cells, scales)
+        places *= cells
         return places
 
-    def _locate(self, x: Array, z: Array) -> tuple[Array, Array, Array]:
+    def _locate(self, x: Array, z: Array) -> Located:
         """Return the heights (4, ...) at the corners of the cell under each point, and its place.
 
         The corners are the low one, the next along x, the next along z and the high one; the
         place is from 0 to 1. Points outside are taken to the nearest edge.
         """
-        n_x, n_z = self.cells
         places = self._on_grid(x, z)
-        most = np.reshape((n_x, n_z), (2, *(1,) * (places.ndim - 1)))
-        places = np.minimum(np.maximum(places, 0.0), most)
-        cell = np.minimum(places.astype(np.int64), most - 1)
+        _, cells, beside = self._scales[places.ndim - 1]
+        np.minimum(np.maximum(places, 0.0, out=places), cells, out=places)
+        cell = np.minimum(places.astype(np.int64), cells - 1)
         places -= cell
-        corner = cell[1] * (n_x + 1) + cell[0]
-        beside = np.reshape((0, 1, n_x + 1, n_x + 2), (4, *(1,) * corner.ndim))
+        corner = cell[1] * (self.cells[0] + 1) + cell[0]
         return self._flat.take(corner + beside), places[0], places[1]
 
-    def height(self, x: Array, z: Array) -> Array:
-        """Return the height of the surface [m] at world (x, z); any equal shapes."""
-        (h00, h10, h01, h11), u, v = self._locate(x, z)
+    def _height(self, at: Located) -> Array:
+        (h00, h10, h01, h11), u, v = at
         # Both triangles share h00 and h11; the nearer side corner decides.
         side = np.where(u >= v, h10, h01)
         near, far = np.maximum(u, v), np.minimum(u, v)
         result: Array = h00 + near * (side - h00) + far * (h11 - side)
         return result
 
-    def gradient(self, x: Array, z: Array) -> Array:
-        """Return (..., 2): the rise of the surface along x and z, per metre."""
-        return np.stack(self._rise(x, z), axis=-1)
-
-    def _rise(self, x: Array, z: Array) -> tuple[Array, Array]:
-        (h00, h10, h01, h11), u, v = self._locate(x, z)
+    def _rise(self, at: Located) -> tuple[Array, Array]:
+        (h00, h10, h01, h11), u, v = at
         lower = u >= v
         along_x = np.where(lower, h10 - h00, h11 - h01) / self.cell[0]
         along_z = np.where(lower, h11 - h10, h01 - h00) / self.cell[1]
         return (along_x, along_z) if self._turn is None else self._turned(along_x, along_z)
 
+    def height(self, x: Array, z: Array) -> Array:
+        """Return the height of the surface [m] at world (x, z); any equal shapes."""
+        return self._height(self._locate(x, z))
+
+    def gradient(self, x: Array, z: Array) -> Array:
+        """Return (..., 2): the rise of the surface along x and z, per metre."""
+        return np.stack(self._rise(self._locate(x, z)), axis=-1)
+
     def normal(self, x: Array, z: Array) -> Array:
         """Return the unit normals (..., 3) of the triangles at (x, z)."""
-        along_x, along_z = self._rise(x, z)
-        length = np.sqrt(along_x * along_x + 1.0 + along_z * along_z)
-        normals = np.empty((*np.shape(length), 3))
-        normals[..., 0], normals[..., 1], normals[..., 2] = -along_x, 1.0, -along_z
-        normals /= length[..., None]
-        return normals
+        return _normal(*self._rise(self._locate(x, z)))
+
+    def surface(self, x: Array, z: Array) -> tuple[Array, Array]:
+        """Return heights (...) [m] and unit normals (..., 3) at world (x, z), found together."""
+        at = self._locate(x, z)
+        return self._height(at), _normal(*self._rise(at))
 
     def cell_of(self, x: Array, z: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return row and column of the cell under each point, the nearest for points outside."""
@@ -208,3 +228,12 @@ class HeightField:
         """Rise along x and z (n_z, n_x) of each triangle of the cells, in the grid's frame."""
         x, z = self._rises
         return (x[:-1], z[:, 1:]), (x[1:], z[:, :-1])
+
+
+def _normal(along_x: Array, along_z: Array) -> Array:
+    """Return the unit normals (..., 3) of surfaces that rise so along x and z."""
+    length = np.sqrt(along_x * along_x + 1.0 + along_z * along_z)
+    normals = np.empty((*np.shape(length), 3))
+    normals[..., 0], normals[..., 1], normals[..., 2] = -along_x, 1.0, -along_z
+    normals /= length[..., None]
+    return normals

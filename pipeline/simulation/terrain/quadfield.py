@@ -16,22 +16,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.heightfield import HeightField, Located
 
 
 class QuadField(HeightField):
     """A height field of quadrilaterals."""
 
-    def height(self, x: Array, z: Array) -> Array:
-        """Return the height of the surface [m] at world (x, z); any equal shapes."""
-        (h00, h10, h01, h11), u, v = self._locate(x, z)
+    def _height(self, at: Located) -> Array:
+        (h00, h10, h01, h11), u, v = at
         rise_u, rise_v = _rises(h00, h10, h01, h11, u, v)
         middle = 0.25 * ((h00 + h10) + (h01 + h11))
         result: Array = middle + rise_u * (u - 0.5) + rise_v * (v - 0.5)
         return result
 
-    def _rise(self, x: Array, z: Array) -> tuple[Array, Array]:
-        (h00, h10, h01, h11), u, v = self._locate(x, z)
+    def _rise(self, at: Located) -> tuple[Array, Array]:
+        (h00, h10, h01, h11), u, v = at
         rise_u, rise_v = _rises(h00, h10, h01, h11, u, v)
         return self._turned(rise_u / self.cell[0], rise_v / self.cell[1])
 

@@ -13,6 +13,7 @@ Source: Knutsson and Westin 1993 (normalised convolution).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -32,6 +33,8 @@ SPLINE = 0.25 + 1.0 / 12.0
 
 LEVEL = 1e-9
 """Rise that is none [m]."""
+
+BESIDE = np.array([-1, 0, 1])
 
 FAINT = 1e-2
 """Weight of wider surroundings beside ground that counts."""
@@ -100,27 +103,77 @@ class Support:
 
     def at(self, x: Array, z: Array) -> tuple[Array, Array]:
         """Return height and rise above it [m] at world (x, z); any equal shapes."""
-        x, z = self.field.to_grid(x, z)
-        n_z, n_x = self.nodes.shape[1:]
-        i, along = _taps((x + 0.5 * self.field.size[0]) / self.side[0] - 0.5, n_x)
-        j, across = _taps((z + 0.5 * self.field.size[1]) / self.side[1] - 0.5, n_z)
-        places = (j[:, None] * n_x + i).reshape(9, *x.shape)
-        parts = (across[:, None] * along).reshape(9, *x.shape)
-        products = np.take(self.nodes.reshape(2, -1), places, axis=1) * parts
+        x, z = np.asarray(x, dtype=float), np.asarray(z, dtype=float)
+        which = np.zeros(1, dtype=np.int64)
+        height, excess = self._alone.at(which, x.reshape(1, -1), z.reshape(1, -1))
+        return height.reshape(x.shape), excess.reshape(x.shape)
+
+    @cached_property
+    def _alone(self) -> Supports:
+        return Supports([self])
+
+
+class Supports:
+    """Several supports over one height field, looked up together.
+
+    Attributes:
+        field: where their rectangle lies.
+    """
+
+    def __init__(self, supports: Sequence[Support]) -> None:
+        self.field = supports[0].field
+        shapes = np.array([support.walls.shape for support in supports])
+        # Along x and z, with an axis for places and one for more of each.
+        self._side = np.array([support.side for support in supports]).T[..., None]
+        self._most = shapes[:, ::-1].T[..., None]
+        self._first = np.cumsum([0, *shapes.prod(axis=1)[:-1]])[:, None]
+        self._nodes = np.concatenate([s.nodes.reshape(2, -1) for s in supports], axis=1)
+        self._half = 0.5 * np.reshape(self.field.size, (2, 1, 1))
+
+    def at(self, which: NDArray[np.int64], x: Array, z: Array) -> tuple[Array, Array]:
+        """Return height and rise above it (N, m) [m].
+
+        Args:
+            which: (N,) of the supports.
+            x: (N, m) and
+            z: (N, m) places in the world [m].
+        """
+        u = np.array(self.field.to_grid(x, z))
+        u += self._half
+        u /= self._side[:, which]
+        u -= 0.5
+        most = self._most[:, which]
+        taps, weights = _taps(u, most)
+        places = (taps[:, None, 1] * most[0] + self._first[which]) + taps[None, :, 0]
+        parts = weights[:, None, 1] * weights[None, :, 0]
+        products = self._nodes.take(places.reshape(9, *x.shape), axis=1)
+        products *= parts.reshape(9, *x.shape)
         # One after the other: how `sum` adds up depends on how many places there are.
-        height, excess = products[:, 0]
-        for product in np.moveaxis(products[:, 1:], 1, 0):
-            height, excess = height + product[0], excess + product[1]
+        height, excess = _in_turn(products)
         return height, excess
 
 
-def _taps(u: Array, n: int) -> tuple[NDArray[np.int64], Array]:
-    """Return the nodes (3, ...) nearest to places `u`, counted in nodes, and their weights."""
-    u = np.clip(u, -0.5, n - 0.5)
-    i = np.rint(u).astype(np.int64)
-    t = u - i
-    weights = np.stack([0.5 * (0.5 - t) ** 2, 0.75 - t * t, 0.5 * (0.5 + t) ** 2])
-    return np.clip(np.stack([i - 1, i, i + 1]), 0, n - 1), weights
+def _in_turn(terms: Array) -> Array:
+    total: Array = terms[:, 0].copy()
+    for k in range(1, terms.shape[1]):
+        total += terms[:, k]
+    return total
+
+
+def _taps(u: Array, n: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+    """Return the nodes (3, ...) nearest to places `u`, counted in nodes, and their weights.
+
+    Args:
+        u: places.
+        n: how many nodes there are.
+    """
+    u = np.minimum(np.maximum(u, -0.5), n - 0.5)
+    nearest = np.rint(u)
+    t = u - nearest
+    weights = np.empty((3, *u.shape))
+    weights[0], weights[1], weights[2] = 0.5 * (0.5 - t) ** 2, 0.75 - t * t, 0.5 * (0.5 + t) ** 2
+    i = nearest.astype(np.int64) + BESIDE.reshape(3, *(1,) * u.ndim)
+    return np.minimum(np.maximum(i, 0), n - 1), weights
 
 
 def _blocks(values: Array, many: tuple[int, ...], highest: bool = False) -> Array:

@@ -157,10 +157,8 @@ class Footholds:
         across = place.tip - present
         plain = arch < EASY_ARCH * least and abs(across[1]) < least
         if not plain or np.hypot(across[0], across[2]) > far * stride:
-            n, (R, p) = len(SWUNG), bodies()
-            way = swing(
-                np.tile(present, (n, 1)), np.tile(place.tip, (n, 1)), np.full(n, arch), SWUNG
-            )
+            R, p = bodies()
+            way = swing(present, place.tip, arch, SWUNG)
             if not self.grasp.holds(leg, unturn(R, way - p)[None]).all():
                 return None
         return replace(place, arch=arch)
@@ -235,9 +233,6 @@ class Footholds:
             swung: gives a foothold the swing that leads to it, or None where none does.
         """
         owner = self.herd.owner[leg]
-        lowest_at = min(
-            STOOP * self._room(int(owner), p), CROUCH * float(self.herd.legs.lengths[leg])
-        )
         looked_at = []
         for xz in choices:
             tips = self.stand(leg, xz)
@@ -248,6 +243,8 @@ class Footholds:
                 if place is not None:
                     return place
             looked_at.append((xz, tips, stoop))
+        room = STOOP * self._room(int(owner), p)
+        lowest_at = min(room, CROUCH * float(self.herd.legs.lengths[leg]))
         for xz, tips, stoop in looked_at:
             low = (stoop > 0.0) & (stoop <= lowest_at)
             for best in self._reached(leg, tips, stoop, low, R, p):
@@ -281,8 +278,8 @@ class Footholds:
     def _foothold(self, leg: int, xz: Array, stoop: float) -> Foothold:
         """Return the foothold at `xz` (2,), its sole clear of the slopes beside it."""
         x, z = xz
-        normal = self.ground.normal(x, z)
-        place = np.array([float(x), float(self.ground.height(x, z)), float(z)])
+        height, normal = self.ground.surface(x, z)
+        place = np.array([float(x), float(height), float(z)])
         sole = float(self.herd.sole[leg])
         tip = place + sole * normal
         tip[1] = max(tip[1], float(lowest(self.ground, tip[:1], tip[2:], sole)[0]))
@@ -291,9 +288,8 @@ class Footholds:
     def stand(self, leg: int, xz: Array) -> Array:
         """Return the places (n, 3) of a tip whose sole touches the ground at `xz` (n, 2) [m]."""
         x, z = xz[:, 0], xz[:, 1]
-        ground = np.stack([x, self.ground.height(x, z), z], axis=-1)
-        sole = float(self.herd.sole[leg])
-        return ground + sole * self.ground.normal(x, z)
+        height, normal = self.ground.surface(x, z)
+        return np.stack([x, height, z], axis=-1) + float(self.herd.sole[leg]) * normal
 
     def _rest(self, leg: int, phase: float) -> Array:
         (x, z), paces = self.herd.rest[leg], self.path.paces

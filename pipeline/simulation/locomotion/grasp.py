@@ -59,3 +59,11 @@ class Grasp:
             residual = settle(batch, chains, far[:, None]).residual[:, 0]
             known[asked] = residual <= MISSES * self.herd.legs.lengths[leg]
         return known
+
+    def holds_each(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
+        """Say whether the tips of `legs` (N,) come to all of their `goals` (N, m, 3)."""
+        low, high = self._low[legs, None], self._high[legs, None]
+        result: NDArray[np.bool_] = ((goals >= low) & (goals <= high)).all(axis=(1, 2))
+        for i in np.flatnonzero(~result).tolist():
+            result[i] = self.holds(int(legs[i]), goals[i][None]).all()
+        return result

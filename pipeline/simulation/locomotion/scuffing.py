@@ -76,7 +76,7 @@ def brushed(ground: Ground, tips: Array, parts: Array, sole: float, low: float) 
         low: how near to the ground the sole has to come [m].
     """
     x, z = tips[:, 0], tips[:, 2]
-    height, normals = ground.height(x, z), ground.normal(x, z)
+    height, normals = ground.surface(x, z)
     depth = low - ((tips[:, 1] - height) * normals[:, 1] - sole)
     if (depth <= 0.0).all():
         return None
@@ -216,4 +216,4 @@ def _way(start: Array, end: Array, height: float, parts: Array, bend: Array | No
     """Return the tips (n, 3) of one foot at parts (n,) of its swing [m]."""
     n = len(parts)
     bends = None if bend is None else np.broadcast_to(bend, (n, *bend.shape))
-    return swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.full(n, height), parts, bends)
+    return swing(start, end, height, parts, bends)

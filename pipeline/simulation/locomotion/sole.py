@@ -18,18 +18,20 @@ _ANGLES = np.arange(8) * (np.pi / 4.0)
 _OUT = np.concatenate(
     [np.zeros((1, 2)), *(r * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], -1) for r in RINGS)]
 )
+_OUT_X, _OUT_Z = np.ascontiguousarray(_OUT.T)
 _DOWN = np.sqrt(1.0 - (_OUT**2).sum(axis=-1))
 
 
-def lowest(ground: Ground, x: Array, z: Array, sole: float) -> Array:
-    """Return the least heights (n,) of a ball's middle at places x, z (n,) [m].
+def lowest(ground: Ground, x: Array, z: Array, sole: Array | float) -> Array:
+    """Return the least heights (...) of a ball's middle at places x, z (...) [m].
 
     Args:
         ground: what it is not to sink into.
-        x: (n,) and
-        z: (n,) places of its middle [m].
-        sole: its radius [m].
+        x: places of its middle along x and
+        z: along z, of equal shapes [m].
+        sole: its radius, or those of all places [m].
     """
-    around = ground.height(x[:, None] + sole * _OUT[:, 0], z[:, None] + sole * _OUT[:, 1])
-    result: Array = (around + sole * _DOWN).max(axis=-1)
+    radius = np.asarray(sole)[..., None]
+    around = ground.height(x[..., None] + radius * _OUT_X, z[..., None] + radius * _OUT_Z)
+    result: Array = (around + radius * _DOWN).max(axis=-1)
     return result

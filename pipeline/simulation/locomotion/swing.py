@@ -20,6 +20,9 @@ SAMPLES = np.linspace(0.0, 1.0, 42)[1:-1]
 """Places along the way at which the ground is looked at."""
 
 
+_EASE, _BUMP = ease(SAMPLES)[:, None], bump(SAMPLES)
+
+
 def lift_to_clear(
     ground: Ground,
     start: Array,
@@ -41,22 +44,46 @@ def lift_to_clear(
         margin: by how much the top of an arch is to clear the ground; 0.4 of `least` if left
             out [m].
     """
-    n = len(SAMPLES)
-    starts, ends = np.tile(start, (n, 1)), np.tile(end, (n, 1))
-    bends = None if bend is None else np.broadcast_to(bend, (n, *bend.shape))
-    way = swing(starts, ends, np.zeros(n), SAMPLES, bends)
-    rise = lowest(ground, way[:, 0], way[:, 2], sole) - way[:, 1]
+    way = swing(start, end, 0.0, SAMPLES, None if bend is None else _for_all(bend, SAMPLES))
+    margin = 0.4 * least if margin is None else margin
+    return float(_arch(lowest(ground, way[:, 0], way[:, 2], sole) - way[:, 1], margin, least))
+
+
+def arches(ground: Ground, start: Array, end: Array, sole: Array, least: Array) -> Array:
+    """Return how high swings without a bend must arch to clear the ground (N,) [m].
+
+    Args:
+        ground: what is to be cleared.
+        start: (N, 3) tips at lifting [m].
+        end: (N, 3) tips at coming down [m].
+        sole: (N,) radii of the tips [m].
+        least: (N,) heights of the arches on level ground [m].
+    """
+    way = start[:, None] + _EASE * (end - start)[:, None]
+    rise = lowest(ground, way[..., 0], way[..., 2], sole[:, None]) - way[..., 1]
+    return _arch(rise, (0.4 * least)[:, None], least[:, None])
+
+
+def _arch(rise: Array, margin: Array | float, least: Array | float) -> Array:
+    """Return the height of arches (...) over ground that rises (..., n) above their ways [m]."""
     # Beside the footholds the arch grows with the square of the time and the ground can
     # rise with its cube only, so the quotient stays bounded.
-    margin = 0.4 * least if margin is None else margin
-    return float(np.maximum(rise / bump(SAMPLES) + margin, least).max())
+    result: Array = np.maximum(rise / _BUMP + margin, least).max(axis=-1)
+    return result
 
 
-def swing(start: Array, end: Array, height: Array, s: Array, bend: Array | None = None) -> Array:
+def _for_all(bend: Array, parts: Array) -> Array:
+    return np.broadcast_to(bend, (len(parts), *bend.shape))
+
+
+def swing(
+    start: Array, end: Array, height: Array | float, s: Array, bend: Array | None = None
+) -> Array:
     """Return the tips (L, 3) of feet at parts `s` (L,) of their swings [m].
 
     Horizontal way and height both begin and end at rest; see `bump`. What swings have beside
-    that, their `bend` (L, m, 3), does so too.
+    that, their `bend` (L, m, 3), does so too. One foot at many parts of a swing is given by one
+    start and end (3,) and one height.
     """
     along = ease(s)[:, None]
     p = start + along * (end - start)
@@ -65,6 +92,7 @@ def swing(start: Array, end: Array, height: Array, s: Array, bend: Array | None 
 
 
 LAST = np.linspace(0.9, 1.0, 9)
+_LAST_PARTS = np.diff(LAST)
 
 
 def approach_speed(
@@ -88,8 +116,6 @@ def approach_speed(
         time: of the whole swing [s].
         bend: of the swing.
     """
-    n = len(LAST)
-    bends = None if bend is None else np.broadcast_to(bend, (n, *bend.shape))
-    way = swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.full(n, height), LAST, bends)
-    speeds = -np.diff(way @ normal) / np.diff(LAST) / time
+    way = swing(start, end, height, LAST, None if bend is None else _for_all(bend, LAST))
+    speeds = -np.diff(way @ normal) / _LAST_PARTS / time
     return float(max(speeds.max(), 0.0))

@@ -33,6 +33,7 @@ from pipeline.simulation.locomotion.inventory import (
 from pipeline.simulation.locomotion.looking import looks_in
 from pipeline.simulation.locomotion.manners import Manners
 from pipeline.simulation.locomotion.paces import Paces
+from pipeline.simulation.locomotion.plain_steps import Lift, PlainSteps
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.scout import Barrier, Scout
@@ -84,6 +85,7 @@ class Walkers:
         ]
         path = BodyPath(herd, world.ground, routes, paces)
         self.footholds = Footholds(herd, world.ground, path)
+        self._plain = PlainSteps(self.footholds)
         idlers = gather_idlers(herd, world.seed)
         table = NodeTable.of(herd, idlers)
         self.postures = Postures(cast, herd, idlers, world.seed)
@@ -304,12 +306,16 @@ class Walkers:
             self._touch(step, int(leg), float(fraction), float(span[leg]))
         up_at = self._going_up(before, base)
         due = np.flatnonzero((~self.swinging | held) & (up_at < phase))
-        may = self.going.may_lift() if len(due) else None
-        for leg in due:
-            owner = herd.owner[leg]
-            rests = self.going.may_rest and self.going.arrived[owner]
-            if may is not None and may[owner] and (not rests or self._is_astray(int(leg))):
-                self._go_up(step, int(leg), float(up_at[leg]))
+        if not len(due):
+            return
+        may = self.going.may_lift()[herd.owner[due]]
+        if self.going.may_rest:
+            rests = self.going.arrived[herd.owner[due]]
+            may &= [not rest or self._is_astray(leg) for leg, rest in zip(due, rests, strict=True)]
+        lifting = [(leg, float(up_at[leg])) for leg in due[may].tolist()]
+        self._foresee(lifting)
+        for leg, phase in lifting:
+            self._go_up(step, leg, phase)
 
     def _going_up(self, before: Array, base: Array) -> Array:
         """Return the phases (L,) of the first foot-up after the step began.
@@ -360,6 +366,24 @@ class Walkers:
         if self.lifted[leg] == phase:
             self.tuck[:, leg] = 1.0, 0.0
 
+    def _foresee(self, lifting: Sequence[tuple[int, float]]) -> None:
+        """Plan steps of all legs together that go up at their phases, as far as they are plain."""
+        paces = self.going.paces
+        lifts = [
+            self._lift_of(leg, phase, self.end[leg])
+            for leg, phase in lifting
+            if self.tuck[1, leg] == 0.0 and not paces.held(leg, phase)
+        ]
+        self._plain.foresee(lifts)
+
+    def _lift_of(self, leg: int, phase: float, present: Array) -> Lift:
+        """Return what is known of the step of a foot that lifts at `phase`."""
+        going, owner = self.going, int(self.herd.owner[leg])
+        drive = float(going.drive[owner])
+        back = going.paces.way(owner, float(self.phase[owner]), np.array([phase]))
+        way = float(self.travelled[owner] + back[0] * math.sqrt(drive))
+        return Lift(leg, way, phase, going.paces.step(leg, phase), drive, present)
+
     def _is_astray(self, leg: int) -> bool:
         """Tell whether a foot of a body at rest is not where it would rest."""
         way, phase = self.travelled[self.herd.owner[leg]], self.phase[self.herd.owner[leg]]
@@ -372,11 +396,11 @@ class Walkers:
         herd, owner = self.herd, int(self.herd.owner[leg])
         if self.going.halted[owner]:
             return
-        going, swung = self.going, self.going.paces.step(leg, phase)
-        drive = float(going.drive[owner])
-        back = going.paces.way(owner, float(self.phase[owner]), np.array([phase]))
-        way = float(self.travelled[owner] + back[0] * math.sqrt(drive))
-        place = self.footholds.next(leg, self.end[leg], way, swung, drive)
+        going, lift = self.going, self._lift_of(leg, phase, self.end[leg])
+        swung, way, drive = lift.step, lift.travelled, lift.drive
+        place = self._plain.of(leg)
+        if place is None:
+            place = self.footholds.next(leg, self.end[leg], way, swung, drive)
         if place is None:
             if self._is_barred(owner):
                 # It has been told, and rests as soon as it can.

@@ -66,8 +66,8 @@ class Chains:
     preferred: Array
     lengths: Array
 
-    def some(self, which: slice) -> Chains:
-        """Return the limbs `which` alone."""
+    def some(self, which: slice | NDArray[np.int64]) -> Chains:
+        """Return the limbs `which` alone; numbers may occur more than once."""
         of_limbs = {
             name: getattr(self, name)[..., which, :]
             for name in self.__dataclass_fields__

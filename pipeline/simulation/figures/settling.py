@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.figures.chains import Chains
-from pipeline.simulation.figures.inverse import DAMPING, TOLERANCE, solve
-from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.inverse import DAMPING, TOLERANCE, Solution, solve
+from pipeline.simulation.figures.kinematics import LimbBatch, Rows
 from pipeline.simulation.spatial import Array
 
 SEGMENT = 0.35
@@ -79,12 +79,46 @@ def settle(batch: LimbBatch, chains: Sequence[Chains], goals: Array) -> Settled:
         q[when, :, :k][:, chain.rows] = values.transpose(2, 1, 0)
     moment, far = np.nonzero(residual > TOLERANCE * batch.lengths)
     if len(far):
-        # Goals at the rim of what a limb reaches take smaller and more segments.
-        rest = batch.rows(far)
-        found = solve(rest, rest.pose(q[moment, far]), goals[moment, far], most=100)
+        found = _farther(batch, far, q[moment, far], goals[moment, far])
         q[moment, far], X[moment, far] = found.pose.q, found.pose.X_BJ
         residual[moment, far] = found.residual
     return Settled(q, X, residual)
+
+
+def misses(batch: LimbBatch, chains: Sequence[Chains], rows: Rows, goals: Array) -> Array:
+    """Return how far the tips of limbs stay from `goals` (N,) as `settle` brings them there [m].
+
+    Args:
+        batch: L limbs.
+        chains: the same limbs by their makes.
+        rows: (N,) which limb for each goal.
+        goals: (N, 3) relative to the body [m].
+    """
+    residual = np.linalg.norm(goals - batch.tips[rows], axis=-1)
+    for chain in chains:
+        place = np.full(len(batch.lengths), -1)
+        place[chain.rows] = np.arange(len(chain.rows))
+        mine = np.flatnonzero(place[rows] >= 0)
+        if not len(mine):
+            continue
+        some = chain.some(place[rows[mine]])
+        goal = np.ascontiguousarray(goals[mine].T)[..., None]
+        values = _settled(some, goal)
+        *_, (_, _, _, p) = some.along(values)
+        residual[mine] = _norm(goal - p)[:, 0]
+        far = residual[mine] > TOLERANCE * batch.lengths[rows[mine]]
+        if far.any():
+            q = batch.preferred[rows[mine[far]]]
+            q[:, : len(values)] = values[:, far, 0].T
+            found = _farther(batch, rows[mine[far]], q, goals[mine[far]])
+            residual[mine[far]] = found.residual
+    return residual
+
+
+def _farther(batch: LimbBatch, rows: Rows, q: Array, goals: Array) -> Solution:
+    """Go on to goals at the rim of what limbs reach: it takes smaller and more segments."""
+    rest = batch.rows(rows)
+    return solve(rest, rest.pose(q), goals, most=100)
 
 
 def _blocks(chains: Sequence[Chains], moments: int) -> Iterator[tuple[Chains, slice]]:

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.figures.chains import Chains, chains_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.locomotion.moods import blended, in_mood
@@ -83,6 +84,11 @@ class Herd:
     def first_leg(self) -> NDArray[np.int64]:
         """(C,) number of each creature's first leg."""
         return np.searchsorted(self.owner, np.arange(len(self.names)))
+
+    @cached_property
+    def chains(self) -> list[Chains]:
+        """The legs by their makes."""
+        return chains_of(self.legs, self.owner)
 
     @property
     def hips(self) -> Array:

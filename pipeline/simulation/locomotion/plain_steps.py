@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.footholds import (
     EASY_ARCH,
     EASY_WAY,
@@ -21,13 +22,14 @@ from pipeline.simulation.locomotion.footholds import (
     MOST_ARCH,
     PLANNED_REACH,
     STANCE,
+    SWUNG,
     Foothold,
     Footholds,
 )
 from pipeline.simulation.locomotion.paces import Step
 from pipeline.simulation.locomotion.route import Route
 from pipeline.simulation.locomotion.sole import lowest
-from pipeline.simulation.locomotion.swing import arches
+from pipeline.simulation.locomotion.swing import arches, swing
 from pipeline.simulation.spatial import Array, turn, unturn
 
 MIDDLE = len(STANCE) // 2
@@ -52,6 +54,32 @@ class Lift:
     step: Step
     drive: float
     present: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """How the bodies of N lifts go on; all arrays (N,), see `Lift`."""
+
+    legs: NDArray[np.int64]
+    owner: NDArray[np.int64]
+    way: Array
+    phase: Array
+    drive: Array
+    up: Array
+    swing: Array
+    stance: Array
+
+    def some(self, which: NDArray[np.int64]) -> Bodies:
+        """Return those of some lifts."""
+        return Bodies(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
+
+    def at(self, path: BodyPath, moments: Array) -> tuple[Array, Array]:
+        """Return R_WB (N, m, 3, 3) and p_WB (N, m, 3) at later phases (N, m) [m]."""
+        gone = (moments - self.phase[:, None]) * path.herd.stride[self.owner, None]
+        ways = self.way[:, None] + gone * np.sqrt(self.drive)[:, None]
+        creature = np.repeat(self.owner, moments.shape[1])
+        R, p = path.pose(creature, ways.ravel(), moments.ravel())
+        return R.reshape(*moments.shape, 3, 3), p.reshape(*moments.shape, 3)
 
 
 class PlainSteps:
@@ -88,63 +116,78 @@ class PlainSteps:
 
     def _planned(self, lifts: Sequence[Lift]) -> list[Foothold | None]:
         legs = np.array([one.leg for one in lifts])
-        R, p, xz = self._stances(legs, lifts)
+        bodies = self._bodies_of(legs, lifts)
+        R, p, xz = self._stances(bodies)
         herd, ground = self.herd, self.footholds.ground
-        lengths, sole = herd.legs.lengths[legs], herd.sole[legs]
         heights, normals = ground.surface(xz[:, 0], xz[:, 1])
         places = np.stack([xz[:, 0], heights, xz[:, 1]], axis=-1)
-        tips = places + sole[:, None] * normals
-        safe = self.path.footing.allows_each(herd.owner[legs], xz[:, 0], xz[:, 1])
-        good = safe & self._upright(legs, tips, R, p)
+        tips = places + herd.sole[legs, None] * normals
+        good = self.path.footing.allows_each(herd.owner[legs], xz[:, 0], xz[:, 1])
+        good &= self._upright(legs, tips, R, p)
         held = np.flatnonzero(good)
         goals = unturn(R[held], tips[held, None] - p[held])
-        good[held] = self.footholds.grasp.holds_each(legs[held], goals)
-        tips[:, 1] = np.maximum(tips[:, 1], lowest(ground, tips[:, 0], tips[:, 2], sole))
-        swings = np.array([one.present is not None for one in lifts])
-        start = np.array(
-            [tips[i] if one.present is None else one.present for i, one in enumerate(lifts)]
-        )
-        least, stride = herd.step_height[legs], herd.stride[herd.owner[legs]]
-        arch = np.where(swings, 0.0, -np.inf)
-        which = np.flatnonzero(good & swings)
-        arch[which] = arches(ground, start[which], tips[which], sole[which], least[which])
-        across = tips - start
-        plain = (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
-        plain &= arch <= MOST_ARCH * lengths
-        plain &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
-        good &= plain
+        good[held] = self.footholds.grasp.holds_each(legs[held], goals).all(axis=-1)
+        sole = lowest(ground, tips[:, 0], tips[:, 2], herd.sole[legs])
+        tips[:, 1] = np.maximum(tips[:, 1], sole)
+        arch = np.zeros(len(lifts))
+        swings = np.flatnonzero(good & [one.present is not None for one in lifts])
+        if len(swings):
+            start = np.array([lifts[i].present for i in swings.tolist()])
+            arch[swings], good[swings] = self._swung(bodies.some(swings), start, tips[swings])
         return [
-            Foothold(places[i], normals[i], tips[i], 0.0, max(float(arch[i]), 0.0))
-            if good[i]
-            else None
+            Foothold(places[i], normals[i], tips[i], 0.0, float(arch[i])) if good[i] else None
             for i in range(len(lifts))
         ]
 
-    def _stances(self, legs: NDArray[np.int64], lifts: Sequence[Lift]) -> tuple[Array, Array, Array]:
+    def _swung(self, bodies: Bodies, start: Array, end: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return how high feet arch (N,) on their way between places (N, 3) [m], and who can."""
+        herd, legs = self.herd, bodies.legs
+        least, stride = herd.step_height[legs], herd.stride[herd.owner[legs]]
+        arch = arches(self.footholds.ground, start, end, herd.sole[legs], least)
+        good = arch <= MOST_ARCH * herd.legs.lengths[legs]
+        across = end - start
+        easy = (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
+        easy &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
+        asked = np.flatnonzero(good & ~easy)
+        if len(asked):
+            some = bodies.some(asked)
+            R, p = some.at(self.path, some.up[:, None] + some.swing[:, None] * SWUNG)
+            parts = np.tile(SWUNG, len(asked))
+            ways = (np.repeat(f[asked], len(SWUNG), axis=0) for f in (start, end, arch))
+            way = swing(*ways, parts).reshape(p.shape)
+            held = self.footholds.grasp.holds_each(legs[asked], unturn(R, way - p))
+            good[asked] = held.all(axis=-1)
+        return arch, good
+
+    def _bodies_of(self, legs: NDArray[np.int64], lifts: Sequence[Lift]) -> Bodies:
+        numbers = [
+            (s.travelled, s.phase, s.drive, s.step.up, s.step.swing, s.step.stance) for s in lifts
+        ]
+        way, phase, drive, up, swung, stance = np.array(numbers).T
+        return Bodies(legs, self.herd.owner[legs], way, phase, drive, up, swung, stance)
+
+    def _stances(self, bodies: Bodies) -> tuple[Array, Array, Array]:
         """Return what footholds are for, see `Footholds`.
 
         Returns:
             R_WB (N, m, 3, 3) and p_WB (N, m, 3) of the bodies while the feet are there, and
             where these would rest in the middle of their stances (N, 2) [m].
         """
-        herd, path = self.herd, self.path
-        up, swing, stance = np.array([(s.step.up, s.step.swing, s.step.stance) for s in lifts]).T
-        way, phase, drive = np.array([(s.travelled, s.phase, s.drive) for s in lifts]).T
-        parts = np.concatenate([stance[:, None] * STANCE, (stance + LAGS * swing)[:, None]], axis=1)
-        moments = (up + swing)[:, None] + parts
-        owner = herd.owner[legs]
-        gone = (moments - phase[:, None]) * herd.stride[owner, None]
-        ways = way[:, None] + gone * np.sqrt(drive)[:, None]
-        creature = np.repeat(owner, moments.shape[1])
-        flat = path.pose(creature, ways.ravel(), moments.ravel())
-        R, p = flat[0].reshape(*moments.shape, 3, 3), flat[1].reshape(*moments.shape, 3)
-        x, z = herd.rest[legs].T
+        herd, owner = self.herd, bodies.owner
+        stance = bodies.stance[:, None]
+        end = stance + LAGS * bodies.swing[:, None]
+        parts = np.concatenate([stance * STANCE, end], axis=1)
+        moments = (bodies.up + bodies.swing)[:, None] + parts
+        R, p = bodies.at(self.path, moments)
+        x, z = herd.rest[bodies.legs].T
         rest = np.stack([x, -herd.body_height[owner], z + herd.aside[owner]], axis=-1)
-        below = path.below(owner, moments[:, MIDDLE], rest)
+        below = self.path.below(owner, moments[:, MIDDLE], rest)
         wished = p[:, MIDDLE] + turn(R[:, MIDDLE], below)
         return R, p, wished[:, [0, 2]]
 
-    def _upright(self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array) -> NDArray[np.bool_]:
+    def _upright(
+        self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array
+    ) -> NDArray[np.bool_]:
         """Say whether legs reach `tips` (N, 3) by their length while bodies (N, m) do not stoop."""
         hips = p + turn(R, self.herd.hips[legs, None])
         x, y, z = np.moveaxis(tips[:, None] - hips, -1, 0)

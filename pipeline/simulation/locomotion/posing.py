@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
-from pipeline.simulation.figures.chains import chains_of
 from pipeline.simulation.figures.posed_limb import Miss
 from pipeline.simulation.figures.settling import settle
 from pipeline.simulation.figures.surroundings import Surroundings
@@ -103,7 +102,6 @@ class Posing:
         self.postures = postures
         self.dt = clock.dt
         self.row_dt = clock.dt * clock.steps / clock.samples
-        self._chains = chains_of(herd.legs, herd.owner)
         self.give = Give(herd, self.row_dt)
         self.carriage = Carriage(herd, idlers, self.row_dt)
 
@@ -135,7 +133,7 @@ class Posing:
             tips = tips + up[..., None] * (self._tucked(tall, R_WB, p_WB) - tips)
         p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
-        solution = settle(herd.legs, self._chains, goals)
+        solution = settle(herd.legs, herd.chains, goals)
         residual = solution.residual
         routes, looks = [m.routes for m in moments], [m.looks for m in moments]
         q_idle = self.carriage.values(

@@ -8,13 +8,18 @@ before, and the creature comes to rest there as at the end of any route.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.footholds import Footholds
 from pipeline.simulation.locomotion.going import Going
 from pipeline.simulation.locomotion.paces import Step
+from pipeline.simulation.locomotion.plain_steps import Lift
+from pipeline.simulation.locomotion.route import Route
+from pipeline.simulation.spatial import Array
 
 PLAIN = 0.15
 """How far from the surface that bodies follow ground may lie to be plain, in leg lengths."""
@@ -47,16 +52,26 @@ class Scout:
         legs, count = len(self.herd.owner), len(self.herd.names)
         self._seen = np.full(legs, -math.inf)
         self._clear = np.zeros(count)
+        self._plain = dict[tuple[int, float, Route], bool]()
 
     def before(self, leg: int) -> Barrier | None:
         """Look for what bars the way of a leg from the start: then it is best not to set out."""
-        phase = float(np.mod(self.herd.up[leg], 1.0))
-        stride = float(self.going.full[self.herd.owner[leg]])
-        barrier = self.ahead(leg, phase * stride, phase, first=0)
+        lift, stride = self._first(leg), float(self.going.full[self.herd.owner[leg]])
+        barrier = self.ahead(leg, lift.travelled, lift.phase, first=0)
         if barrier is None:
             return None
         near = barrier.way < self.going.braking[self.herd.owner[leg]] + stride
         return Barrier(0.0, barrier.cause) if near else barrier
+
+    def _first(self, leg: int) -> Lift:
+        """Return what is known of the first step of a leg after the start."""
+        phase = float(np.mod(self.herd.up[leg], 1.0))
+        way = phase * float(self.going.full[self.herd.owner[leg]])
+        return Lift(leg, way, phase, self.path.paces.step(leg, phase), 1.0)
+
+    def foresee_before(self, legs: Sequence[int]) -> None:
+        """Look together at the ground that `before` will ask about."""
+        self.foresee([self._first(leg) for leg in legs], first=0)
 
     def ahead(self, leg: int, way: float, phase: float, first: int = 1) -> Barrier | None:
         """Look for what bars the way of a leg that lifts.
@@ -69,37 +84,61 @@ class Scout:
         """
         c = int(self.herd.owner[leg])
         stride, step = float(self.going.full[c]), self.path.paces.step(leg, phase)
-        braking = float(self.going.braking[c])
-        middle = way + (step.swing + 0.5 * step.stance) * stride
-        cycles = 1 + math.ceil(braking / stride)
-        end = self.path.routes[c].length
-        for k in range(first, cycles + 1):
-            there = middle + k * stride
-            if there <= self._seen[leg] + 0.5 * stride or there > end:
+        for k, there in self._places(leg, way, step, first):
+            if there <= self._seen[leg] + 0.5 * stride:
                 continue
             later = replace(step, up=phase + k)
-            if not self._stands(leg, there, way + k * stride, later):
+            stands = self._is_plain(leg, there)
+            if not stands and self.footholds.later(leg, way + k * stride, later) is None:
                 # One stride before it the leg stood well; no nearer than brakes allow.
+                braking = float(self.going.braking[c])
                 return Barrier(max(there - stride, way + braking), "no foothold ahead")
             self._seen[leg] = there
-        return self._wall(c, way, braking)
+        return self._wall(c, way, float(self.going.braking[c]))
 
-    def _stands(self, leg: int, middle: float, way: float, step: Step) -> bool:
-        """Tell whether there is a foothold for a stance whose middle is after `middle` [m]."""
-        c, herd = int(self.herd.owner[leg]), self.herd
-        xz, turned, _ = self.path.on_route(np.array([c]), np.array([middle]))
-        cos, sin = math.cos(float(turned[0])), math.sin(float(turned[0]))
-        along, across = herd.rest[leg]
-        place = xz[0] + [along * cos + across * sin, across * cos - along * sin]
-        footing = self.path.footing
-        if footing.allows(c, place[:1], place[1:])[0]:
-            if footing.is_level(c):
-                return True
-            surface, _ = footing.surface(np.array([c]), place[None, :1], place[None, 1:])
-            height = self.path.ground.height(place[0], place[1])
-            if abs(float(height - surface[0, 0])) < PLAIN * herd.legs.lengths[leg]:
-                return True
-        return self.footholds.later(leg, way, step) is not None
+    def foresee(self, lifts: Sequence[Lift], first: int = 1) -> None:
+        """Look together at the ground that all of `lifts` will be asked about."""
+        self._plain.clear()
+        legs, there = list[int](), list[float]()
+        for one in lifts:
+            for _, middle in self._places(one.leg, one.travelled, one.step, first):
+                legs.append(one.leg)
+                there.append(middle)
+        if legs:
+            plain = self._are_plain(np.array(legs), np.array(there)).tolist()
+            routes = (self.path.routes[c] for c in self.herd.owner[legs].tolist())
+            self._plain.update(zip(zip(legs, there, routes), plain, strict=True))
+
+    def _places(self, leg: int, way: float, step: Step, first: int) -> list[tuple[int, float]]:
+        """Return for cycles to come how far in the middle of its stance a body has gone [m]."""
+        c = int(self.herd.owner[leg])
+        stride, end = float(self.going.full[c]), self.path.routes[c].length
+        middle = way + (step.swing + 0.5 * step.stance) * stride
+        cycles = 1 + math.ceil(float(self.going.braking[c]) / stride)
+        places = [(k, middle + k * stride) for k in range(first, cycles + 1)]
+        new = self._seen[leg] + 0.5 * stride
+        return [(k, there) for k, there in places if new < there <= end]
+
+    def _is_plain(self, leg: int, middle: float) -> bool:
+        """Tell whether a leg stands anyway if its body has gone `middle` [m] then."""
+        route = self.path.routes[int(self.herd.owner[leg])]
+        known = self._plain.get((leg, middle, route))
+        if known is None:
+            return bool(self._are_plain(np.array([leg]), np.array([middle]))[0])
+        return known
+
+    def _are_plain(self, legs: NDArray[np.int64], middle: Array) -> NDArray[np.bool_]:
+        """Say which legs (N,) stand anyway in stances whose middles are after ways (N,) [m]."""
+        herd, footing = self.herd, self.path.footing
+        owner = herd.owner[legs]
+        xz, turned, _ = self.path.on_route(owner, middle)
+        cos, sin = np.cos(turned), np.sin(turned)
+        along, across = herd.rest[legs].T
+        x, z = xz[:, 0] + (along * cos + across * sin), xz[:, 1] + (across * cos - along * sin)
+        surface, _ = footing.surface(owner, x[:, None], z[:, None])
+        off = np.abs(self.path.ground.height(x, z) - surface[:, 0])
+        near: NDArray[np.bool_] = off < PLAIN * herd.legs.lengths[legs]
+        return near & footing.allows_each(owner, x, z)
 
     def _wall(self, c: int, way: float, braking: float) -> Barrier | None:
         """Return what is too high for the belly on the way that has not been seen yet."""

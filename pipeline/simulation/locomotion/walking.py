@@ -32,7 +32,7 @@ from pipeline.simulation.locomotion.inventory import (
 )
 from pipeline.simulation.locomotion.looking import looks_in
 from pipeline.simulation.locomotion.manners import Manners
-from pipeline.simulation.locomotion.paces import Paces
+from pipeline.simulation.locomotion.paces import Paces, Step
 from pipeline.simulation.locomotion.plain_steps import Lift, PlainSteps
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
@@ -221,26 +221,42 @@ class Walkers:
         """Put every foot where it would be if the creature had come walking."""
         herd = self.herd
         into = np.mod(-herd.up, 1.0)  # how far the cycle has gone since its last foot-up
-        for leg in range(len(herd.owner)):
-            walks = herd.walks[herd.owner[leg]]
-            in_air = walks and into[leg] < herd.swings[leg]
-            # Where it stands now, or stood before the swing that it is in.
-            down = -into[leg] + herd.swings[leg] - (1.0 if in_air else 0.0)
-            place = self.footholds.first(leg, down if walks else -0.5 * (1.0 - herd.swings[leg]))
+        in_air = herd.walks[herd.owner] & (into < herd.swings)
+        # Where it stands now, or stood before the swing that it is in.
+        down = np.where(
+            herd.walks[herd.owner],
+            -into + herd.swings - np.where(in_air, 1.0, 0.0),
+            -0.5 * (1.0 - herd.swings),
+        )
+        firsts = [self._standing(leg, float(down[leg])) for leg in range(len(herd.owner))]
+        self._plain.foresee(firsts)
+        places = [self._plain.of(leg) for leg in range(len(herd.owner))]
+        for leg, place in enumerate(places):
+            place = place or self.footholds.first(leg, float(down[leg]))
             if place is None:
                 raise SimulationError(self._no_ground(leg))
             self.start[leg] = self.end[leg] = place.tip
             self.stoop[:, leg] = place.stoop
             self.holds.append(place)
+        lifting = [(leg, -float(into[leg])) for leg in np.flatnonzero(in_air).tolist()]
+        self._foresee(lifting)
+        for leg in range(len(herd.owner)):
             if self.going.paces.held(leg, 0.0):
                 self._hold_up(leg, 0.0)
                 self.tuck[0, leg] = 1.0
-            elif in_air:
+            elif in_air[leg]:
                 self._lift(0, leg, -float(into[leg]))
-        for walking in np.flatnonzero(herd.walks[herd.owner]).tolist():
-            self._end_before(0, walking, self.scout.before(walking))
+        walking = np.flatnonzero(herd.walks[herd.owner]).tolist()
+        self.scout.foresee_before(walking)
+        for leg in walking:
+            self._end_before(0, leg, self.scout.before(leg))
         for c in np.flatnonzero(self._barred == 0.0).tolist():
             self._stay(c)
+
+    def _standing(self, leg: int, down: float) -> Lift:
+        """Return what is known of a foot that has been down since the phase `down`."""
+        swing = float(self.herd.swings[leg])
+        return Lift(leg, 0.0, 0.0, Step(down - swing, swing, 1.0 - swing), 1.0)
 
     def _stay(self, c: int) -> None:
         """Let a creature that does not set out stand: it never came walking."""
@@ -375,6 +391,7 @@ class Walkers:
             if self.tuck[1, leg] == 0.0 and not paces.held(leg, phase)
         ]
         self._plain.foresee(lifts)
+        self.scout.foresee(lifts)
 
     def _lift_of(self, leg: int, phase: float, present: Array) -> Lift:
         """Return what is known of the step of a foot that lifts at `phase`."""

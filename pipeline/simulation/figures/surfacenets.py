@@ -28,27 +28,33 @@ def surface_nets(values: Array, low: Array, cell: float) -> tuple[Array, NDArray
     """
     inside = values < 0.0
     corners = [np.array(c) for c in itertools.product((0, 1), repeat=3)]
-    edges = [(a, b) for a, b in itertools.combinations(corners, 2) if np.abs(a - b).sum() == 1]
+    edges = [(a, b) for a, b in itertools.combinations(range(8), 2) if _beside(corners, a, b)]
     shape = tuple(n - 1 for n in values.shape)
-
-    def at(field: NDArray[Any], corner: Array) -> NDArray[Any]:
-        i, j, k = corner
-        return field[i : i + shape[0], j : j + shape[1], k : k + shape[2]]
-
-    total = np.zeros((*shape, 3))
-    count = np.zeros(shape)
+    many = sum(_at(inside.view(np.uint8), corner, shape) for corner in corners)
+    active = (many > 0) & (many < len(corners))
+    sampled = [_at(values, corner, shape)[active] for corner in corners]
+    total, count = np.zeros((len(sampled[0]), 3)), np.zeros(len(sampled[0]))
     for a, b in edges:
-        crossed = at(inside, a) != at(inside, b)
-        v_a, v_b = at(values, a)[crossed], at(values, b)[crossed]
-        t = v_a / (v_a - v_b)
-        total[crossed] += a + t[:, None] * (b - a)
+        v_a, v_b = sampled[a], sampled[b]
+        crossed = (v_a < 0.0) != (v_b < 0.0)
+        t = np.where(crossed, v_a / np.where(crossed, v_a - v_b, 1.0), 0.0)
+        total += crossed[:, None] * (corners[a] + t[:, None] * (corners[b] - corners[a]))
         count += crossed
-    active = count > 0
     number = np.full(shape, -1, dtype=np.int64)
-    number[active] = np.arange(int(active.sum()))
-    place = np.argwhere(active) + total[active] / count[active][:, None]
+    number[active] = np.arange(len(count))
+    place = np.argwhere(active) + total / count[:, None]
     faces = [_quads(inside, number, axis) for axis in range(3)]
     return low + place * cell, np.concatenate(faces).astype(np.uint32)
+
+
+def _at(field: NDArray[Any], corner: Array, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return what a field is at one corner of all cells."""
+    i, j, k = corner
+    return field[i : i + shape[0], j : j + shape[1], k : k + shape[2]]
+
+
+def _beside(corners: list[Array], a: int, b: int) -> bool:
+    return bool(np.abs(corners[a] - corners[b]).sum() == 1)
 
 
 def _quads(inside: NDArray[np.bool_], number: NDArray[np.int64], axis: int) -> NDArray[np.int64]:

@@ -91,9 +91,10 @@ class Carriage:
 
     def _followed(self, wanted: Array) -> Array:
         """Return where heads look (n, H, 2) that follow at no more than a certain speed [rad]."""
-        goals = np.empty_like(wanted)
+        goals, least = np.empty_like(wanted), -self._most
         for row, goal in enumerate(wanted):
             before = goal if self._last is None else self._last
-            ahead = np.minimum(np.maximum(goal - before, -self._most), self._most)
+            ahead = goal - before
+            np.minimum(np.maximum(ahead, least, out=ahead), self._most, out=ahead)
             goals[row] = self._last = before + ahead
         return goals + self._look.follow(goals)

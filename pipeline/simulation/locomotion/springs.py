@@ -45,10 +45,10 @@ class Oscillators:
         c, s = left * np.cos(swing * self.dt), left * np.sin(swing * self.dt) / swing
         return c + fall * s, s, -(self.frequency**2) * s, c - fall * s
 
-    def swung(self, e: Array, w: Array) -> tuple[Array, Array]:
-        """Return places and speeds (M, ...) after the time, of those that are left alone."""
-        a, b, c, d = (term.reshape(-1, *(1,) * (e.ndim - 1)) for term in self._terms)
-        return a * e + b * w, c * e + d * w
+    def by(self, axes: int) -> tuple[Array, Array]:
+        """Return what place and speed (2, M, ...) are after the time, by place and by speed."""
+        a, b, c, d = (term.reshape(-1, *(1,) * (axes - 1)) for term in self._terms)
+        return np.stack([a, c]), np.stack([b, d])
 
 
 @dataclass(slots=True, eq=False)
@@ -63,7 +63,8 @@ class Trailing:
 
     springs: Oscillators
     _goal: Array | None = field(default=None, init=False)
-    _state: tuple[Array, Array, Array] | None = field(default=None, init=False)
+    _speed: Array | None = field(default=None, init=False)
+    _state: Array | None = field(default=None, init=False)
 
     def follow(self, goals: Array) -> Array:
         """Return where the points are relative to their goals; at rest in the first row of all.
@@ -72,14 +73,20 @@ class Trailing:
             goals: (n, M, ...) at n rows.
         """
         found = np.zeros_like(goals)
-        for row, goal in enumerate(goals):
-            if self._goal is not None:
-                speed = (goal - self._goal) / self.springs.dt
-                if self._state is None:
-                    # How fast the goals went before the first row nobody knows: as after it.
-                    self._state = np.zeros_like(goal), np.zeros_like(goal), speed
-                e, w, before = self._state
-                found[row], w = self.springs.swung(e, w - (speed - before))
-                self._state = found[row].copy(), w, speed
-            self._goal = goal.copy()
+        if not len(goals):
+            return found
+        known = goals if self._goal is None else np.concatenate([self._goal[None], goals])
+        self._goal = known[-1].copy()
+        speeds = np.diff(known, axis=0) / self.springs.dt
+        if not len(speeds):
+            return found
+        # How fast the goals went before the first row nobody knows: as after it.
+        before = speeds[0] if self._speed is None else self._speed
+        changes = np.diff(speeds, axis=0, prepend=before[None])
+        by_place, by_speed = self.springs.by(goals.ndim - 1)
+        state = np.zeros((2, *goals.shape[1:])) if self._state is None else self._state
+        for row, change in enumerate(changes, len(goals) - len(changes)):
+            state = by_place * state[0] + by_speed * (state[1] - change)
+            found[row] = state[0]
+        self._state, self._speed = state, speeds[-1].copy()
         return found

@@ -84,21 +84,26 @@ class Islands:
     def _pairs(self, gap: float, rise: float) -> NDArray[np.int64]:
         """Return pairs (n, 2) of islands between which steps lead."""
         labels, heights, shore = self.of_cells, self._heights, self._shore
-        n_z, n_x = labels.shape
         largest = np.bincount(labels[labels >= 0]).argmax()
         # Every pair is looked at from both sides: one of them is enough, and the largest
         # island has the longest shore.
         shore = shore[labels[shore[:, 0], shore[:, 1]] != largest]
         side = min(self.ground.field.cell)
-        own, tall = labels[shore[:, 0], shore[:, 1]], heights[shore[:, 0], shore[:, 1]]
+        offsets = _offsets(self.ground.field.cell, gap + 2.0 * side)
+        # With a wide edge that is no island, one number says where a cell is.
+        edge = int(np.abs(offsets).max(initial=0))
+        wide = np.pad(labels, edge, constant_values=-1).ravel()
+        tall = np.pad(heights, edge).ravel()
+        width = labels.shape[1] + 2 * edge
+        here = (shore[:, 0] + edge) * width + shore[:, 1] + edge
+        own = wide[here]
         found = [np.empty((0, 2), dtype=np.int64)]
-        for j, i in _offsets(self.ground.field.cell, gap + 2.0 * side):
-            row, column = shore[:, 0] + j, shore[:, 1] + i
-            inside = (row >= 0) & (row < n_z) & (column >= 0) & (column < n_x)
-            row, column = np.clip(row, 0, n_z - 1), np.clip(column, 0, n_x - 1)
-            other = labels[row, column]
-            leads = inside & (other >= 0) & (other != own)
-            leads &= np.abs(heights[row, column] - tall) <= rise
+        for j, i in offsets:
+            there = here + (j * width + i)
+            other = wide.take(there)
+            leads = np.flatnonzero((other >= 0) & (other != own))
+            low = np.abs(tall[there[leads]] - tall[here[leads]]) <= rise
+            leads = leads[low]
             found.append(np.stack([own[leads], other[leads]], axis=-1))
         pairs = np.concatenate(found)
         # As one number each, which sorts faster than rows do.

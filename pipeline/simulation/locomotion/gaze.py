@@ -80,12 +80,20 @@ class Gaze:
         self.most = MOST_TURN * (rooms * self.yaw).sum(axis=-1)
         rest = self.necks.pose(self.necks.preferred)
         self.rest, self.end = rest.R_BF, rest.tips
+        self._many: tuple[int, LimbBatch] | None = None
 
     def eyes(self, wishes: Array) -> Array:
         """Return where the necks end (n, H, 3) in the body's frame, for wishes (n, H, k) [m]."""
         n, count, k = wishes.shape
-        batch = self.necks.rows(np.tile(np.arange(count), n))
+        batch = self._necks_at(n)
         return batch.pose(self.room.at(wishes).reshape(-1, k)).tips.reshape(n, count, 3)
+
+    def _necks_at(self, moments: int) -> LimbBatch:
+        """Return all necks, one moment after the other; mostly as many as the last time."""
+        if self._many is None or self._many[0] != moments:
+            rows = np.tile(np.arange(len(self.owner)), moments)
+            self._many = moments, self.necks.rows(rows)
+        return self._many[1]
 
     def wishes(self, looks: Array, tilt: tuple[Array, Array], start: Array) -> Array:
         """Return what the joints (n, H, k) are to do, as `JointRoom` takes it [rad].
@@ -98,7 +106,7 @@ class Gaze:
         n, count, k = start.shape
         if not count:
             return start
-        batch = self.necks.rows(np.tile(np.arange(count), n))
+        batch = self._necks_at(n)
         R_WB = pitched_and_rolled(tilt[0].ravel(), tilt[1].ravel())
         azimuth, elevation = looks.reshape(-1, 2).T
         R_look = heading(azimuth) @ pitched_and_rolled(elevation, np.zeros(len(elevation)))

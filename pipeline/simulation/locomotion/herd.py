@@ -86,6 +86,13 @@ class Herd:
         return np.searchsorted(self.owner, np.arange(len(self.names)))
 
     @cached_property
+    def tiers(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Creatures and their first legs, those that have more and their second ones, and so on."""
+        counts = np.bincount(self.owner, minlength=len(self.names))
+        having = (np.flatnonzero(counts > k) for k in range(int(counts.max(initial=0))))
+        return [(owners, self.first_leg[owners] + k) for k, owners in enumerate(having)]
+
+    @cached_property
     def chains(self) -> list[Chains]:
         """The legs by their makes."""
         return chains_of(self.legs, self.owner)

@@ -228,8 +228,8 @@ def _stooped(herd: Herd, stoop: Array, s: Array) -> Array:
     """
     wanted = _between(stoop, s) ** 4
     sums = np.zeros((len(s), len(herd.names)))
-    for leg, owner in enumerate(herd.owner):
-        sums[:, owner] += wanted[:, leg]
+    for owners, legs in herd.tiers:
+        sums[:, owners] += wanted[:, legs]
     result: Array = np.sqrt(np.sqrt(sums))
     return result
 
@@ -245,6 +245,6 @@ def _overstretched(herd: Herd, tips: Array, R_WB: Array, p_WB: Array, grip: Arra
     highest = tips[..., 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
     excess = grip * hinge(hips[..., 1] - highest, 0.02 * herd.legs.lengths)
     lower = np.zeros(p_WB.shape[:2])
-    for leg, owner in enumerate(herd.owner):
-        lower[:, owner] = np.maximum(lower[:, owner], excess[:, leg])
+    for owners, legs in herd.tiers:
+        lower[:, owners] = np.maximum(lower[:, owners], excess[:, legs])
     return lower

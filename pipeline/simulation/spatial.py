@@ -138,6 +138,6 @@ def from_directions(forward: Array, up: Array) -> Array:
         up: (..., 3).
     """
     x = normalized(forward)
-    z = normalized(np.cross(x, np.broadcast_to(up, x.shape)))
-    y = np.cross(z, x)
+    z = normalized(cross(x, np.broadcast_to(up, x.shape)))
+    y = cross(z, x)
     return np.stack([x, y, z], axis=-1)

@@ -18,12 +18,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.errors import MassError
 from pipeline.simulation.spatial import Array, cross
+
+_CLOSED: WeakValueDictionary[tuple[int, int], NDArray[Any]] = WeakValueDictionary()
+"""Faces that cannot change and were found closed, by their address and how many vertices
+they have: the links of a figure share theirs, and looking costs more than all else."""
 
 FLAT = 1e-13
 """Volume that is none but rounding, as a part of the cube around a surface."""
@@ -171,6 +176,9 @@ def _refuse_open(vertices: Array, faces: NDArray[np.integer[Any]]) -> None:
     """Refuse a surface that is no boundary: each edge is passed as often to as fro."""
     if not len(faces) or not np.isfinite(vertices).all():
         raise MassError("the surface has no faces, or vertices that are not finite")
+    known = id(faces), len(vertices)
+    if _CLOSED.get(known) is faces:
+        return
     if faces.min() < 0 or faces.max() >= len(vertices):
         raise MassError(f"a face names a vertex that is none of the {len(vertices)} there are")
     start = faces.astype(np.int64).ravel()
@@ -178,6 +186,8 @@ def _refuse_open(vertices: Array, faces: NDArray[np.integer[Any]]) -> None:
     count = len(vertices)
     there, back = np.sort(start * count + end), np.sort(end * count + start)
     if np.array_equal(there, back):
+        if not faces.flags.writeable:
+            _CLOSED[known] = faces
         return
     edges, passed = np.unique(np.concatenate([there, back]), return_counts=True)
     forth = np.bincount(np.searchsorted(edges, there), minlength=len(edges))

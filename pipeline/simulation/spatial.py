@@ -69,27 +69,20 @@ def quaternion(R: Array) -> Array:
     Source: Shepperd 1978.
     """
     m00, m11, m22 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
-    candidates = np.stack(
-        [1 + m00 + m11 + m22, 1 + m00 - m11 - m22, 1 - m00 + m11 - m22, 1 - m00 - m11 + m22],
-        axis=-1,
+    squares = np.stack(
+        [1 + m00 + m11 + m22, 1 + m00 - m11 - m22, 1 - m00 + m11 - m22, 1 - m00 - m11 + m22]
     )
+    w, x, y, z = squares
     a = R[..., 2, 1] - R[..., 1, 2]
     b = R[..., 0, 2] - R[..., 2, 0]
     c = R[..., 1, 0] - R[..., 0, 1]
     d = R[..., 1, 0] + R[..., 0, 1]
     e = R[..., 0, 2] + R[..., 2, 0]
     f = R[..., 2, 1] + R[..., 1, 2]
-    columns = np.stack(
-        [
-            np.stack([candidates[..., 0], a, b, c], axis=-1),
-            np.stack([a, candidates[..., 1], d, e], axis=-1),
-            np.stack([b, d, candidates[..., 2], f], axis=-1),
-            np.stack([c, e, f, candidates[..., 3]], axis=-1),
-        ],
-        axis=-2,
-    )
-    best = np.argmax(candidates, axis=-1)
-    chosen = np.take_along_axis(columns, best[..., None, None], axis=-2)[..., 0, :]
+    best = np.argmax(squares, axis=0)
+    chosen = np.empty((*best.shape, 4))
+    for k, of_each in enumerate(((w, a, b, c), (a, x, d, e), (b, d, y, f), (c, e, f, z))):
+        chosen[..., k] = np.choose(best, of_each)
     result: Array = chosen / np.linalg.norm(chosen, axis=-1, keepdims=True)
     return result
 

@@ -32,7 +32,7 @@ GAINS = (0.6, 0.6, 0.6, 0.6, 0.3, 0.0, 0.0)
 """Gain α of the pull towards the preferred values, iteration by iteration; at the end
 the tip is only brought home."""
 
-BLOCK = 2500
+BLOCK = 5000
 """Limbs and moments at once: so many stay in a processor's cache."""
 
 

@@ -195,8 +195,8 @@ class Footholds:
         # Alone, because it is good most times, and the others need not be looked at then.
         yield wished[None]
         if present is not None:
-            yield present + NEARER[:, None] * (wished - present)
-        yield self._around(leg, wished)
+            yield self.nearer(wished, present)
+        yield self.around(leg, wished)
 
     def rest(self, leg: int, travelled: float, phase: float) -> Array:
         """Return where a foot rests (2,) below a body that has gone `travelled` [m]."""
@@ -207,8 +207,14 @@ class Footholds:
         ]
         return result
 
-    def _around(self, leg: int, middle: Array) -> Array:
-        """Return places (n, 2) on rings around `middle`, the nearest first [m]."""
+    @staticmethod
+    def nearer(wished: Array, present: Array) -> Array:
+        """Return places (n, 2) on the way back from `wished` to the present one (2,) [m]."""
+        result: Array = present + NEARER[:, None] * (wished - present)
+        return result
+
+    def around(self, leg: int, middle: Array) -> Array:
+        """Return places (n, 2) on rings around `middle` (2,), the nearest first [m]."""
         angle = np.arange(SPOKES) * (2.0 * np.pi / SPOKES)
         spokes = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         radii = np.linspace(0.0, AROUND * self.herd.legs.lengths[leg], RINGS)

@@ -1,9 +1,9 @@
 """Plain steps: what most feet do, planned for all that lift in one world step together.
 
-A foot mostly comes down where it would rest in the middle of its stance, with its body no
-lower than it goes anyway, by a swing that its leg does without being asked. Whether it may
-is the same for many feet at once; those that may not are left to `Footholds`, which looks
-farther, and finds the same where a plain step is good.
+A foot mostly comes down at the first place of those that it may choose from that its leg is
+long enough for, with its body no lower than it goes anyway. That is worked out for many
+feet at once; if joints cannot do it, the foot is left to `Footholds`, which looks farther,
+and finds the same where a plain step is good.
 """
 
 from __future__ import annotations
@@ -117,13 +117,12 @@ class PlainSteps:
     def _planned(self, lifts: Sequence[Lift]) -> list[Foothold | None]:
         legs = np.array([one.leg for one in lifts])
         bodies = self._bodies_of(legs, lifts)
-        R, p, xz = self._stances(bodies)
+        R, p, wished = self._stances(bodies)
         herd, ground = self.herd, self.footholds.ground
+        xz, good = self._chosen(legs, lifts, wished, R, p)
         heights, normals = ground.surface(xz[:, 0], xz[:, 1])
         places = np.stack([xz[:, 0], heights, xz[:, 1]], axis=-1)
         tips = places + herd.sole[legs, None] * normals
-        good = self.path.footing.allows_each(herd.owner[legs], xz[:, 0], xz[:, 1])
-        good &= self._upright(legs, tips, R, p)
         held = np.flatnonzero(good)
         goals = unturn(R[held], tips[held, None] - p[held])
         good[held] = self.footholds.grasp.holds_each(legs[held], goals).all(axis=-1)
@@ -185,14 +184,58 @@ class PlainSteps:
         wished = p[:, MIDDLE] + turn(R[:, MIDDLE], below)
         return R, p, wished[:, [0, 2]]
 
-    def _upright(
-        self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array
-    ) -> NDArray[np.bool_]:
-        """Say whether legs reach `tips` (N, 3) by their length while bodies (N, m) do not stoop."""
-        hips = p + turn(R, self.herd.hips[legs, None])
-        x, y, z = np.moveaxis(tips[:, None] - hips, -1, 0)
-        reach = PLANNED_REACH * self.herd.legs.lengths[legs]
-        room = (reach**2)[:, None] - x**2 - z**2
+    def _chosen(
+        self, legs: NDArray[np.int64], lifts: Sequence[Lift], wished: Array, R: Array, p: Array
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the first place (N, 2) [m] of each foot that its leg is long enough for.
+
+        Args:
+            legs: (N,) which.
+            lifts: N of them.
+            wished: (N, 2) where feet would rest [m].
+            R: (N, m, 3, 3) and
+            p: (N, m, 3), poses of the bodies while the feet are there [m].
+
+        Returns:
+            The places, and which of them are any good.
+        """
+        xz, good = wished.copy(), self._fits(legs, wished[:, None], R, p)[:, 0]
+        for back in (True, False):
+            left = [
+                i
+                for i in np.flatnonzero(~good).tolist()
+                if not back or lifts[i].present is not None
+            ]
+            if not left:
+                continue
+            places = np.array([self._choices(lifts[i], wished[i], back) for i in left])
+            fits = self._fits(legs[left], places, R[left], p[left])
+            good[left] = fits.any(axis=1)
+            xz[left] = places[np.arange(len(left)), fits.argmax(axis=1)]
+        return xz, good
+
+    def _choices(self, lift: Lift, wished: Array, back: bool) -> Array:
+        """Return places (k, 2) around where a foot would rest, or on the way `back` from there."""
+        if back and lift.present is not None:
+            return self.footholds.nearer(wished, lift.present[[0, 2]])
+        return self.footholds.around(lift.leg, wished)
+
+    def _fits(self, legs: NDArray[np.int64], xz: Array, R: Array, p: Array) -> NDArray[np.bool_]:
+        """Say which of places (N, k, 2) legs may stand on and reach, no body (N, m) stooping.
+
+        By their lengths: joints have not been asked yet.
+        """
+        herd = self.herd
+        x, z = xz[..., 0], xz[..., 1]
+        heights, normals = self.footholds.ground.surface(x, z)
+        tips = np.stack([x, heights, z], axis=-1) + herd.sole[legs, None, None] * normals
+        hips = p + turn(R, herd.hips[legs, None])
+        x, y, z = np.moveaxis(tips[:, :, None] - hips[:, None], -1, 0)
+        reach = PLANNED_REACH * herd.legs.lengths[legs]
+        room = (reach**2)[:, None, None] - x**2 - z**2
         up = np.sqrt(np.maximum(room, 0.0))
-        result: NDArray[np.bool_] = ((room >= 0.0) & (np.abs(y) <= up)).all(axis=1)
+        reached = ((room >= 0.0) & (np.abs(y) <= up)).all(axis=-1)
+        owner = np.repeat(herd.owner[legs], xz.shape[1])
+        allowed = self.path.footing.allows_each(owner, xz[..., 0].ravel(), xz[..., 1].ravel())
+        result: NDArray[np.bool_] = reached & allowed.reshape(reached.shape)
         return result

@@ -94,7 +94,7 @@ def misses(batch: LimbBatch, chains: Sequence[Chains], rows: Rows, goals: Array)
         rows: (N,) which limb for each goal.
         goals: (N, 3) relative to the body [m].
     """
-    residual = np.linalg.norm(goals - batch.tips[rows], axis=-1)
+    residual: Array = np.linalg.norm(goals - batch.tips[rows], axis=-1)
     for chain in chains:
         place = np.full(len(batch.lengths), -1)
         place[chain.rows] = np.arange(len(chain.rows))

@@ -45,7 +45,8 @@ class Grasp:
     def holds_each(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
         """Say to which of their `goals` (N, m, 3), relative to bodies, tips of legs (N,) come."""
         low, high = self._low[legs, None], self._high[legs, None]
-        known: NDArray[np.bool_] = ((goals >= low) & (goals <= high)).all(axis=-1)
+        inside: NDArray[np.bool_] = (goals >= low) & (goals <= high)
+        known: NDArray[np.bool_] = np.asarray(inside.all(axis=-1))
         row, moment = np.nonzero(~known)
         if len(row):
             herd, asked = self.herd, legs[row]

@@ -151,9 +151,10 @@ class PlainSteps:
         if len(asked):
             some = bodies.some(asked)
             R, p = some.at(self.path, some.up[:, None] + some.swing[:, None] * SWUNG)
-            parts = np.tile(SWUNG, len(asked))
-            ways = (np.repeat(f[asked], len(SWUNG), axis=0) for f in (start, end, arch))
-            way = swing(*ways, parts).reshape(p.shape)
+            first, last, height = (
+                np.repeat(f[asked], len(SWUNG), axis=0) for f in (start, end, arch)
+            )
+            way = swing(first, last, height, np.tile(SWUNG, len(asked))).reshape(p.shape)
             held = self.footholds.grasp.holds_each(legs[asked], unturn(R, way - p))
             good[asked] = held.all(axis=-1)
         return arch, good

@@ -107,7 +107,7 @@ class Scout:
         if legs:
             plain = self._are_plain(np.array(legs), np.array(there)).tolist()
             routes = (self.path.routes[c] for c in self.herd.owner[legs].tolist())
-            self._plain.update(zip(zip(legs, there, routes), plain, strict=True))
+            self._plain.update(zip(zip(legs, there, routes, strict=True), plain, strict=True))
 
     def _places(self, leg: int, way: float, step: Step, first: int) -> list[tuple[int, float]]:
         """Return for cycles to come how far in the middle of its stance a body has gone [m]."""

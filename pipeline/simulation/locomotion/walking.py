@@ -326,12 +326,12 @@ class Walkers:
             return
         may = self.going.may_lift()[herd.owner[due]]
         if self.going.may_rest:
-            rests = self.going.arrived[herd.owner[due]]
-            may &= [not rest or self._is_astray(leg) for leg, rest in zip(due, rests, strict=True)]
+            rests = zip(due.tolist(), self.going.arrived[herd.owner[due]], strict=True)
+            may &= [not rest or self._is_astray(leg) for leg, rest in rests]
         lifting = [(leg, float(up_at[leg])) for leg in due[may].tolist()]
         self._foresee(lifting)
-        for leg, phase in lifting:
-            self._go_up(step, leg, phase)
+        for leg, up in lifting:
+            self._go_up(step, leg, up)
 
     def _going_up(self, before: Array, base: Array) -> Array:
         """Return the phases (L,) of the first foot-up after the step began.

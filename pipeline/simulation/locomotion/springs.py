@@ -45,6 +45,12 @@ class Oscillators:
         c, s = left * np.cos(swing * self.dt), left * np.sin(swing * self.dt) / swing
         return c + fall * s, s, -(self.frequency**2) * s, c - fall * s
 
+    def swung(self, e: Array, w: Array) -> tuple[Array, Array]:
+        """Return places and speeds (M, ...) after the time, of those that are left alone."""
+        by_place, by_speed = self.by(e.ndim)
+        place, speed = by_place * e + by_speed * w
+        return place, speed
+
     def by(self, axes: int) -> tuple[Array, Array]:
         """Return what place and speed (2, M, ...) are after the time, by place and by speed."""
         a, b, c, d = (term.reshape(-1, *(1,) * (axes - 1)) for term in self._terms)

@@ -81,7 +81,7 @@ def _bodies_move_smoothly(walk: Walk) -> None:
 
 def _feet_keep_to_the_gait(walk: Walk) -> None:
     herd = walk.walkers.herd
-    if not herd.bounces:
+    if herd.paces[0].flight is None:
         assert walk.standing.any(axis=1).all()
     names = [f"{herd.names[0]}.{leg}" for leg in herd.leg_names]
     for contact in walk.take.contacts:

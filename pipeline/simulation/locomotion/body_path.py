@@ -26,8 +26,17 @@ from pipeline.simulation.locomotion.trunk import Trunks
 from pipeline.simulation.spatial import Array, heading, unturn
 from pipeline.simulation.terrain import Ground
 
-PITCH_FOLLOWS = 0.85
-"""How much of the ground's slope along the way the body takes on."""
+PITCH_FOLLOWS, UPRIGHT_FOLLOWS = 0.85, 0.15
+"""How much of the ground's slope along the way the body takes on: one that lies between
+forelegs and hind legs, and one that stands upright above its hips."""
+
+LYING = 0.25
+"""Half the distance along a body between its first and its last hips from which on it lies
+between them, as a part of its height."""
+
+PACED = 0.25
+"""How far the ground under a body reaches at least, to the front and to the back, in strides:
+so far are the feet from where they rest, in the middle of what they do while they stand."""
 
 ROLL_FOLLOWS = 0.6
 """How much of the slope across it takes on."""
@@ -80,9 +89,22 @@ class BodyPath:
     @cached_property
     def _samples(self) -> tuple[Array, Array]:
         """Places under a body (C, 7, 2), five along it and one on either side, and weights (5,)."""
+        herd = self.herd
+        half = herd.footprint.copy()
+        half[:, 0] = np.maximum(half[:, 0], PACED * herd.stride)
         u = np.array([[-1, 0], [-0.5, 0], [0, 0], [0.5, 0], [1, 0], [0, -0.5], [0, 0.5]])
         weights = np.exp(-1.2 * u[:5, 0] ** 2)
-        return u * self.herd.footprint[:, None], weights / weights.sum()
+        return u * half[:, None], weights / weights.sum()
+
+    @cached_property
+    def _follows(self) -> Array:
+        """(C,) how much of the slope along its way each body takes on."""
+        herd, spread = self.herd, np.zeros(len(self.herd.names))
+        for c in range(len(spread)):
+            hips = herd.hips[herd.owner == c, 0]
+            spread[c] = 0.5 * np.ptp(hips) / herd.body_height[c] if len(hips) else LYING
+        lies = np.minimum(spread / LYING, 1.0)
+        return UPRIGHT_FOLLOWS + lies * (PITCH_FOLLOWS - UPRIGHT_FOLLOWS)
 
     def pose(
         self,
@@ -113,7 +135,7 @@ class BodyPath:
         lift = hinge(crest + herd.belly[creature] - tall, CORNER * tall)
         p = np.stack([xz[:, 0], height + tall + lift + beat, xz[:, 1]], axis=-1)
         rocks = self._rocks(creature, phase, drive, nose_up)
-        pitch = PITCH_FOLLOWS * np.arctan(slope[:, 0]) + rocks[0]
+        pitch = self._follows[creature] * np.arctan(slope[:, 0]) + rocks[0]
         roll = -ROLL_FOLLOWS * np.arctan(slope[:, 1]) - lean * drive * drive + rocks[1]
         return heading(turned) @ pitched_and_rolled(pitch, roll), p
 
@@ -192,7 +214,8 @@ class BodyPath:
         height = middle.sum(axis=-1)
         ahead = (middle * along).sum(axis=-1) / (weights * along**2).sum(axis=-1)
         slope = np.stack([ahead, (h[:, 6] - h[:, 5]) / across], axis=-1)
-        plane = height[:, None] + PITCH_FOLLOWS * ahead[:, None] * along
+        follows = self._follows[creature, None]
+        plane = height[:, None] + follows * ahead[:, None] * along
         rise = (h + excess)[:, :5] - plane
         highest = rise.max(axis=-1, keepdims=True)
         blunt = BLUNT * self.herd.body_height[creature, None]

@@ -20,7 +20,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.curves import ease
 from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.braking import braked
 from pipeline.simulation.locomotion.grasp import Grasp
 from pipeline.simulation.locomotion.herd import REACH, Herd
 from pipeline.simulation.locomotion.paces import Step
@@ -45,6 +47,9 @@ belly has over level ground."""
 CROUCH = 0.25
 """How far at most, in leg lengths: legs under a lower body would fold too far."""
 
+BELOW = 0.4
+"""How far below its hip a foot stands at least, in heights of the body."""
+
 PLANNED_REACH = 0.98 * REACH
 """How far a leg is planned to stretch, as a part of its length; the rest is kept for
 what the plan does not know."""
@@ -58,11 +63,14 @@ AT_ONCE = np.array([1, 9])
 MOST = 41
 """How many places of one kind are tried."""
 
-SWUNG = np.linspace(0.1, 0.9, 9)
+SWUNG = np.linspace(0.08, 0.92, 12)
 """Parts of a swing at which reach is checked."""
 
 MOST_ARCH = 0.4
 """Highest arch of a swing, in leg lengths: a leg that goes over more folds up."""
+
+LIFTS = 1.0, 0.6, 0.3
+"""Parts of the height of its step that a foot is lifted in turn, if it cannot be more."""
 
 EASY_WAY = 1.25
 EASY_ARCH = 1.5
@@ -101,9 +109,17 @@ class Footholds:
         self.ground = ground
         self.path = path
         self.grasp = Grasp(herd)
+        self._lifted: dict[tuple[int, float], bool] = {}
 
     def next(
-        self, leg: int, present: Array, travelled: float, step: Step, drive: float = 1.0
+        self,
+        leg: int,
+        present: Array,
+        travelled: float,
+        step: Step,
+        drive: float = 1.0,
+        brakes: float = 0.0,
+        low: tuple[float, float] = (0.0, 0.0),
     ) -> Foothold | None:
         """Return where `leg`, about to lift, is to come down.
 
@@ -113,23 +129,29 @@ class Footholds:
             travelled: way that the body has gone at lifting [m].
             step: when it swings and stands.
             drive: part of its speed at which the body goes.
+            brakes: on which it comes to rest from that, if it has to [m].
+            low: how far the body stoops for where the foot is, and for the other feet [m].
 
         Returns:
             None if there is no foothold within reach.
         """
-        R, p, wished = self._stance(leg, travelled, step.up, step, drive)
+        R, p, wished, lift = self._stance(leg, travelled, step.up, step, drive, brakes)
         here = present[[0, 2]]
+        beside = self.grasp.beside(leg, lift[0].T @ (present - lift[1]))
 
         @cache
         def on_way() -> tuple[Array, Array]:
-            return self._bodies(leg, travelled, step.up, step.up + step.swing * SWUNG, drive)
+            moments = step.up + step.swing * SWUNG
+            return self._bodies(leg, travelled, step.up, moments, drive, brakes)
 
         # On level ground a leg that folds too far on a long way is above it all the same.
         level = self.path.footing.is_level(int(self.herd.owner[leg]))
         for far in (EASY_WAY, np.inf) if level else (EASY_WAY,):
 
             def swung(place: Foothold, far: float = far) -> Foothold | None:
-                return self._swung(leg, present, place, step.up, on_way, far)
+                rests = beside and self.grasp.beside(leg, unturn(R[:1], place.tip - p[:1]))
+                easy = far if rests else 0.0
+                return self._swung(leg, present, place, step.up, on_way, easy, low)
 
             best = self._best(leg, self._choices(leg, wished, here), R, p, swung)
             if best is not None:
@@ -144,6 +166,7 @@ class Footholds:
         phase: float,
         bodies: Callable[[], tuple[Array, Array]],
         far: float,
+        low: tuple[float, float],
     ) -> Foothold | None:
         """Return a foothold with the arch that leads to it, None if the leg cannot swing so."""
         sole, owner = float(self.herd.sole[leg]), int(self.herd.owner[leg])
@@ -155,13 +178,40 @@ class Footholds:
         if arch > MOST_ARCH * float(self.herd.legs.lengths[leg]):
             return None
         across = place.tip - present
-        plain = arch < EASY_ARCH * least and abs(across[1]) < least
-        if not plain or np.hypot(across[0], across[2]) > far * stride:
-            R, p = bodies()
-            way = swing(present, place.tip, arch, SWUNG)
-            if not self.grasp.holds(leg, unturn(R, way - p)[None]).all():
-                return None
-        return replace(place, arch=arch)
+        plain = arch < EASY_ARCH * least and abs(across[1]) < least and self.lifts(leg, least)
+        if plain and np.hypot(across[0], across[2]) <= far * stride:
+            return replace(place, arch=arch)
+        n, (R, p) = len(SWUNG), bodies()
+        lower = np.zeros((1, n))
+        if max(place.stoop, *low) > 0.0:
+            # The others may cease to need a low body before it has swung, or after it.
+            own = low[0] + ease(SWUNG) * (place.stoop - low[0])
+            lower = np.stack([own, np.sqrt(np.hypot(own**2, low[1] ** 2))])
+        ends = np.tile(present, (n, 1)), np.tile(place.tip, (n, 1))
+        for lift in LIFTS:
+            # No higher than it has to be, if a leg cannot lift its foot as high as it would.
+            if lift < 1.0:
+                low_arch = lift_to_clear(self.ground, present, place.tip, sole, lift * least)
+                if low_arch > 0.99 * arch:
+                    break
+                arch = low_arch
+            way = swing(*ends, np.full(n, arch), SWUNG)
+            ways = unturn(R, way - (p - np.multiply.outer(lower, UP)))
+            if self.grasp.follows(leg, ways):
+                return replace(place, arch=arch)
+        return None
+
+    def lifts(self, leg: int, high: float) -> bool:
+        """Tell whether a leg lifts its foot as high as it would where it rests [m]."""
+        key = leg, high
+        if key not in self._lifted:
+            x, z = self.herd.rest[leg]
+            floor = self.herd.sole[leg] - self.herd.body_height[self.herd.owner[leg]]
+            ahead = 0.25 * float(self.herd.stride[self.herd.owner[leg]])
+            top = floor + EASY_ARCH * high
+            goals = np.array([[[x - ahead, top, z], [x, top, z], [x + ahead, top, z]]])
+            self._lifted[key] = bool(self.grasp.holds(leg, goals).all())
+        return self._lifted[key]
 
     def first(self, leg: int, phase: float, moves: bool = True) -> Foothold | None:
         """Return where `leg` stands at the start: the good place nearest to where it would.
@@ -173,7 +223,7 @@ class Footholds:
         """
         swing = float(self.herd.swings[leg])
         step = Step(phase - swing, swing, 1.0 - swing)
-        R, p, wished = self._stance(leg, 0.0, 0.0, step, 1.0 if moves else 0.0)
+        R, p, wished, _ = self._stance(leg, 0.0, 0.0, step, 1.0 if moves else 0.0)
         return self._best(leg, self._choices(leg, wished), R, p)
 
     def later(self, leg: int, travelled: float, step: Step) -> Foothold | None:
@@ -184,11 +234,22 @@ class Footholds:
             travelled: way that the body will have gone when it lifts [m].
             step: when it is to swing and stand.
         """
-        R, p, wished = self._stance(leg, travelled, step.up, step)
+        R, p, wished, _ = self._stance(leg, travelled, step.up, step)
         # It will stand about a stride behind.
         stride = float(self.path.paces.number("stride", self.herd.owner[leg], np.array(step.up)))
         behind = wished - stride * R[len(STANCE) // 2, [0, 2], 0]
         return self._best(leg, self._choices(leg, wished, behind), R, p)
+
+    def rests(self, leg: int, travelled: float) -> bool:
+        """Tell whether a foot has ground where it rests below a body that rests there.
+
+        Args:
+            leg: which.
+            travelled: way that its body has gone [m].
+        """
+        step = Step(0.0, float(self.herd.swings[leg]), 1.0 - float(self.herd.swings[leg]))
+        R, p, wished, _ = self._stance(leg, travelled, 0.0, step, 0.0)
+        return self._best(leg, [wished[None]], R, p) is not None
 
     def _choices(self, leg: int, wished: Array, present: Array | None = None) -> Iterator[Array]:
         """Yield places (n, 2) to be looked at, the best first [m]."""
@@ -305,8 +366,14 @@ class Footholds:
         return rest
 
     def _stance(
-        self, leg: int, travelled: float, phase: float, step: Step, drive: float = 1.0
-    ) -> tuple[Array, Array, Array]:
+        self,
+        leg: int,
+        travelled: float,
+        phase: float,
+        step: Step,
+        drive: float = 1.0,
+        brakes: float = 0.0,
+    ) -> tuple[Array, Array, Array, tuple[Array, Array]]:
         """Return what a foothold is for, if the creature goes on as it goes.
 
         Args:
@@ -315,22 +382,30 @@ class Footholds:
             phase: of the gait at that, whole cycles counted.
             step: when the foot swings and stands.
             drive: part of its speed at which the body goes.
+            brakes: on which it comes to rest from that, if it has to [m].
 
         Returns:
-            R_WB (m, 3, 3) and p_WB (m, 3) of the body while the foot is there, and where
-            the foot would rest in the middle of its stance (2,) [m].
+            R_WB (m, 3, 3) and p_WB (m, 3) of the body while the foot is there, where the
+            foot would rest in the middle of its stance (2,), and R_WB (3, 3) and p_WB (3,)
+            when it lifts [m].
         """
         down, stance = step.up + step.swing, step.stance
-        moments = down + np.append(stance * STANCE, stance + LAGS * step.swing)
-        R, p = self._bodies(leg, travelled, phase, moments, drive)
+        moments = down + np.append(stance * STANCE, [stance + LAGS * step.swing, -step.swing])
+        R, p = self._bodies(leg, travelled, phase, moments, drive, brakes)
         middle = slice(len(STANCE) // 2, len(STANCE) // 2 + 1)
         rest = self._rest(leg, float(moments[middle][0]))
         rest = self.path.below(self.herd.owner[leg : leg + 1], moments[middle], rest)
         wished: Array = (p[middle] + turn(R[middle], rest))[0, [0, 2]]
-        return R, p, wished
+        return R[:-1], p[:-1], wished, (R[-1], p[-1])
 
     def _bodies(
-        self, leg: int, travelled: float, phase: float, moments: Array, drive: float
+        self,
+        leg: int,
+        travelled: float,
+        phase: float,
+        moments: Array,
+        drive: float,
+        brakes: float = 0.0,
     ) -> tuple[Array, Array]:
         """Return R_WB (m, 3, 3) and p_WB (m, 3) of a leg's body at later phases (m,).
 
@@ -340,10 +415,14 @@ class Footholds:
             phase: of the gait at that, whole cycles counted.
             moments: (m,) phases.
             drive: part of its speed at which it goes: the stride grows with its root.
+            brakes: on which it comes to rest from that, if it has to [m].
         """
         owner = int(self.herd.owner[leg])
-        way = travelled + self.path.paces.way(owner, phase, moments) * math.sqrt(drive)
-        return self.path.pose(np.full(len(moments), owner), way, moments)
+        way = self.path.paces.way(owner, phase, moments) * math.sqrt(drive)
+        left = self.path.routes[owner].length - travelled
+        if brakes and left < math.inf:
+            way = braked(way, left, brakes)
+        return self.path.pose(np.full(len(moments), owner), travelled + way, moments)
 
     def _stoop(self, leg: int, tips: Array, R: Array, p: Array) -> Array:
         """Return how far (n,) all bodies (m, ...) have to be lowered so that `tips` are reached.
@@ -355,5 +434,6 @@ class Footholds:
         room = reach**2 - to_tip[..., 0] ** 2 - to_tip[..., 2] ** 2
         up = np.sqrt(np.maximum(room, 0.0))
         stoop = np.maximum(-to_tip[..., 1] - up, 0.0).max(axis=1)
-        out_of_reach = (room < 0.0) | (to_tip[..., 1] + stoop[:, None] > up)
+        most = np.minimum(up, -BELOW * self.herd.body_height[self.herd.owner[leg]])
+        out_of_reach = (room < 0.0) | (to_tip[..., 1] + stoop[:, None] > most)
         return np.where(out_of_reach.any(axis=1), np.inf, stoop)

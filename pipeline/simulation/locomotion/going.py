@@ -28,7 +28,10 @@ RISING, FALLING = 1.0, 0.6
 """Cycles in which the drive goes from nothing to all, and back."""
 
 BRAKING = 0.3
-"""Time in which a creature that finds no foothold comes to rest [s]."""
+"""Least time in which a creature that finds no foothold comes to rest [s]."""
+
+SOFT = 3.0
+"""Deceleration of who finds no foothold, if its feet can wait that long [m/s²]."""
 
 HARD = 4.0
 """Greatest deceleration of who comes to rest where it meant to [m/s²]."""
@@ -76,6 +79,7 @@ class Going:
         self.looks: Mapping[int, Look] = {}
         self._cycles = np.where(herd.walks, dt / herd.cycle, 0.0)
         self._changing: dict[int, float] = {}
+        self._stops: dict[int, float] = {}
         self._steps = self._looks = 0
         self._easy = np.ones(count)
         self._steady: Array | None = None
@@ -122,6 +126,8 @@ class Going:
             c: who.
             route: the same as before up to where it is.
         """
+        if self.halted[c]:
+            return
         self.path.lead(c, route)
         if route.length > self.way[c] + 1e-9:
             self.closed[c] = np.inf
@@ -152,9 +158,19 @@ class Going:
                 del self._changing[c]
         self._consider()
 
-    def halt(self, c: int) -> None:
-        """Let a creature come to rest at once: it has no foothold."""
+    def stopping(self, c: int) -> tuple[float, float]:
+        """Return the shortest and the longest way on which who is stuck comes to rest [m]."""
+        v = float(self.drive[c] * self.full[c] / self.cycle[c])
+        nearest = 0.5 * BRAKING * v
+        return nearest, max(nearest, 0.5 * v * v / SOFT)
+
+    def halt(self, c: int, room: float = 0.0) -> None:
+        """Let a creature come to rest for good within `room` [m]: it has no foothold."""
+        way, drive = float(self.way[c]), max(float(self.drive[c]), CREEP)
+        route = self.path.routes[c]
+        self.lead(c, route.upto(min(way + room, route.length)))
         self.halted[c] = True
+        self._stops[c] = room / (drive * drive)
         self._consider()
 
     def may_lift(self) -> NDArray[np.bool_]:
@@ -196,13 +212,16 @@ class Going:
         """Work out the drive that is wanted, and what else stays as it is for a while."""
         herd, dt = self.herd, self.dt
         self._steady = None
-        rests = self.halted | self.arrived | ~herd.walks
+        rests = self.arrived | ~herd.walks
         self._wish = np.where(rests, 0.0, np.maximum(self.throttle * self._easy, CREEP))
         v = np.maximum(self.full / self.cycle, 1e-9)
         # From v² = 2 a d, braking at a = v / cycle, and no harder than `HARD`.
         self.braking = v * v / (2.0 * np.minimum(v / self.cycle, HARD))
+        for c, stop in self._stops.items():
+            self.braking[c] = stop
         self._rises = dt / (RISING * self.cycle)
-        self._falls = np.where(self.halted, dt / BRAKING, dt / (FALLING * self.cycle))
+        # Who is stuck has a way to brake on that was made for it.
+        self._falls = np.where(self.halted, 1.0, dt / (FALLING * self.cycle))
         length = np.array([route.length for route in self.path.routes])
         # None while all go on for ever, which most do.
         self._ends = length if (herd.walks & (np.isfinite(length) | self.halted)).any() else None
@@ -212,8 +231,7 @@ class Going:
         routes = zip(self.path.routes, self.way, strict=True)
         left = np.maximum([route.free(s) for route, s in routes], 0.0)
         drive = np.sqrt(np.minimum(left / np.maximum(self.braking, 1e-9), 1.0))
-        rests = self.halted | self.arrived
-        result: Array = np.where(rests, 0.0, np.maximum(drive, CREEP))
+        result: Array = np.where(self.arrived, 0.0, np.maximum(drive, CREEP))
         return result
 
     def _near_the_end(
@@ -224,7 +242,7 @@ class Going:
         left = np.maximum(self._ends - self.way, 0.0)
         step = np.minimum(step, left)
         # Feet in the air, and those that close up, go on when the body rests.
-        closing = self.arrived & (self.phase < self.closed)
+        closing = self.arrived & ~self.halted & (self.phase < self.closed)
         rests = self.drive == 0.0
         rate = np.where(rests, np.where(airborne | closing, 1.0, 0.0), rate)
         there = self.herd.walks & ~self.arrived & (left - step <= 1e-9)

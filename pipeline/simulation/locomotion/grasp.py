@@ -7,15 +7,24 @@ that the leg comes to on level ground anyway.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.settling import misses
+from pipeline.simulation.figures.chains import Chains, chains_of
+from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.settling import misses, settle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 
 MISSES = 1e-4
 """Distance of tip from place that is none, in the leg's length."""
+
+JUMP = 0.8
+"""Greatest change of a joint between two of the places along its way that a leg is asked for
+[rad]: there are a dozen of them in a swing, in which no joint turns by more than half a turn
+to and fro."""
 
 BESIDE = np.array([0.12, 0.12, 0.1])
 """How far from its places on level ground a leg is sure to reach, in its length: along,
@@ -31,12 +40,38 @@ class Grasp:
 
     def __init__(self, herd: Herd) -> None:
         self.herd = herd
+        self._alone = cache(self._one)
         half = 0.5 * herd.stride[herd.owner] * (1.0 - 0.5 * herd.swings)
         x, z = herd.rest.T
         room = BESIDE * herd.legs.lengths[:, None]
         floor = herd.sole - herd.body_height[herd.owner]
         self._low = np.stack([x - half, floor - herd.legs.lengths, z], axis=-1) - room
         self._high = np.stack([x + half, floor, z], axis=-1) + room
+
+    def _one(self, leg: int) -> tuple[LimbBatch, list[Chains]]:
+        batch = self.herd.legs.rows(np.array([leg]))
+        return batch, chains_of(batch, np.zeros(1, dtype=np.int64))
+
+    def beside(self, leg: int, goals: Array) -> bool:
+        """Tell whether all `goals` (..., 3) are beside where the leg comes to on level ground."""
+        return bool(((goals >= self._low[leg]) & (goals <= self._high[leg])).all())
+
+    def follows(self, leg: int, ways: Array) -> bool:
+        """Tell whether the leg's tip can go all of `ways` (n, m, 3), relative to the body.
+
+        At the rim of what it reaches a leg comes to its goals now in one way, now in another;
+        so no joint may jump from one place to the next.
+        """
+        batch, chains = self._alone(leg)
+        settled = settle(batch, chains, ways.reshape(-1, 1, 3))
+        reached = settled.residual[:, 0] <= MISSES * self.herd.legs.lengths[leg]
+        q = settled.q[:, 0].reshape(*ways.shape[:2], -1)
+        return bool(reached.all() and (np.abs(np.diff(q, axis=1)) < JUMP).all())
+
+    def beside_each(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
+        """Say which `goals` (N, 3) are beside where legs (N,) come to on level ground."""
+        inside: NDArray[np.bool_] = (goals >= self._low[legs]) & (goals <= self._high[legs])
+        return np.asarray(inside.all(axis=-1))
 
     def holds(self, leg: int, goals: Array) -> NDArray[np.bool_]:
         """Say to which of `goals` (n, m, 3), relative to the body, the leg's tip comes."""

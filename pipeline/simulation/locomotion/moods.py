@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits import Gait
-from pipeline.simulation.locomotion.pace import CLEARANCE, EASY, WALKS_AT, Pace
+from pipeline.simulation.locomotion.pace import CLEARANCE, EASY, GRAVITY, WALKS_AT, Pace
 from pipeline.simulation.locomotion.spread import Spread
 from pipeline.spec.mood import Mood
 
@@ -96,15 +96,20 @@ def in_mood(pace: Pace, feeling: Feeling, figure: Figure, legs: Spread) -> Pace:
     height = min(max(height, min(lowest, pace.body_height)), max(tallest, pace.body_height))
     gait = _firmer(pace.carrying, feeling.duty)
     longest = legs.longest_stride(gait, height)
+    cycle, bounce = pace.cycle * feeling.cycle, pace.bounciness * feeling.bounciness
+    if pace.flight is not None:
+        # Nobody falls faster than freely, but who was asked to.
+        free = pace.flight.amplitude * GRAVITY * cycle * cycle
+        bounce = min(bounce, max(free, pace.bounciness * feeling.cycle**2))
     stride = min(pace.stride * feeling.stride, max(EASY * longest, min(pace.stride, longest)))
     return replace(
         pace,
         gait=gait.among(~pace.held),
         body_height=height,
-        cycle=pace.cycle * feeling.cycle,
+        cycle=cycle,
         stride=stride,
         longest=longest,
-        bounciness=pace.bounciness * feeling.bounciness,
+        bounciness=bounce,
         step_height=pace.step_height * feeling.step_height,
     )
 

@@ -16,20 +16,20 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.footholds import (
+    BELOW,
     EASY_ARCH,
     EASY_WAY,
     LAGS,
     MOST_ARCH,
     PLANNED_REACH,
     STANCE,
-    SWUNG,
     Foothold,
     Footholds,
 )
 from pipeline.simulation.locomotion.paces import Step
 from pipeline.simulation.locomotion.route import Route
 from pipeline.simulation.locomotion.sole import lowest
-from pipeline.simulation.locomotion.swing import arches, swing
+from pipeline.simulation.locomotion.swing import arches
 from pipeline.simulation.spatial import Array, turn, unturn
 
 MIDDLE = len(STANCE) // 2
@@ -145,18 +145,13 @@ class PlainSteps:
         arch = arches(self.footholds.ground, start, end, herd.sole[legs], least)
         good = arch <= MOST_ARCH * herd.legs.lengths[legs]
         across = end - start
-        easy = (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
-        easy &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
-        asked = np.flatnonzero(good & ~easy)
-        if len(asked):
-            some = bodies.some(asked)
-            R, p = some.at(self.path, some.up[:, None] + some.swing[:, None] * SWUNG)
-            first, last, height = (
-                np.repeat(f[asked], len(SWUNG), axis=0) for f in (start, end, arch)
-            )
-            way = swing(first, last, height, np.tile(SWUNG, len(asked))).reshape(p.shape)
-            held = self.footholds.grasp.holds_each(legs[asked], unturn(R, way - p))
-            good[asked] = held.all(axis=-1)
+        good &= (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
+        good &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
+        good &= [self.footholds.lifts(leg, high) for leg, high in zip(legs, least, strict=True)]
+        R, p = bodies.at(self.path, bodies.up[:, None] + bodies.swing[:, None] * [0.0, 1.0])
+        for k, tips in enumerate((start, end)):
+            goals = unturn(R[:, k], tips - p[:, k])
+            good &= self.footholds.grasp.beside_each(legs, goals)
         return arch, good
 
     def _bodies_of(self, legs: NDArray[np.int64], lifts: Sequence[Lift]) -> Bodies:
@@ -235,7 +230,8 @@ class PlainSteps:
         reach = PLANNED_REACH * herd.legs.lengths[legs]
         room = (reach**2)[:, None, None] - x**2 - z**2
         up = np.sqrt(np.maximum(room, 0.0))
-        reached = ((room >= 0.0) & (np.abs(y) <= up)).all(axis=-1)
+        most = np.minimum(up, -BELOW * herd.body_height[herd.owner[legs], None, None])
+        reached = ((room >= 0.0) & (y <= most) & (y >= -up)).all(axis=-1)
         owner = np.repeat(herd.owner[legs], xz.shape[1])
         allowed = self.path.footing.allows_each(owner, xz[..., 0].ravel(), xz[..., 1].ravel())
         result: NDArray[np.bool_] = reached & allowed.reshape(reached.shape)

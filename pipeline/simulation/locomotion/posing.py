@@ -21,6 +21,7 @@ from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.locomotion.bearing import Bearing
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.carriage import Carriage
+from pipeline.simulation.locomotion.folds import folds_of
 from pipeline.simulation.locomotion.give import Give
 from pipeline.simulation.locomotion.herd import REACH, Herd
 from pipeline.simulation.locomotion.idle import Idlers
@@ -35,6 +36,12 @@ from pipeline.simulation.take import Note
 SLIP = 1e-4
 """Distance between foot and foothold that is worth a note [m]."""
 
+YIELDS = 0.25
+"""Part of a swing, at either end, in which bodies come to give way to a foot; in between the
+foot gives way."""
+
+REINED = 1.01 * REACH
+"""How far a leg stretches at most in the air, as a part of its length."""
 
 TUCKED, BACK = 0.3, 0.12
 """How high a foot is held up, and how far back, as parts of its leg."""
@@ -102,6 +109,7 @@ class Posing:
         self.postures = postures
         self.dt = clock.dt
         self.row_dt = clock.dt * clock.steps / clock.samples
+        self._folds = folds_of(herd)
         self.give = Give(herd, self.row_dt)
         self.carriage = Carriage(herd, idlers, self.row_dt)
 
@@ -131,7 +139,11 @@ class Posing:
             up = _between(tuck, s)
             grip = grip * (1.0 - up)
             tips = tips + up[..., None] * (self._tucked(tall, R_WB, p_WB) - tips)
+        aloft = ease(np.clip(np.minimum(s, 1.0 - s) / YIELDS, 0.0, 1.0))
+        grip = grip * (1.0 - aloft)
+        p_WB[..., 1] += self._overfolded(tips, R_WB, p_WB, grip)
         p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
+        tips = self._reined(tips, R_WB, p_WB, aloft)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         solution = settle(herd.legs, herd.chains, goals)
         residual = solution.residual
@@ -157,6 +169,35 @@ class Posing:
                 *(self._missed(steps, c, miss) for c, miss in misses),
             ],
         )
+
+    def _overfolded(self, tips: Array, R_WB: Array, p_WB: Array, grip: Array) -> Array:
+        """Return how far bodies (n, C) have to be raised so that no leg folds up too far [m]."""
+        herd = self.herd
+        hips = p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips)
+        across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1) / self._folds**2
+        # Less towards the rim, so that nothing jumps where a foot comes under the hip.
+        below = np.maximum(1.0 - across, 0.0) ** 2
+        least = tips[..., 1] + self._folds * np.sqrt(below)
+        excess = grip * below * hinge(least - hips[..., 1], 0.02 * herd.legs.lengths)
+        return _greatest(herd, excess)
+
+    def _reined(self, tips: Array, R_WB: Array, p_WB: Array, aloft: Array) -> Array:
+        """Return tips (n, L, 3) of feet in the air so that no leg stretches or folds too far [m].
+
+        Args:
+            tips: (n, L, 3) where they would be [m].
+            R_WB: (n, C, 3, 3) and
+            p_WB: (n, C, 3), poses of the bodies [m].
+            aloft: (n, L) how far feet give way to bodies, 0 to 1.
+        """
+        herd = self.herd
+        way = tips - (p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips))
+        far = np.sqrt((way * way).sum(axis=-1))
+        width = 0.01 * herd.legs.lengths
+        beyond = hinge(far - REINED * herd.legs.lengths, width) - hinge(self._folds - far, width)
+        shorter = np.minimum(aloft / YIELDS, 1.0) * beyond / np.maximum(far, 1e-9)
+        result: Array = tips - shorter[..., None] * way
+        return result
 
     def _tucked(self, tall: Array, R_WB: Array, p_WB: Array) -> Array:
         """Return where tips (n, L, 3) are held up [m]."""
@@ -244,7 +285,12 @@ def _overstretched(herd: Herd, tips: Array, R_WB: Array, p_WB: Array, grip: Arra
     across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1)
     highest = tips[..., 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
     excess = grip * hinge(hips[..., 1] - highest, 0.02 * herd.legs.lengths)
-    lower = np.zeros(p_WB.shape[:2])
+    return _greatest(herd, excess)
+
+
+def _greatest(herd: Herd, values: Array) -> Array:
+    """Return the greatest (n, C) of the values (n, L) of each creature's legs."""
+    result = np.zeros((len(values), len(herd.names)))
     for owners, legs in herd.tiers:
-        lower[:, owners] = np.maximum(lower[:, owners], excess[:, legs])
-    return lower
+        result[:, owners] = np.maximum(result[:, owners], values[:, legs])
+    return result

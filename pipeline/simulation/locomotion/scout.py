@@ -24,7 +24,13 @@ from pipeline.simulation.spatial import Array
 PLAIN = 0.15
 """How far from the surface that bodies follow ground may lie to be plain, in leg lengths."""
 
-NOSE = np.linspace(0.0, 1.0, 4)
+SETS_OUT = 0.25
+"""Way for which it is worth setting out, in strides."""
+
+CLOSER = 8
+"""Places looked at within the stride before what bars the way, to come as near as can be."""
+
+NOSE = np.linspace(0.0, 1.0, 13)
 """Places looked at before the body, in the way that is new."""
 
 
@@ -55,13 +61,12 @@ class Scout:
         self._plain = dict[tuple[int, float, Route], bool]()
 
     def before(self, leg: int) -> Barrier | None:
-        """Look for what bars the way of a leg from the start: then it is best not to set out."""
+        """Look for what bars the way of a leg from the start: if it is near, it stays."""
         lift, stride = self._first(leg), float(self.going.full[self.herd.owner[leg]])
         barrier = self.ahead(leg, lift.travelled, lift.phase, first=0)
         if barrier is None:
             return None
-        near = barrier.way < self.going.braking[self.herd.owner[leg]] + stride
-        return Barrier(0.0, barrier.cause) if near else barrier
+        return Barrier(0.0, barrier.cause) if barrier.way < SETS_OUT * stride else barrier
 
     def _first(self, leg: int) -> Lift:
         """Return what is known of the first step of a leg after the start."""
@@ -80,10 +85,13 @@ class Scout:
             leg: which.
             way: that its body has gone [m].
             phase: of the gait at that, whole cycles counted.
-            first: the first of its next swings that is not planned yet.
+            first: the first of its next swings that is not planned yet; from 0 on, it has not
+                set out, and may do so as slowly as it has to.
         """
         c = int(self.herd.owner[leg])
         stride, step = float(self.going.full[c]), self.path.paces.step(leg, phase)
+        braking = float(self.going.braking[c])
+        nearest = way + braking if first else 0.0
         for k, there in self._places(leg, way, step, first):
             if there <= self._seen[leg] + 0.5 * stride:
                 continue
@@ -91,10 +99,10 @@ class Scout:
             stands = self._is_plain(leg, there)
             if not stands and self.footholds.later(leg, way + k * stride, later) is None:
                 # One stride before it the leg stood well; no nearer than brakes allow.
-                braking = float(self.going.braking[c])
-                return Barrier(max(there - stride, way + braking), "no foothold ahead")
+                last = self._rests(c, there - stride, there)
+                return Barrier(max(last, nearest), "no foothold ahead")
             self._seen[leg] = there
-        return self._wall(c, way, float(self.going.braking[c]))
+        return self._wall(c, way, braking, nearest)
 
     def foresee(self, lifts: Sequence[Lift], first: int = 1) -> None:
         """Look together at the ground that all of `lifts` will be asked about."""
@@ -140,7 +148,16 @@ class Scout:
         near: NDArray[np.bool_] = off < PLAIN * herd.legs.lengths[legs]
         return near & footing.allows_each(owner, x, z)
 
-    def _wall(self, c: int, way: float, braking: float) -> Barrier | None:
+    def _rests(self, c: int, first: float, last: float) -> float:
+        """Return the longest way up to `last` after which all feet have places to rest [m]."""
+        own = np.flatnonzero(self.herd.owner == c).tolist()
+        ways: list[float] = np.linspace(last, first, CLOSER, endpoint=False).tolist()
+        for way in ways:
+            if way >= 0.0 and all(self.footholds.rests(leg, way) for leg in own):
+                return way
+        return first
+
+    def _wall(self, c: int, way: float, braking: float, nearest: float) -> Barrier | None:
         """Return what is too high for the belly on the way that has not been seen yet."""
         nose = float(self.herd.footprint[c, 0])
         last = way + braking + float(self.going.full[c])
@@ -154,4 +171,4 @@ class Scout:
             self._clear[c] = last
             return None
         before = float(places[max(int(np.argmax(high)) - 1, 0)])
-        return Barrier(max(before, way + braking), "the ground ahead is higher than its belly")
+        return Barrier(max(before, nearest), "the ground ahead is higher than its belly")

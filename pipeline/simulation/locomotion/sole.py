@@ -11,8 +11,8 @@ import numpy as np
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
-RINGS = np.array([0.55, 0.92])
-"""Radii of the rings, in that of the ball."""
+RINGS = np.array([0.55, 0.92, 1.0])
+"""Radii of the rings, in that of the ball; the last one feels walls."""
 
 _ANGLES = np.arange(8) * (np.pi / 4.0)
 _OUT = np.concatenate(

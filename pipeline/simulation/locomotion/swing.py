@@ -19,6 +19,9 @@ from pipeline.simulation.terrain import Ground
 SAMPLES = np.linspace(0.0, 1.0, 42)[1:-1]
 """Places along the way at which the ground is looked at."""
 
+FINE = np.linspace(0.0, 1.0, 162)[1:-1]
+"""Places where it has walls."""
+
 
 _EASE, _BUMP = ease(SAMPLES)[:, None], bump(SAMPLES)
 
@@ -44,13 +47,20 @@ def lift_to_clear(
         margin: by how much the top of an arch is to clear the ground; 0.4 of `least` if left
             out [m].
     """
-    way = swing(start, end, 0.0, SAMPLES, None if bend is None else _for_all(bend, SAMPLES))
     margin = 0.4 * least if margin is None else margin
-    return float(_arch(lowest(ground, way[:, 0], way[:, 2], sole) - way[:, 1], margin, least))
+    rise, wall = _rise(ground, start, end, sole, bend, SAMPLES)
+    highest = max(float((rise / bump(SAMPLES)).max()), wall)
+    if wall > 0.0:
+        # Between walls there may be more of them, and narrow ones.
+        rise, _ = _rise(ground, start, end, sole, bend, FINE)
+        highest = max(highest, float((rise / bump(FINE)).max()))
+    return max(highest + margin, least)
 
 
 def arches(ground: Ground, start: Array, end: Array, sole: Array, least: Array) -> Array:
     """Return how high swings without a bend must arch to clear the ground (N,) [m].
+
+    Infinite where there are walls, which want a closer look.
 
     Args:
         ground: what is to be cleared.
@@ -61,19 +71,40 @@ def arches(ground: Ground, start: Array, end: Array, sole: Array, least: Array) 
     """
     way = start[:, None] + _EASE * (end - start)[:, None]
     rise = lowest(ground, way[..., 0], way[..., 2], sole[:, None]) - way[..., 1]
-    return _arch(rise, (0.4 * least)[:, None], least[:, None])
+    arch = np.maximum((rise / _BUMP).max(axis=-1) + 0.4 * least, least)
+    walls = (np.abs(np.diff(rise, axis=1)) > sole[:, None]).any(axis=1)
+    return np.where(walls, np.inf, arch)
 
 
-def _arch(rise: Array, margin: Array | float, least: Array | float) -> Array:
-    """Return the height of arches (...) over ground that rises (..., n) above their ways [m]."""
-    # Beside the footholds the arch grows with the square of the time and the ground can
-    # rise with its cube only, so the quotient stays bounded.
-    result: Array = np.maximum(rise / _BUMP + margin, least).max(axis=-1)
-    return result
+def _rise(
+    ground: Ground, start: Array, end: Array, sole: float, bend: Array | None, s: Array
+) -> tuple[Array, float]:
+    """Return how far the ground rises above a way without arch (n,), and what walls ask for.
 
+    Beside the footholds the arch grows with the square of the time and the ground can rise
+    with its cube only, so rise / bump stays bounded there. A wall between two of the places
+    is come to with the lower of their arches.
 
-def _for_all(bend: Array, parts: Array) -> Array:
-    return np.broadcast_to(bend, (len(parts), *bend.shape))
+    Args:
+        ground: what is to be cleared.
+        start: (3,) tip at lifting [m].
+        end: (3,) tip at coming down [m].
+        sole: radius of the tip [m].
+        bend: what the way has beside the arch.
+        s: (n,) parts of the swing that are looked at.
+
+    Returns:
+        Rises (n,), and the arch that clears all walls, 0 if there are none [m].
+    """
+    n = len(s)
+    bends = None if bend is None else _for_all(bend, s)
+    way = swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.zeros(n), s, bends)
+    rise = lowest(ground, way[:, 0], way[:, 2], sole) - way[:, 1]
+    walls = np.abs(rise[1:] - rise[:-1]) > sole
+    if not walls.any():
+        return rise, 0.0
+    high, arch = np.maximum(rise[1:], rise[:-1]), bump(s)
+    return rise, max(float((high / np.minimum(arch[1:], arch[:-1]))[walls].max()), 0.0)
 
 
 def swing(
@@ -93,6 +124,10 @@ def swing(
 
 LAST = np.linspace(0.9, 1.0, 9)
 _LAST_PARTS = np.diff(LAST)
+
+
+def _for_all(bend: Array, parts: Array) -> Array:
+    return np.broadcast_to(bend, (len(parts), *bend.shape))
 
 
 def approach_speed(

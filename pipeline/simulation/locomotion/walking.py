@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.body_path import BodyPath
+from pipeline.simulation.locomotion.braking import room_to_rest
 from pipeline.simulation.locomotion.directing import obey
 from pipeline.simulation.locomotion.footholds import Foothold, Footholds
 from pipeline.simulation.locomotion.gaits import Gait
@@ -50,6 +51,9 @@ from pipeline.spec.script import ChangeGait, ChangeMood, SetSpeed
 
 HURRY = 2.0
 """How much faster a creature may get by a change of mood or speed."""
+
+AHEAD = 2.5
+"""Strides in which a foot has done its step and stood."""
 
 CLOSE = 0.08
 """Distance of a foot from where it rests, as a part of its leg, that is closed up."""
@@ -116,6 +120,7 @@ class Walkers:
         self._told: list[Note] = []
         self._arrived: list[str] = []
         self._kept: list[Moment] = []
+        self._found: dict[int, Foothold | None] = {}
         self._set_down()
 
     @property
@@ -220,6 +225,13 @@ class Walkers:
     def _set_down(self) -> None:
         """Put every foot where it would be if the creature had come walking."""
         herd = self.herd
+        walking = np.flatnonzero(herd.walks[herd.owner]).tolist()
+        self.scout.foresee_before(walking)
+        for leg in walking:
+            self._end_before(0, leg, self.scout.before(leg))
+        # No faster than it can come to rest before what bars its way.
+        slow = np.sqrt(self._barred / np.maximum(self.going.braking, 1e-9))
+        self.going.drive = np.where(slow < 1.0, self.going.drive * slow, self.going.drive)
         into = np.mod(-herd.up, 1.0)  # how far the cycle has gone since its last foot-up
         in_air = herd.walks[herd.owner] & (into < herd.swings)
         # Where it stands now, or stood before the swing that it is in.
@@ -246,11 +258,8 @@ class Walkers:
                 self.tuck[0, leg] = 1.0
             elif in_air[leg]:
                 self._lift(0, leg, -float(into[leg]))
-        walking = np.flatnonzero(herd.walks[herd.owner]).tolist()
-        self.scout.foresee_before(walking)
-        for leg in walking:
-            self._end_before(0, leg, self.scout.before(leg))
-        for c in np.flatnonzero(self._barred == 0.0).tolist():
+        self._found.clear()
+        for c in np.flatnonzero((self._barred == 0.0) | self.going.halted).tolist():
             self._stay(c)
 
     def _standing(self, leg: int, down: float) -> Lift:
@@ -330,8 +339,20 @@ class Walkers:
             may &= [not rest or self._is_astray(leg) for leg, rest in rests]
         lifting = [(leg, float(up_at[leg])) for leg in due[may].tolist()]
         self._foresee(lifting)
-        for leg, up in lifting:
+        for leg, up in self._stuck_first(lifting):
             self._go_up(step, leg, up)
+        self._found.clear()
+
+    def _stuck_first(self, lifts: list[tuple[int, float]]) -> list[tuple[int, float]]:
+        """Put legs that have nowhere to go first: others that lift with them then stay down."""
+        owners = [int(self.herd.owner[leg]) for leg, _ in lifts]
+        if len(set(owners)) == len(owners):
+            return lifts
+        paces, free = self.going.paces, []
+        for leg, phase in lifts:
+            swings = not paces.held(leg, phase) and self.tuck[1, leg] == 0.0
+            free.append(not swings or self._place_for(leg, phase) is not None)
+        return [lifts[i] for i in np.argsort(free, kind="stable")]
 
     def _going_up(self, before: Array, base: Array) -> Array:
         """Return the phases (L,) of the first foot-up after the step began.
@@ -390,15 +411,23 @@ class Walkers:
             for leg, phase in lifting
             if self.tuck[1, leg] == 0.0 and not paces.held(leg, phase)
         ]
-        self._plain.foresee(lifts)
+        self._plain.foresee([lift for lift in lifts if self._is_plain(lift)])
         self.scout.foresee(lifts)
+
+    def _is_plain(self, lift: Lift) -> bool:
+        """Tell whether a body neither stoops nor may have to brake while a foot steps."""
+        going, c = self.going, int(self.herd.owner[lift.leg])
+        first = int(self.herd.first_leg[c])
+        own = slice(first, first + len(self.herd.paces[c].held))
+        left = going.path.routes[c].length - lift.travelled
+        far = float(going.braking[c]) + AHEAD * float(going.full[c])
+        return left > far and not self.stoop[:, own].any()
 
     def _lift_of(self, leg: int, phase: float, present: Array) -> Lift:
         """Return what is known of the step of a foot that lifts at `phase`."""
         going, owner = self.going, int(self.herd.owner[leg])
         drive = float(going.drive[owner])
-        back = going.paces.way(owner, float(self.phase[owner]), np.array([phase]))
-        way = float(self.travelled[owner] + back[0] * math.sqrt(drive))
+        way = self._way_at(leg, phase)
         return Lift(leg, way, phase, going.paces.step(leg, phase), drive, present)
 
     def _is_astray(self, leg: int) -> bool:
@@ -413,18 +442,16 @@ class Walkers:
         herd, owner = self.herd, int(self.herd.owner[leg])
         if self.going.halted[owner]:
             return
-        going, lift = self.going, self._lift_of(leg, phase, self.end[leg])
-        swung, way, drive = lift.step, lift.travelled, lift.drive
-        place = self._plain.of(leg)
-        if place is None:
-            place = self.footholds.next(leg, self.end[leg], way, swung, drive)
+        going, swung = self.going, self.going.paces.step(leg, phase)
+        drive, way = float(going.drive[owner]), self._way_at(leg, phase)
+        place = self._place_for(leg, phase)
         if place is None:
             if self._is_barred(owner):
                 # It has been told, and rests as soon as it can.
                 if not self.going.arrived[owner]:
-                    self.going.halt(owner)
+                    self._halt(owner)
                 return
-            self.going.halt(owner)
+            self._halt(owner)
             name = f"{herd.names[owner]}.{herd.leg_names[leg]}"
             self._notes.append(Note("stopped", step, name, "no foothold within reach"))
             return
@@ -442,6 +469,45 @@ class Walkers:
         heights = float(self.height[leg]), least
         self.scuffing.plan(leg, swung, self.start[leg], place.tip, heights, self._bend(leg))
         self._end_before(step, leg, self.scout.ahead(leg, way, phase))
+
+    def _way_at(self, leg: int, phase: float) -> float:
+        """Return the way that the body of a leg had gone at `phase`, within this step [m]."""
+        going, owner = self.going, int(self.herd.owner[leg])
+        back = going.paces.way(owner, float(self.phase[owner]), np.array([phase]))
+        return float(self.travelled[owner] + back[0] * math.sqrt(float(going.drive[owner])))
+
+    def _place_for(self, leg: int, phase: float) -> Foothold | None:
+        """Return where a foot that lifts at `phase` is to come down, as far as it is known."""
+        place = self._plain.of(leg)
+        if place is not None:
+            return place
+        return self._found[leg] if leg in self._found else self._next(leg, phase)
+
+    def _next(self, leg: int, phase: float) -> Foothold | None:
+        """Return where a foot that lifts at `phase` is to come down, None if nowhere."""
+        going, owner = self.going, int(self.herd.owner[leg])
+        drive = float(going.drive[owner])
+        others = (self.herd.owner == owner) & (np.arange(len(self.end)) != leg)
+        low = float(self.stoop[1, leg]), float(self.stoop[:, others].max(initial=0.0))
+        step, brakes = going.paces.step(leg, phase), float(going.braking[owner]) * drive * drive
+        self._found[leg] = self.footholds.next(
+            leg, self.end[leg], self._way_at(leg, phase), step, drive, brakes, low
+        )
+        return self._found[leg]
+
+    def _halt(self, c: int) -> None:
+        """Let a creature that has no foothold come to rest where its feet still reach."""
+        going, own = self.going, self.herd.owner == c
+        way, phase = float(going.way[c]), float(going.phase[c])
+
+        def bodies(on: Array) -> tuple[Array, Array]:
+            count = len(on)
+            return going.path.pose(np.full(count, c), way + on, np.full(count, phase))
+
+        nearest, farthest = going.stopping(c)
+        room = room_to_rest(self.herd, c, self.end[own], bodies, nearest, farthest)
+        going.halt(c, room)
+        self._barred[c] = going.path.routes[c].length
 
     def _bend(self, leg: int) -> Array | None:
         """Return what the swing of a leg has beside its arch."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.figures.settling import misses, settle
+from pipeline.simulation.figures.settling import brought, settle
 from pipeline.simulation.locomotion.plain_steps import Lift, PlainSteps
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
@@ -93,6 +93,6 @@ def test_misses_are_how_far_limbs_settle_from_their_goals(walkers: Walkers) -> N
     goals = legs.tips + 0.3 * legs.lengths[:, None] * chance
     settled = settle(legs, chains, goals).residual
     rows = np.tile(np.arange(len(legs.lengths)), 3)
-    asked = misses(legs, chains, rows, goals.reshape(-1, 3))
+    _, asked = brought(legs, chains, rows, goals.reshape(-1, 3))
     assert (settled > 1e-3 * legs.lengths).any()
     assert np.allclose(asked, settled.ravel(), rtol=0.0, atol=1e-12)

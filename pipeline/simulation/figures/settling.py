@@ -85,16 +85,22 @@ def settle(batch: LimbBatch, chains: Sequence[Chains], goals: Array) -> Settled:
     return Settled(q, X, residual)
 
 
-def misses(batch: LimbBatch, chains: Sequence[Chains], rows: Rows, goals: Array) -> Array:
-    """Return how far the tips of limbs stay from `goals` (N,) as `settle` brings them there [m].
+def brought(
+    batch: LimbBatch, chains: Sequence[Chains], rows: Rows, goals: Array
+) -> tuple[Array, Array]:
+    """Return what `settle` makes of limbs, each brought to a goal of its own.
 
     Args:
         batch: L limbs.
         chains: the same limbs by their makes.
         rows: (N,) which limb for each goal.
         goals: (N, 3) relative to the body [m].
+
+    Returns:
+        Joint values (N, n) [rad or m], and how far the tips stay from their goals (N,) [m].
     """
     residual: Array = np.linalg.norm(goals - batch.tips[rows], axis=-1)
+    q = batch.preferred[rows]
     for chain in chains:
         place = np.full(len(batch.lengths), -1)
         place[chain.rows] = np.arange(len(chain.rows))
@@ -106,13 +112,12 @@ def misses(batch: LimbBatch, chains: Sequence[Chains], rows: Rows, goals: Array)
         values = _settled(some, goal)
         *_, (_, _, _, p) = some.along(values)
         residual[mine] = _norm(goal - p)[:, 0]
-        far = residual[mine] > TOLERANCE * batch.lengths[rows[mine]]
-        if far.any():
-            q = batch.preferred[rows[mine[far]]]
-            q[:, : len(values)] = values[:, far, 0].T
-            found = _farther(batch, rows[mine[far]], q, goals[mine[far]])
-            residual[mine[far]] = found.residual
-    return residual
+        q[mine, : len(values)] = values[..., 0].T
+        far = mine[residual[mine] > TOLERANCE * batch.lengths[rows[mine]]]
+        if len(far):
+            found = _farther(batch, rows[far], q[far], goals[far])
+            q[far], residual[far] = found.pose.q, found.residual
+    return q, residual
 
 
 def _farther(batch: LimbBatch, rows: Rows, q: Array, goals: Array) -> Solution:

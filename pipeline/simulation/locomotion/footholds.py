@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -203,15 +203,25 @@ class Footholds:
 
     def lifts(self, leg: int, high: float) -> bool:
         """Tell whether a leg lifts its foot as high as it would where it rests [m]."""
+        if high == self.herd.step_height[leg]:
+            return bool(self.lifting[leg])
         key = leg, high
         if key not in self._lifted:
-            x, z = self.herd.rest[leg]
-            floor = self.herd.sole[leg] - self.herd.body_height[self.herd.owner[leg]]
-            ahead = 0.25 * float(self.herd.stride[self.herd.owner[leg]])
-            top = floor + EASY_ARCH * high
-            goals = np.array([[[x - ahead, top, z], [x, top, z], [x + ahead, top, z]]])
-            self._lifted[key] = bool(self.grasp.holds(leg, goals).all())
+            self._lifted[key] = bool(self._can_lift(np.array([leg]), np.array([high]))[0])
         return self._lifted[key]
+
+    @cached_property
+    def lifting(self) -> NDArray[np.bool_]:
+        """(L,) which legs lift their feet as high as they would where they rest."""
+        return self._can_lift(np.arange(len(self.herd.owner)), self.herd.step_height)
+
+    def _can_lift(self, legs: NDArray[np.int64], high: Array) -> NDArray[np.bool_]:
+        herd, owner = self.herd, self.herd.owner[legs]
+        x, z = herd.rest[legs].T
+        top = herd.sole[legs] - herd.body_height[owner] + EASY_ARCH * high
+        ahead = 0.25 * herd.stride[owner]
+        goals = [np.stack([x + k * ahead, top, z], axis=-1) for k in (-1.0, 0.0, 1.0)]
+        return np.asarray(self.grasp.holds_each(legs, np.stack(goals, axis=1)).all(axis=-1))
 
     def first(self, leg: int, phase: float, moves: bool = True) -> Foothold | None:
         """Return where `leg` stands at the start: the good place nearest to where it would.

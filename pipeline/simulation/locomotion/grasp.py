@@ -7,14 +7,10 @@ that the leg comes to on level ground anyway.
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.chains import Chains, chains_of
-from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.settling import misses, settle
+from pipeline.simulation.figures.settling import brought
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 
@@ -40,7 +36,6 @@ class Grasp:
 
     def __init__(self, herd: Herd) -> None:
         self.herd = herd
-        self._alone = cache(self._one)
         half = 0.5 * herd.stride[herd.owner] * (1.0 - 0.5 * herd.swings)
         x, z = herd.rest.T
         room = BESIDE * herd.legs.lengths[:, None]
@@ -48,25 +43,26 @@ class Grasp:
         self._low = np.stack([x - half, floor - herd.legs.lengths, z], axis=-1) - room
         self._high = np.stack([x + half, floor, z], axis=-1) + room
 
-    def _one(self, leg: int) -> tuple[LimbBatch, list[Chains]]:
-        batch = self.herd.legs.rows(np.array([leg]))
-        return batch, chains_of(batch, np.zeros(1, dtype=np.int64))
-
     def beside(self, leg: int, goals: Array) -> bool:
         """Tell whether all `goals` (..., 3) are beside where the leg comes to on level ground."""
         return bool(((goals >= self._low[leg]) & (goals <= self._high[leg])).all())
 
     def follows(self, leg: int, ways: Array) -> bool:
-        """Tell whether the leg's tip can go all of `ways` (n, m, 3), relative to the body.
+        """Tell whether the leg's tip can go all of `ways` (n, m, 3), see `follows_each`."""
+        return bool(self.follows_each(np.full(len(ways), leg), ways).all())
+
+    def follows_each(self, legs: NDArray[np.int64], ways: Array) -> NDArray[np.bool_]:
+        """Say which tips of legs (N,) can go their `ways` (N, m, 3), relative to bodies.
 
         At the rim of what it reaches a leg comes to its goals now in one way, now in another;
         so no joint may jump from one place to the next.
         """
-        batch, chains = self._alone(leg)
-        settled = settle(batch, chains, ways.reshape(-1, 1, 3))
-        reached = settled.residual[:, 0] <= MISSES * self.herd.legs.lengths[leg]
-        q = settled.q[:, 0].reshape(*ways.shape[:2], -1)
-        return bool(reached.all() and (np.abs(np.diff(q, axis=1)) < JUMP).all())
+        herd, shape = self.herd, ways.shape[:2]
+        rows = np.repeat(legs, shape[1])
+        q, residual = brought(herd.legs, herd.chains, rows, ways.reshape(-1, 3))
+        reached = (residual <= MISSES * herd.legs.lengths[rows]).reshape(shape).all(axis=1)
+        turned = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
+        return np.asarray(reached & (turned < JUMP).all(axis=(1, 2)))
 
     def beside_each(self, legs: NDArray[np.int64], goals: Array) -> NDArray[np.bool_]:
         """Say which `goals` (N, 3) are beside where legs (N,) come to on level ground."""
@@ -85,6 +81,6 @@ class Grasp:
         row, moment = np.nonzero(~known)
         if len(row):
             herd, asked = self.herd, legs[row]
-            residual = misses(herd.legs, herd.chains, asked, goals[row, moment])
+            _, residual = brought(herd.legs, herd.chains, asked, goals[row, moment])
             known[row, moment] = residual <= MISSES * herd.legs.lengths[asked]
         return known

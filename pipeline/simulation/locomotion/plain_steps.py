@@ -23,13 +23,14 @@ from pipeline.simulation.locomotion.footholds import (
     MOST_ARCH,
     PLANNED_REACH,
     STANCE,
+    SWUNG,
     Foothold,
     Footholds,
 )
 from pipeline.simulation.locomotion.paces import Step
 from pipeline.simulation.locomotion.route import Route
 from pipeline.simulation.locomotion.sole import lowest
-from pipeline.simulation.locomotion.swing import arches
+from pipeline.simulation.locomotion.swing import arches, swing
 from pipeline.simulation.spatial import Array, turn, unturn
 
 MIDDLE = len(STANCE) // 2
@@ -145,13 +146,22 @@ class PlainSteps:
         arch = arches(self.footholds.ground, start, end, herd.sole[legs], least)
         good = arch <= MOST_ARCH * herd.legs.lengths[legs]
         across = end - start
-        good &= (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
-        good &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
-        good &= [self.footholds.lifts(leg, high) for leg, high in zip(legs, least, strict=True)]
+        grasp = self.footholds.grasp
+        easy = (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
+        easy &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
+        easy &= self.footholds.lifting[legs]
         R, p = bodies.at(self.path, bodies.up[:, None] + bodies.swing[:, None] * [0.0, 1.0])
         for k, tips in enumerate((start, end)):
-            goals = unturn(R[:, k], tips - p[:, k])
-            good &= self.footholds.grasp.beside_each(legs, goals)
+            easy &= grasp.beside_each(legs, unturn(R[:, k], tips - p[:, k]))
+        asked = np.flatnonzero(good & ~easy)
+        if len(asked):
+            some = bodies.some(asked)
+            R, p = some.at(self.path, some.up[:, None] + some.swing[:, None] * SWUNG)
+            first, last, height = (
+                np.repeat(f[asked], len(SWUNG), axis=0) for f in (start, end, arch)
+            )
+            way = swing(first, last, height, np.tile(SWUNG, len(asked))).reshape(p.shape)
+            good[asked] = grasp.follows_each(legs[asked], unturn(R, way - p))
         return arch, good
 
     def _bodies_of(self, legs: NDArray[np.int64], lifts: Sequence[Lift]) -> Bodies:

@@ -40,10 +40,13 @@ def _folds(herd: Herd, own: NDArray[np.int64]) -> Array:
     """Return the folds of some legs (n,) [m]."""
     legs, (x, z) = herd.legs.rows(own), herd.rest[own].T
     way = np.stack([x, -herd.body_height[herd.owner[own]], z], axis=-1) - herd.hips[own]
-    way /= np.maximum(np.linalg.norm(way, axis=-1, keepdims=True), 1e-9)
+    at_rest = np.linalg.norm(way, axis=-1)
+    way /= np.maximum(at_rest, 1e-9)[:, None]
     goals = herd.hips[own] + (DISTANCES[:, None] * legs.lengths)[..., None] * way
     residual = settle(legs, chains_of(legs, herd.owner[own]), goals).residual
-    missed = residual > MISSES * legs.lengths
+    # Where a foot rests it is, whatever limits stretched legs come to.
+    nearer = DISTANCES[:, None] * legs.lengths < at_rest
+    missed = nearer & (residual > MISSES * legs.lengths)
     # The last one before the first that is missed; those that miss none fold up wholly.
     first = np.where(missed.any(axis=0), missed.argmax(axis=0), len(DISTANCES))
     result: Array = DISTANCES[np.maximum(first - 1, 0)] * legs.lengths

@@ -47,8 +47,8 @@ belly has over level ground."""
 CROUCH = 0.25
 """How far at most, in leg lengths: legs under a lower body would fold too far."""
 
-BELOW = 0.4
-"""How far below its hip a foot stands at least, in heights of the body."""
+BELOW = 0.25
+"""How far below its hip a foot stands at least, as a part of how far it does on level ground."""
 
 PLANNED_REACH = 0.98 * REACH
 """How far a leg is planned to stretch, as a part of its length; the rest is kept for
@@ -150,7 +150,7 @@ class Footholds:
 
             def swung(place: Foothold, far: float = far) -> Foothold | None:
                 rests = beside and self.grasp.beside(leg, unturn(R[:1], place.tip - p[:1]))
-                easy = far if rests else 0.0
+                easy = far if rests or far == np.inf else 0.0
                 return self._swung(leg, present, place, step.up, on_way, easy, low)
 
             best = self._best(leg, self._choices(leg, wished, here), R, p, swung)
@@ -199,7 +199,7 @@ class Footholds:
             ways = unturn(R, way - (p - np.multiply.outer(lower, UP)))
             if self.grasp.follows(leg, ways):
                 return replace(place, arch=arch)
-        return None
+        return replace(place, arch=arch) if far == np.inf else None
 
     def lifts(self, leg: int, high: float) -> bool:
         """Tell whether a leg lifts its foot as high as it would where it rests [m]."""
@@ -444,6 +444,9 @@ class Footholds:
         room = reach**2 - to_tip[..., 0] ** 2 - to_tip[..., 2] ** 2
         up = np.sqrt(np.maximum(room, 0.0))
         stoop = np.maximum(-to_tip[..., 1] - up, 0.0).max(axis=1)
-        most = np.minimum(up, -BELOW * self.herd.body_height[self.herd.owner[leg]])
+        tall = self.herd.body_height[self.herd.owner[leg]] + self.herd.hips[leg, 1]
+        # On level ground bodies that crouch and bounce are as low as they were asked to be.
+        level = self.path.footing.is_level(int(self.herd.owner[leg]))
+        most = up if level else np.minimum(up, -BELOW * (tall - self.herd.sole[leg]))
         out_of_reach = (room < 0.0) | (to_tip[..., 1] + stoop[:, None] > most)
         return np.where(out_of_reach.any(axis=1), np.inf, stoop)

@@ -151,8 +151,8 @@ class Scout:
     def _rests(self, c: int, first: float, last: float) -> float:
         """Return the longest way up to `last` after which all feet have places to rest [m]."""
         own = np.flatnonzero(self.herd.owner == c).tolist()
-        ways: list[float] = np.linspace(last, first, CLOSER, endpoint=False).tolist()
-        for way in ways:
+        for k in range(CLOSER):
+            way = last + (first - last) * k / CLOSER
             if way >= 0.0 and all(self.footholds.rests(leg, way) for leg in own):
                 return way
         return first

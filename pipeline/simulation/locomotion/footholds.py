@@ -47,8 +47,9 @@ belly has over level ground."""
 CROUCH = 0.25
 """How far at most, in leg lengths: legs under a lower body would fold too far."""
 
-BELOW = 0.25
-"""How far below its hip a foot stands at least, as a part of how far it does on level ground."""
+BELOW = {"insect": -0.5, "mammal": 0.4}
+"""How far below its hip a foot stands at least, as a part of how far it does on level ground.
+Legs that sprawl reach above their hips as well."""
 
 PLANNED_REACH = 0.98 * REACH
 """How far a leg is planned to stretch, as a part of its length; the rest is kept for
@@ -209,6 +210,16 @@ class Footholds:
         if key not in self._lifted:
             self._lifted[key] = bool(self._can_lift(np.array([leg]), np.array([high]))[0])
         return self._lifted[key]
+
+    @cached_property
+    def highest(self) -> Array:
+        """(L,) how high above their hips feet stand at most [m]."""
+        herd, owner = self.herd, self.herd.owner
+        below = np.array([BELOW[figure.style] for figure in herd.figures])[owner]
+        tall = herd.body_height[owner] + herd.hips[:, 1] - herd.sole
+        # On level ground bodies that crouch and bounce are as low as they were asked to be.
+        level = np.array([self.path.footing.is_level(c) for c in range(len(herd.names))])[owner]
+        return np.where(level, np.inf, -below * tall)
 
     @cached_property
     def lifting(self) -> NDArray[np.bool_]:
@@ -444,9 +455,6 @@ class Footholds:
         room = reach**2 - to_tip[..., 0] ** 2 - to_tip[..., 2] ** 2
         up = np.sqrt(np.maximum(room, 0.0))
         stoop = np.maximum(-to_tip[..., 1] - up, 0.0).max(axis=1)
-        tall = self.herd.body_height[self.herd.owner[leg]] + self.herd.hips[leg, 1]
-        # On level ground bodies that crouch and bounce are as low as they were asked to be.
-        level = self.path.footing.is_level(int(self.herd.owner[leg]))
-        most = up if level else np.minimum(up, -BELOW * (tall - self.herd.sole[leg]))
+        most = np.minimum(up, self.highest[leg])
         out_of_reach = (room < 0.0) | (to_tip[..., 1] + stoop[:, None] > most)
         return np.where(out_of_reach.any(axis=1), np.inf, stoop)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.body_path import BodyPath
 from pipeline.simulation.locomotion.footholds import (
-    BELOW,
     EASY_ARCH,
     EASY_WAY,
     LAGS,
@@ -240,7 +239,7 @@ class PlainSteps:
         reach = PLANNED_REACH * herd.legs.lengths[legs]
         room = (reach**2)[:, None, None] - x**2 - z**2
         up = np.sqrt(np.maximum(room, 0.0))
-        most = np.minimum(up, -BELOW * herd.body_height[herd.owner[legs], None, None])
+        most = np.minimum(up, self.footholds.highest[legs, None, None])
         reached = ((room >= 0.0) & (y <= most) & (y >= -up)).all(axis=-1)
         owner = np.repeat(herd.owner[legs], xz.shape[1])
         allowed = self.path.footing.allows_each(owner, xz[..., 0].ravel(), xz[..., 1].ravel())

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import UsageError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.gaits import TOGETHER
+from pipeline.simulation.locomotion.gaits.gait import TOGETHER
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation

@@ -19,8 +19,8 @@ from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect import DETECTORS
 from pipeline.simulation.figures.figure import Figure, build_figure
-from pipeline.simulation.locomotion.inching import Inchworms
-from pipeline.simulation.locomotion.inching_chain import is_chain
+from pipeline.simulation.locomotion.inching.chain import is_chain
+from pipeline.simulation.locomotion.inching.worms import Inchworms
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Script

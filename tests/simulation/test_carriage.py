@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation import simulate as simulation
-from pipeline.simulation.locomotion.bearing import Bearing
+from pipeline.simulation.locomotion.carriage.bearing import Bearing
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn

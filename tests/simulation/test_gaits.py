@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.gaits import Gait
-from pipeline.simulation.locomotion.gaits_automatic import ripple, trot, wave
-from pipeline.simulation.locomotion.gaits_flight import Bounce
-from pipeline.simulation.locomotion.gaits_legs import Rows
-from pipeline.simulation.locomotion.gaits_named import NEEDS, gaits_of
+from pipeline.simulation.locomotion.gaits.automatic import ripple, trot, wave
+from pipeline.simulation.locomotion.gaits.flight import Bounce
+from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.named import NEEDS, gaits_of
+from pipeline.simulation.locomotion.gaits.rows import Rows
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import GaitName
 

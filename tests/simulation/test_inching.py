@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from pipeline.errors import SceneError, SimulationError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.inching import Inchworms
-from pipeline.simulation.locomotion.inching_chain import FRONT, REAR, Chain, is_chain
-from pipeline.simulation.locomotion.inching_loop import GREATEST, LEAST, amplitude, chord
-from pipeline.simulation.locomotion.inching_posing import posed
-from pipeline.simulation.locomotion.inching_steps import Step, Worm, poses_of
+from pipeline.simulation.locomotion.inching.chain import FRONT, REAR, Chain, is_chain
+from pipeline.simulation.locomotion.inching.loop import GREATEST, LEAST, amplitude, chord
+from pipeline.simulation.locomotion.inching.posing import posed
+from pipeline.simulation.locomotion.inching.steps import Step, Worm, poses_of
+from pipeline.simulation.locomotion.inching.worms import Inchworms
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take

@@ -8,11 +8,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pipeline.simulation.locomotion.gaits import Gait
-from pipeline.simulation.locomotion.gaits_legs import Rows
-from pipeline.simulation.locomotion.gaits_named import gaits_of
+from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.named import gaits_of
+from pipeline.simulation.locomotion.gaits.pace import GRAVITY
+from pipeline.simulation.locomotion.gaits.rows import Rows
 from pipeline.simulation.locomotion.herd import REACH
-from pipeline.simulation.locomotion.pace import GRAVITY
 from tests.simulation.conftest import Walk, scene_of, walk_through
 
 LEGS = {

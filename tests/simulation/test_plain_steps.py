@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.settling import brought, settle
-from pipeline.simulation.locomotion.plain_steps import Lift, PlainSteps
+from pipeline.simulation.locomotion.footing.plain_steps import Lift, PlainSteps
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene

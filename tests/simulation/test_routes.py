@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.route import (
+from pipeline.simulation.locomotion.ways.route import (
     Route,
     direction,
     standing,
@@ -15,7 +15,7 @@ from pipeline.simulation.locomotion.route import (
     through,
     turning,
 )
-from pipeline.simulation.locomotion.wayfinding import corners_of
+from pipeline.simulation.locomotion.ways.wayfinding import corners_of
 from pipeline.simulation.spatial import Array
 
 WAYPOINTS = st.lists(

@@ -11,11 +11,11 @@ import pytest
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion import swing_plans
-from pipeline.simulation.locomotion.swing import lift_to_clear
-from pipeline.simulation.locomotion.swing_bend import KNOTS, POINTS, SPANS, bend_through, bent
-from pipeline.simulation.locomotion.swing_passive import fall
-from pipeline.simulation.locomotion.swing_plans import PLANNERS
-from pipeline.simulation.locomotion.swing_trial import ROWS, SwingTrial
+from pipeline.simulation.locomotion.swings.bend import KNOTS, POINTS, SPANS, bend_through, bent
+from pipeline.simulation.locomotion.swings.passive import fall
+from pipeline.simulation.locomotion.swings.plans import PLANNERS
+from pipeline.simulation.locomotion.swings.swing import lift_to_clear
+from pipeline.simulation.locomotion.swings.trial import ROWS, SwingTrial
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground

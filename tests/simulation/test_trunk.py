@@ -11,10 +11,16 @@ from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.locomotion.gaits import Gait
-from pipeline.simulation.locomotion.gaits_legs import Rows
-from pipeline.simulation.locomotion.gaits_named import gaits_of
-from pipeline.simulation.locomotion.trunk import GRAVITY, MOST_PITCH, MOST_ROLL, PITCHES, Trunk
+from pipeline.simulation.locomotion.carriage.trunk import (
+    GRAVITY,
+    MOST_PITCH,
+    MOST_ROLL,
+    PITCHES,
+    Trunk,
+)
+from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.named import gaits_of
+from pipeline.simulation.locomotion.gaits.rows import Rows
 from pipeline.simulation.spatial import Array
 
 PHASES = np.arange(4096) / 4096

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.chains import Chains, chains_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.locomotion.moods import blended, in_mood
-from pipeline.simulation.locomotion.pace import Pace, pace_of
-from pipeline.simulation.locomotion.spread import REACH as REACH
-from pipeline.simulation.locomotion.spread import Spread
+from pipeline.simulation.locomotion.gaits.moods import blended, in_mood
+from pipeline.simulation.locomotion.gaits.pace import Pace, pace_of
+from pipeline.simulation.locomotion.gaits.spread import REACH as REACH
+from pipeline.simulation.locomotion.gaits.spread import Spread
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Creature
 from pipeline.spec.mood import Mood

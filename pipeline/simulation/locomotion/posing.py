@@ -18,18 +18,18 @@ from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.posed_limb import Miss
 from pipeline.simulation.figures.settling import settle
 from pipeline.simulation.figures.surroundings import Surroundings
-from pipeline.simulation.locomotion.bearing import Bearing
-from pipeline.simulation.locomotion.body_path import BodyPath
-from pipeline.simulation.locomotion.carriage import Carriage
-from pipeline.simulation.locomotion.folds import folds_of
-from pipeline.simulation.locomotion.give import Give
+from pipeline.simulation.locomotion.carriage.bearing import Bearing
+from pipeline.simulation.locomotion.carriage.carriage import Carriage
+from pipeline.simulation.locomotion.carriage.give import Give
+from pipeline.simulation.locomotion.carriage.idle import Idlers
+from pipeline.simulation.locomotion.carriage.looking import Look, Rows
+from pipeline.simulation.locomotion.footing.folds import folds_of
 from pipeline.simulation.locomotion.herd import REACH, Herd
-from pipeline.simulation.locomotion.idle import Idlers
 from pipeline.simulation.locomotion.inventory import NodeTable
-from pipeline.simulation.locomotion.looking import Look, Rows
 from pipeline.simulation.locomotion.postures import Postures
-from pipeline.simulation.locomotion.route import Route
-from pipeline.simulation.locomotion.swing import swing
+from pipeline.simulation.locomotion.swings.swing import swing
+from pipeline.simulation.locomotion.ways.body_path import BodyPath
+from pipeline.simulation.locomotion.ways.route import Route
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.take import Note
 

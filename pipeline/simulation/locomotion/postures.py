@@ -14,8 +14,8 @@ from pipeline.simulation.figures.posed_limb import FIRST, LATER, PULL, Miss
 from pipeline.simulation.figures.posture import Posture
 from pipeline.simulation.figures.pursuit import pursue
 from pipeline.simulation.figures.surroundings import Surroundings
+from pipeline.simulation.locomotion.carriage.idle import Idlers
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.idle import Idlers
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, turn
 from pipeline.spec.cast import Creature

@@ -17,31 +17,31 @@ from numpy.typing import NDArray
 
 from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.body_path import BodyPath
-from pipeline.simulation.locomotion.braking import room_to_rest
-from pipeline.simulation.locomotion.directing import obey
-from pipeline.simulation.locomotion.footholds import Foothold, Footholds
-from pipeline.simulation.locomotion.gaits import Gait
-from pipeline.simulation.locomotion.going import Going
+from pipeline.simulation.locomotion.carriage.idle import gather_idlers
+from pipeline.simulation.locomotion.carriage.looking import looks_in
+from pipeline.simulation.locomotion.footing.footholds import Foothold, Footholds
+from pipeline.simulation.locomotion.footing.plain_steps import Lift, PlainSteps
+from pipeline.simulation.locomotion.footing.scout import Barrier, Scout
+from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.manners import Manners
+from pipeline.simulation.locomotion.gaits.paces import Paces, Step
 from pipeline.simulation.locomotion.herd import gather
-from pipeline.simulation.locomotion.idle import gather_idlers
 from pipeline.simulation.locomotion.inventory import (
     NodeTable,
     describe,
     foot_materials,
     leg_mass,
 )
-from pipeline.simulation.locomotion.looking import looks_in
-from pipeline.simulation.locomotion.manners import Manners
-from pipeline.simulation.locomotion.paces import Paces, Step
-from pipeline.simulation.locomotion.plain_steps import Lift, PlainSteps
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
-from pipeline.simulation.locomotion.scout import Barrier, Scout
-from pipeline.simulation.locomotion.scuffing import Scuffing
-from pipeline.simulation.locomotion.swing import approach_speed
-from pipeline.simulation.locomotion.swing_plans import Asked, SwingPlans
-from pipeline.simulation.locomotion.wayfinding import route_of
+from pipeline.simulation.locomotion.swings.plans import Asked, SwingPlans
+from pipeline.simulation.locomotion.swings.scuffing import Scuffing
+from pipeline.simulation.locomotion.swings.swing import approach_speed
+from pipeline.simulation.locomotion.ways.body_path import BodyPath
+from pipeline.simulation.locomotion.ways.braking import room_to_rest
+from pipeline.simulation.locomotion.ways.directing import obey
+from pipeline.simulation.locomotion.ways.going import Going
+from pipeline.simulation.locomotion.ways.wayfinding import route_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, ContactKind, Note

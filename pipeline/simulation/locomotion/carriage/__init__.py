@@ -1,0 +1,1 @@
+"""What creatures do beside their legs: heads, tails, feelers, trunks."""

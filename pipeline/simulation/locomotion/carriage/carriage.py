@@ -1,0 +1,100 @@
+"""Carriage: what creatures do beside their legs, all of it together.
+
+Heads look where they are to and stay level, tails and feelers sway and wander; then all of
+them trail behind what they hang on. It is worked out for many rows at once, in their order:
+springs remember the row before.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.locomotion.carriage.gaze import Gaze
+from pipeline.simulation.locomotion.carriage.idle import Idlers
+from pipeline.simulation.locomotion.carriage.looking import Rows, sight_of
+from pipeline.simulation.locomotion.carriage.overlap import Overlap
+from pipeline.simulation.locomotion.carriage.springs import Oscillators, Trailing
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.spatial import Array
+
+QUICKEST = 0.15
+"""How fast heads are turned at most, in the frequencies of the necks' springs [rad]."""
+
+NECK_DAMPING = 0.8
+"""Ratio to the critical damping with which a head comes to where it is to look."""
+
+ROUNDS = 3
+"""In which eyes that look at something come to where they look from."""
+
+
+class Carriage:
+    """The carriage of a herd of C creatures with M joints that carry nothing.
+
+    Attributes:
+        herd: the creatures.
+        idlers: the joints.
+        gaze: the heads, H of them.
+        overlap: what trails.
+    """
+
+    def __init__(self, herd: Herd, idlers: Idlers, dt: float) -> None:
+        self.herd, self.idlers = herd, idlers
+        self.gaze = Gaze(herd.figures, idlers.numbers)
+        self.overlap = Overlap(idlers.tree, idlers.room, idlers.owner, idlers.limbs, dt)
+        frequency = self.overlap.springs.frequency[self.gaze.numbers[:, 0]]
+        self._look = Trailing(Oscillators(frequency, np.full_like(frequency, NECK_DAMPING), dt))
+        self._most = QUICKEST * frequency[:, None] * dt
+        self._last: Array | None = None
+
+    def values(self, rows: Rows) -> Array:
+        """Return the values of the joints (n, M), for rows one after the other [rad or m]."""
+        idlers, gaze = self.idlers, self.gaze
+        wanders = idlers.wanders(rows.time, rows.bearing)
+        wishes = idlers.sways(rows.phase, rows.drive, rows.bearing) + wanders
+        heads, joints = self._heads(rows, wanders), gaze.necks.is_joint
+        wishes[:, gaze.numbers[joints]] = heads[:, joints]
+        trailing = self.overlap.trail(wishes, rows.R_WB, rows.p_WB, rows.bearing.looseness)
+        return idlers.room.at(trailing)
+
+    def _heads(self, rows: Rows, wanders: Array) -> Array:
+        """Return what the joints of necks (n, H, k) do [rad]."""
+        gaze = self.gaze
+        R = rows.R_WB[:, gaze.owner]
+        tilt = np.arcsin(np.clip(R[..., 1, 0], -1.0, 1.0)), np.arctan2(-R[..., 1, 2], R[..., 1, 1])
+        raised = rows.bearing.head_raise[:, gaze.owner]
+        own, wander = raised[..., None] * gaze.neck, wanders[:, gaze.numbers]
+        looks = self._looks(rows)
+        if any(rows.looks):
+            # A neck takes the eyes elsewhere, from where a near thing is seen elsewhere.
+            for _ in range(ROUNDS):
+                looks = self._looks(rows, gaze.eyes(gaze.wishes(looks, tilt, own)))
+        looks = self._followed(looks)
+        looks[..., 0] += (wander * gaze.yaw).sum(axis=-1)
+        looks[..., 1] += (wander * gaze.neck).sum(axis=-1) + gaze.nods * raised
+        return gaze.wishes(looks, tilt, own)
+
+    def _looks(self, rows: Rows, eyes: Array | None = None) -> Array:
+        """Return where heads are to look (n, H, 2), see `sight_of` [rad].
+
+        Args:
+            rows: what is known of them.
+            eyes: (n, H, 3) where they are, if that is known [m].
+        """
+        gaze, looks = self.gaze, np.zeros((len(rows.time), len(self.gaze.owner), 2))
+        for h, c in enumerate(gaze.owner):
+            head = gaze.necks.places[h, 0], gaze.end[h]
+            own = None if eyes is None else eyes[:, h]
+            looks[:, h, 0], looks[:, h, 1] = sight_of(
+                self.herd, rows, int(c), head, float(gaze.most[h]), own
+            )
+        return looks
+
+    def _followed(self, wanted: Array) -> Array:
+        """Return where heads look (n, H, 2) that follow at no more than a certain speed [rad]."""
+        goals, least = np.empty_like(wanted), -self._most
+        for row, goal in enumerate(wanted):
+            before = goal if self._last is None else self._last
+            ahead = goal - before
+            np.minimum(np.maximum(ahead, least, out=ahead), self._most, out=ahead)
+            goals[row] = self._last = before + ahead
+        return goals + self._look.follow(goals)

@@ -1,0 +1,1 @@
+"""Where feet can be put, and where they are put."""

@@ -1,0 +1,247 @@
+"""Plain steps: what most feet do, planned for all that lift in one world step together.
+
+A foot mostly comes down at the first place of those that it may choose from that its leg is
+long enough for, with its body no lower than it goes anyway. That is worked out for many
+feet at once; if joints cannot do it, the foot is left to `Footholds`, which looks farther,
+and finds the same where a plain step is good.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.locomotion.footing.footholds import (
+    EASY_ARCH,
+    EASY_WAY,
+    LAGS,
+    MOST_ARCH,
+    PLANNED_REACH,
+    STANCE,
+    SWUNG,
+    Foothold,
+    Footholds,
+)
+from pipeline.simulation.locomotion.gaits.paces import Step
+from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swings.swing import arches, swing
+from pipeline.simulation.locomotion.ways.body_path import BodyPath
+from pipeline.simulation.locomotion.ways.route import Route
+from pipeline.simulation.spatial import Array, turn, unturn
+
+MIDDLE = len(STANCE) // 2
+
+
+@dataclass(frozen=True, eq=False)
+class Lift:
+    """A foot that is to stand somewhere else.
+
+    Attributes:
+        leg: whose.
+        travelled: way that its body has gone at `phase` [m].
+        phase: of the gait, whole cycles counted.
+        step: when it swings and stands.
+        drive: part of its speed at which the body goes.
+        present: (3,) where its tip is; None for one that just stands there at the start [m].
+    """
+
+    leg: int
+    travelled: float
+    phase: float
+    step: Step
+    drive: float
+    present: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """How the bodies of N lifts go on; all arrays (N,), see `Lift`."""
+
+    legs: NDArray[np.int64]
+    owner: NDArray[np.int64]
+    way: Array
+    phase: Array
+    drive: Array
+    up: Array
+    swing: Array
+    stance: Array
+
+    def some(self, which: NDArray[np.int64]) -> Bodies:
+        """Return those of some lifts."""
+        return Bodies(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
+
+    def at(self, path: BodyPath, moments: Array) -> tuple[Array, Array]:
+        """Return R_WB (N, m, 3, 3) and p_WB (N, m, 3) at later phases (N, m) [m]."""
+        gone = (moments - self.phase[:, None]) * path.herd.stride[self.owner, None]
+        ways = self.way[:, None] + gone * np.sqrt(self.drive)[:, None]
+        creature = np.repeat(self.owner, moments.shape[1])
+        R, p = path.pose(creature, ways.ravel(), moments.ravel())
+        return R.reshape(*moments.shape, 3, 3), p.reshape(*moments.shape, 3)
+
+
+class PlainSteps:
+    """The plain steps of a herd.
+
+    Attributes:
+        footholds: where the others are put.
+    """
+
+    def __init__(self, footholds: Footholds) -> None:
+        self.footholds = footholds
+        self.herd = footholds.herd
+        self.path = footholds.path
+        self._found: dict[int, tuple[Foothold, Route]] = {}
+
+    def foresee(self, lifts: Sequence[Lift]) -> None:
+        """Plan all steps of `lifts` that are plain, and forget all others."""
+        self._found.clear()
+        owner = self.herd.owner
+        # Who goes over into another pace is not plain.
+        lifts = [one for one in lifts if int(owner[one.leg]) not in self.path.paces.changes]
+        if lifts:
+            for one, place in zip(lifts, self._planned(lifts), strict=True):
+                if place is not None:
+                    self._found[one.leg] = place, self.path.routes[int(owner[one.leg])]
+
+    def of(self, leg: int) -> Foothold | None:
+        """Return where a foot that was foreseen comes down by a plain step, if it does."""
+        if leg not in self._found:
+            return None
+        place, route = self._found[leg]
+        # Its creature may have been led elsewhere since.
+        return place if route is self.path.routes[int(self.herd.owner[leg])] else None
+
+    def _planned(self, lifts: Sequence[Lift]) -> list[Foothold | None]:
+        legs = np.array([one.leg for one in lifts])
+        bodies = self._bodies_of(legs, lifts)
+        R, p, wished = self._stances(bodies)
+        herd, ground = self.herd, self.footholds.ground
+        xz, good = self._chosen(legs, lifts, wished, R, p)
+        heights, normals = ground.surface(xz[:, 0], xz[:, 1])
+        places = np.stack([xz[:, 0], heights, xz[:, 1]], axis=-1)
+        tips = places + herd.sole[legs, None] * normals
+        held = np.flatnonzero(good)
+        goals = unturn(R[held], tips[held, None] - p[held])
+        good[held] = self.footholds.grasp.holds_each(legs[held], goals).all(axis=-1)
+        sole = lowest(ground, tips[:, 0], tips[:, 2], herd.sole[legs])
+        tips[:, 1] = np.maximum(tips[:, 1], sole)
+        arch = np.zeros(len(lifts))
+        swings = np.flatnonzero(good & [one.present is not None for one in lifts])
+        if len(swings):
+            start = np.array([lifts[i].present for i in swings.tolist()])
+            arch[swings], good[swings] = self._swung(bodies.some(swings), start, tips[swings])
+        return [
+            Foothold(places[i], normals[i], tips[i], 0.0, float(arch[i])) if good[i] else None
+            for i in range(len(lifts))
+        ]
+
+    def _swung(self, bodies: Bodies, start: Array, end: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return how high feet arch (N,) on their way between places (N, 3) [m], and who can."""
+        herd, legs = self.herd, bodies.legs
+        least, stride = herd.step_height[legs], herd.stride[herd.owner[legs]]
+        arch = arches(self.footholds.ground, start, end, herd.sole[legs], least)
+        good = arch <= MOST_ARCH * herd.legs.lengths[legs]
+        across = end - start
+        grasp = self.footholds.grasp
+        easy = (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
+        easy &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
+        easy &= self.footholds.lifting[legs]
+        R, p = bodies.at(self.path, bodies.up[:, None] + bodies.swing[:, None] * [0.0, 1.0])
+        for k, tips in enumerate((start, end)):
+            easy &= grasp.beside_each(legs, unturn(R[:, k], tips - p[:, k]))
+        asked = np.flatnonzero(good & ~easy)
+        if len(asked):
+            some = bodies.some(asked)
+            R, p = some.at(self.path, some.up[:, None] + some.swing[:, None] * SWUNG)
+            first, last, height = (
+                np.repeat(f[asked], len(SWUNG), axis=0) for f in (start, end, arch)
+            )
+            way = swing(first, last, height, np.tile(SWUNG, len(asked))).reshape(p.shape)
+            good[asked] = grasp.follows_each(legs[asked], unturn(R, way - p))
+        return arch, good
+
+    def _bodies_of(self, legs: NDArray[np.int64], lifts: Sequence[Lift]) -> Bodies:
+        numbers = [
+            (s.travelled, s.phase, s.drive, s.step.up, s.step.swing, s.step.stance) for s in lifts
+        ]
+        way, phase, drive, up, swung, stance = np.array(numbers).T
+        return Bodies(legs, self.herd.owner[legs], way, phase, drive, up, swung, stance)
+
+    def _stances(self, bodies: Bodies) -> tuple[Array, Array, Array]:
+        """Return what footholds are for, see `Footholds`.
+
+        Returns:
+            R_WB (N, m, 3, 3) and p_WB (N, m, 3) of the bodies while the feet are there, and
+            where these would rest in the middle of their stances (N, 2) [m].
+        """
+        herd, owner = self.herd, bodies.owner
+        stance = bodies.stance[:, None]
+        end = stance + LAGS * bodies.swing[:, None]
+        parts = np.concatenate([stance * STANCE, end], axis=1)
+        moments = (bodies.up + bodies.swing)[:, None] + parts
+        R, p = bodies.at(self.path, moments)
+        x, z = herd.rest[bodies.legs].T
+        rest = np.stack([x, -herd.body_height[owner], z + herd.aside[owner]], axis=-1)
+        below = self.path.below(owner, moments[:, MIDDLE], rest)
+        wished = p[:, MIDDLE] + turn(R[:, MIDDLE], below)
+        return R, p, wished[:, [0, 2]]
+
+    def _chosen(
+        self, legs: NDArray[np.int64], lifts: Sequence[Lift], wished: Array, R: Array, p: Array
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the first place (N, 2) [m] of each foot that its leg is long enough for.
+
+        Args:
+            legs: (N,) which.
+            lifts: N of them.
+            wished: (N, 2) where feet would rest [m].
+            R: (N, m, 3, 3) and
+            p: (N, m, 3), poses of the bodies while the feet are there [m].
+
+        Returns:
+            The places, and which of them are any good.
+        """
+        xz, good = wished.copy(), self._fits(legs, wished[:, None], R, p)[:, 0]
+        for back in (True, False):
+            left = [
+                i
+                for i in np.flatnonzero(~good).tolist()
+                if not back or lifts[i].present is not None
+            ]
+            if not left:
+                continue
+            places = np.array([self._choices(lifts[i], wished[i], back) for i in left])
+            fits = self._fits(legs[left], places, R[left], p[left])
+            good[left] = fits.any(axis=1)
+            xz[left] = places[np.arange(len(left)), fits.argmax(axis=1)]
+        return xz, good
+
+    def _choices(self, lift: Lift, wished: Array, back: bool) -> Array:
+        """Return places (k, 2) around where a foot would rest, or on the way `back` from there."""
+        if back and lift.present is not None:
+            return self.footholds.nearer(wished, lift.present[[0, 2]])
+        return self.footholds.around(lift.leg, wished)
+
+    def _fits(self, legs: NDArray[np.int64], xz: Array, R: Array, p: Array) -> NDArray[np.bool_]:
+        """Say which of places (N, k, 2) legs may stand on and reach, no body (N, m) stooping.
+
+        By their lengths: joints have not been asked yet.
+        """
+        herd = self.herd
+        x, z = xz[..., 0], xz[..., 1]
+        heights, normals = self.footholds.ground.surface(x, z)
+        tips = np.stack([x, heights, z], axis=-1) + herd.sole[legs, None, None] * normals
+        hips = p + turn(R, herd.hips[legs, None])
+        x, y, z = np.moveaxis(tips[:, :, None] - hips[:, None], -1, 0)
+        reach = PLANNED_REACH * herd.legs.lengths[legs]
+        room = (reach**2)[:, None, None] - x**2 - z**2
+        up = np.sqrt(np.maximum(room, 0.0))
+        most = np.minimum(up, self.footholds.highest[legs, None, None])
+        reached = ((room >= 0.0) & (y <= most) & (y >= -up)).all(axis=-1)
+        owner = np.repeat(herd.owner[legs], xz.shape[1])
+        allowed = self.path.footing.allows_each(owner, xz[..., 0].ravel(), xz[..., 1].ravel())
+        result: NDArray[np.bool_] = reached & allowed.reshape(reached.shape)
+        return result

@@ -1,0 +1,1 @@
+"""Figures of one chain, which walk by letting their ends take turns."""

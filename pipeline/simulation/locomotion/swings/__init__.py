@@ -1,0 +1,1 @@
+"""How feet go from one foothold to the next."""

@@ -1,0 +1,1 @@
+"""Where creatures go, how fast, and how their bodies follow the ground."""

@@ -250,7 +250,7 @@ def test_a_body_is_held_nose_up_and_its_feet_stay_below_it() -> None:
         Seen("{figure: horse, walk: {}}", duration=3, body_pitch=held) for held in (0.0, 0.15)
     )
     assert 7.0 < np.mean(proud.pitch - level.pitch) < 8.6
-    ends = [seen.walkers.end - seen.recorder.positions[-1, 0] for seen in (level, proud)]
+    ends = [seen.walkers.feet.end - seen.recorder.positions[-1, 0] for seen in (level, proud)]
     moved = np.abs(ends[1] - ends[0])[:, [0, 2]].max(axis=1)
     # Rotated with the body they would be 17 cm off; forelegs lose a little of their reach.
     assert moved[1::2].max() < 0.03

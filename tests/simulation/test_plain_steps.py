@@ -38,12 +38,12 @@ def lifts_of(walkers: Walkers) -> list[Lift]:
     for leg, owner in enumerate(herd.owner.tolist()):
         phase = 0.3 + 0.01 * leg
         way = phase * float(herd.stride[owner])
-        found.append(Lift(leg, way, phase, paces.step(leg, phase), 1.0, walkers.end[leg]))
+        found.append(Lift(leg, way, phase, paces.step(leg, phase), 1.0, walkers.feet.end[leg]))
     return found
 
 
 def test_steps_together_are_the_steps_one_by_one(walkers: Walkers) -> None:
-    plain, lifts = PlainSteps(walkers.footholds), lifts_of(walkers)
+    plain, lifts = PlainSteps(walkers.feet.footholds), lifts_of(walkers)
     plain.foresee(lifts)
     together = [plain.of(lift.leg) for lift in lifts]
     assert sum(place is not None for place in together) > len(lifts) / 2
@@ -51,7 +51,7 @@ def test_steps_together_are_the_steps_one_by_one(walkers: Walkers) -> None:
         if place is None:
             continue
         assert lift.present is not None
-        alone = walkers.footholds.next(
+        alone = walkers.feet.footholds.next(
             lift.leg, lift.present, lift.travelled, lift.step, lift.drive
         )
         assert alone is not None
@@ -62,7 +62,7 @@ def test_steps_together_are_the_steps_one_by_one(walkers: Walkers) -> None:
 
 
 def test_no_bit_depends_on_who_else_lifts(walkers: Walkers) -> None:
-    plain, lifts = PlainSteps(walkers.footholds), lifts_of(walkers)
+    plain, lifts = PlainSteps(walkers.feet.footholds), lifts_of(walkers)
     plain.foresee(lifts)
     together = [plain.of(lift.leg) for lift in lifts]
     for lift, place in zip(lifts, together, strict=True):
@@ -75,7 +75,7 @@ def test_no_bit_depends_on_who_else_lifts(walkers: Walkers) -> None:
 
 
 def test_a_step_is_forgotten_when_its_creature_is_led_elsewhere(walkers: Walkers) -> None:
-    plain, lifts = PlainSteps(walkers.footholds), lifts_of(walkers)
+    plain, lifts = PlainSteps(walkers.feet.footholds), lifts_of(walkers)
     plain.foresee(lifts)
     foreseen = [lift.leg for lift in lifts if plain.of(lift.leg) is not None]
     owner = walkers.herd.owner[foreseen[0]]

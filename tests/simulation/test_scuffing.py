@@ -90,7 +90,7 @@ def test_a_scuff_is_on_the_ground_below_the_foot_and_as_quick(dragging: object) 
         now = float(np.interp(event.fraction + 0.5, [0.0, 1.0, 2.0], speeds))
         assert event.strength == pytest.approx(now, rel=0.05)
         assert event.strength >= QUICK * herd.legs.lengths[leg]
-        most = 0.5 * WEIGHT * dragging.walkers._mass[leg] * event.strength**2
+        most = 0.5 * WEIGHT * dragging.walkers.feet.footfalls.mass[leg] * event.strength**2
         assert 0.0 < event.energy <= most * (1.0 + 1e-12)
 
 

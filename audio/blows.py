@@ -88,6 +88,10 @@ def _stepped(value: float, steps_per_doubling: int) -> float:
     return float(2 ** (round(log2(value) * steps_per_doubling) / steps_per_doubling))
 
 
+SHORTEST = 64 / SAMPLE_RATE
+"""Least duration of a motion's sound [s]."""
+
+
 def _generator(seed: int, *what: object) -> np.random.Generator:
     key = "\x1f".join(str(part) for part in (seed, *what)).encode("utf-8", "replace")
     return np.random.default_rng(int.from_bytes(blake2b(key, digest_size=16).digest()))
@@ -99,7 +103,8 @@ def sounded(blow: Blow, seed: int) -> Signal:
     rng = _generator(seed, blow.cause, blow.material, blow.surface, blow.size, blow.variant)
     motion, rub = motion_of(blow.cause), rub_of(blow.cause)
     if motion is not None:
-        seconds = blow.decay or blow.duration or motion.seconds
+        # Shorter ones are no sound, and divide by next to nothing.
+        seconds = max(blow.decay or blow.duration or motion.seconds, SHORTEST)
         pitch = blow.pitch or motion.pitch * (0.1 / blow.size) ** 0.5
         sound = motion.play(seconds, float(np.clip(pitch, 30, 6000)), blow.speed, rng)
     elif rub is not None or blow.duration > 0:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion import swing_plans
+from pipeline.simulation.locomotion.swings import plans as swing_plans
 from pipeline.simulation.locomotion.swings.bend import KNOTS, POINTS, SPANS, bend_through, bent
 from pipeline.simulation.locomotion.swings.passive import fall
 from pipeline.simulation.locomotion.swings.plans import PLANNERS

@@ -132,14 +132,24 @@ class PlainSteps:
         swings = np.flatnonzero(good & [one.present is not None for one in lifts])
         if len(swings):
             start = np.array([lifts[i].present for i in swings.tolist()])
-            arch[swings], good[swings] = self._swung(bodies.some(swings), start, tips[swings])
+            down = R[swings, 0], p[swings, 0]
+            arch[swings], good[swings] = self._swung(bodies.some(swings), start, tips[swings], down)
         return [
             Foothold(places[i], normals[i], tips[i], 0.0, float(arch[i])) if good[i] else None
             for i in range(len(lifts))
         ]
 
-    def _swung(self, bodies: Bodies, start: Array, end: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return how high feet arch (N,) on their way between places (N, 3) [m], and who can."""
+    def _swung(
+        self, bodies: Bodies, start: Array, end: Array, down: tuple[Array, Array]
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Return how high feet arch (N,) on their way between places [m], and who can.
+
+        Args:
+            bodies: N.
+            start: (N, 3) and
+            end: (N, 3), tips [m].
+            down: R_WB (N, 3, 3) and p_WB (N, 3) of the bodies when the feet come down [m].
+        """
         herd, legs = self.herd, bodies.legs
         least, stride = herd.step_height[legs], herd.stride[herd.owner[legs]]
         arch = arches(self.footholds.ground, start, end, herd.sole[legs], least)
@@ -149,9 +159,9 @@ class PlainSteps:
         easy = (arch < EASY_ARCH * least) & (np.abs(across[:, 1]) < least)
         easy &= np.hypot(across[:, 0], across[:, 2]) <= EASY_WAY * stride
         easy &= self.footholds.lifting[legs]
-        R, p = bodies.at(self.path, bodies.up[:, None] + bodies.swing[:, None] * [0.0, 1.0])
-        for k, tips in enumerate((start, end)):
-            easy &= grasp.beside_each(legs, unturn(R[:, k], tips - p[:, k]))
+        R, p = bodies.at(self.path, bodies.up[:, None])
+        for tip, (R_WB, p_WB) in ((start, (R[:, 0], p[:, 0])), (end, down)):
+            easy &= grasp.beside_each(legs, unturn(R_WB, tip - p_WB))
         asked = np.flatnonzero(good & ~easy)
         if len(asked):
             some = bodies.some(asked)

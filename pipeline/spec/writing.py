@@ -33,7 +33,8 @@ class _Dumper(yaml.SafeDumper):
 
 def _text(dumper: _Dumper, text: str) -> yaml.ScalarNode:
     try:
-        quoted = not isinstance(scalar_of(text), str)
+        # Between single quotes a next line (U+0085) is folded into a blank.
+        quoted = "\x85" in text or not isinstance(scalar_of(text), str)
     except ValueError:
         quoted = True
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style='"' if quoted else None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pipeline.spec import Scene, dump, read_scene, scene_digest, simulation_key
@@ -64,6 +64,7 @@ def test_terrains_are_written_out_and_read_back(terrain, monkeypatch):
     assert read_scene(dump(given)) == given
 
 
+@example(title="\x85", duration=1.0, at=(0.0, 0.0), names=["0", "1"])
 @given(
     title=st.text(max_size=200),
     duration=st.floats(1e-9, 4000, allow_subnormal=False),

@@ -14,7 +14,7 @@ import pytest
 from pipeline.simulation.locomotion.gaits.pace import GRAVITY
 from pipeline.simulation.take import Contact
 from tests.simulation.conftest import Walk, walk_through
-from tests.simulation.pairs import KINDS, WALKERS, pair
+from tests.simulation.pairs import HELD_OUT, KINDS, SEED, WALKERS, pair
 
 MILLIMETRE = 1e-3
 
@@ -33,17 +33,41 @@ _POINTS = np.random.default_rng(0).normal(size=(40, 3))
 BALL = _POINTS / np.linalg.norm(_POINTS, axis=-1, keepdims=True)
 
 
-def _numbers() -> list[object]:
-    """Every tenth pair in the full tier, all at night."""
-    return [
-        pytest.param(n, marks=pytest.mark.slow if n % 10 == 0 else pytest.mark.nightly)
-        for n in range(COUNT)
-    ]
+KNOWN = {
+    (SEED, 267): "a frightened centipede that stops where it starts sinks at 66 m/s² (bound 57)",
+    (HELD_OUT, 59): "the middle foot of a tripod is 4.5 mm below the side of a boulder",
+    (HELD_OUT, 138): "a kangaroo that stops where it starts is raised at 68 m/s² (bound 52)",
+    (HELD_OUT, 151): "an ostrich comes down from a step at 70 m/s² (bound 52)",
+    (HELD_OUT, 280): "a hopper on steep ground is raised at 191 m/s² (bound 60)",
+}
+"""What does not hold yet, by seed and number."""
 
 
-@pytest.mark.parametrize("number", _numbers())
+def _pairs(seed: int, tenth: pytest.MarkDecorator) -> list[object]:
+    """Return all pairs of a seed: every tenth in the tier `tenth`, the others at night."""
+    found = []
+    for number in range(COUNT):
+        marks = [tenth if number % 10 == 0 else pytest.mark.nightly]
+        if (seed, number) in KNOWN:
+            marks.append(pytest.mark.xfail(strict=True, reason=KNOWN[seed, number]))
+        found.append(pytest.param(number, marks=marks))
+    return found
+
+
+@pytest.mark.parametrize("number", _pairs(SEED, pytest.mark.slow))
 def test_what_must_hold_holds(number: int, tmp_path: Path) -> None:
-    walk = walk_through(pair(number, tmp_path).scene)
+    _all_holds(number, SEED, tmp_path)
+
+
+@pytest.mark.parametrize("number", _pairs(HELD_OUT, pytest.mark.nightly))
+def test_what_must_hold_holds_for_pairs_that_nothing_was_tuned_on(
+    number: int, tmp_path: Path
+) -> None:
+    _all_holds(number, HELD_OUT, tmp_path)
+
+
+def _all_holds(number: int, seed: int, folder: Path) -> None:
+    walk = walk_through(pair(number, folder, seed).scene)
     # A foot that does not come to its place is noted as clamped.
     assert {note.kind for note in walk.take.notes} <= {"stopped"}
     _feet_keep_to_the_ground(walk)

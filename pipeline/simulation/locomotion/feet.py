@@ -94,7 +94,7 @@ class Feet:
             self._end_before(0, leg, self.scout.before(leg))
         # No faster than it can come to rest before what bars its way.
         slow = np.sqrt(self._barred / np.maximum(self.going.braking, 1e-9))
-        self.going.drive = np.where(slow < 1.0, self.going.drive * slow, self.going.drive)
+        self.going.set_out(np.fmin(slow, 1.0))
         into = np.mod(-herd.up, 1.0)  # how far the cycle has gone since its last foot-up
         in_air = herd.walks[herd.owner] & (into < herd.swings)
         # Where it stands now, or stood before the swing that it is in.
@@ -132,7 +132,7 @@ class Feet:
 
     def _stay(self, c: int) -> None:
         """Let a creature that does not set out stand: it never came walking."""
-        self.going.drive[c] = 0.0
+        self.going.stay(c)
         for leg in np.flatnonzero(self.herd.owner == c).tolist():
             place = self.footholds.first(leg, -0.5 * (1.0 - self.herd.swings[leg]), moves=False)
             if place is not None:

@@ -54,6 +54,7 @@ class Moment:
     step: int
     gone: Array
     drive: Array
+    vigour: Array
     start: Array
     end: Array
     height: Array
@@ -117,7 +118,7 @@ class Posing:
         """Return where everything is at `moments`."""
         herd, n = self.herd, len(moments)
         steps = np.array([moment.step for moment in moments])
-        gone, drive, start, end, height, lifted, span, swinging, stoop, tuck = (
+        gone, drive, vigour, start, end, height, lifted, span, swinging, stoop, tuck = (
             np.stack([getattr(moment, name) for moment in moments]) for name in ARRAYS
         )
         way, phase = gone[:, 0], gone[:, 1]
@@ -127,7 +128,7 @@ class Posing:
         creature = np.tile(np.arange(len(herd.names)), n)
         bearing = Bearing.stacked([moment.bearing for moment in moments])
         R, p = self.path.pose(
-            creature, way.ravel(), phase.ravel(), drive.ravel(), bearing.body_pitch.ravel()
+            creature, way.ravel(), phase.ravel(), vigour.ravel(), bearing.body_pitch.ravel()
         )
         R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
         p_WB[..., 1] -= _stooped(herd, stoop, s)

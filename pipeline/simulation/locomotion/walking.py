@@ -150,6 +150,7 @@ class Walkers:
                 step=self.step,
                 gone=self.going.gone,
                 drive=self.going.drive,
+                vigour=self.going.vigour,
                 start=feet.start.copy(),
                 end=feet.end.copy(),
                 height=feet.height.copy(),

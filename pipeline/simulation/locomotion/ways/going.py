@@ -36,6 +36,12 @@ SOFT = 3.0
 HARD = 4.0
 """Greatest deceleration of who comes to rest where it meant to [m/s²]."""
 
+SHOWS = 0.08
+"""Cycles after which bodies show a change of the drive, twice over."""
+
+ALIKE = 1e-5
+"""Difference between drives that does not show."""
+
 CREEP = 0.02
 """Drive at which the last bit of a route is gone."""
 
@@ -55,6 +61,7 @@ class Going:
     Attributes of the state:
         gone: (2, C) way gone [m], and phase of the gait, whole cycles counted.
         drive: (C,) part of the asked speed at which it goes.
+        vigour: (C,) the drive as bodies show it in how they bounce and rock: it has no corners.
         throttle: (C,) the drive that is asked for on level ground.
         halted: (C,) whether it found no foothold.
         closed: (C,) phase at which its feet have closed up; infinite while it goes.
@@ -72,6 +79,7 @@ class Going:
         count = len(herd.names)
         self.gone = np.zeros((2, count))
         self.drive = np.where(herd.walks, 1.0, 0.0)
+        self.vigour = self._yielding = self.drive.copy()
         self.throttle = np.ones(count)
         self.halted = np.zeros(count, dtype=bool)
         self.closed = np.full(count, np.inf)
@@ -173,6 +181,17 @@ class Going:
         self._stops[c] = room / (drive * drive)
         self._consider()
 
+    def set_out(self, part: Array) -> None:
+        """Begin at a part (C,) of the drive that creatures would come with."""
+        self.drive = self.drive * part
+        self.vigour = self._yielding = self.drive.copy()
+
+    def stay(self, c: int) -> None:
+        """Let a creature that has not set out stay where it is for good."""
+        self.path.lead(c, self.path.routes[c].upto(float(self.way[c])))
+        self.drive[c] = self.vigour[c] = self._yielding[c] = 0.0
+        self._consider()
+
     def may_lift(self) -> NDArray[np.bool_]:
         """(C,) Return who may lift a foot."""
         return ~self.halted & self.herd.walks
@@ -200,13 +219,24 @@ class Going:
         # The mean of both ends of the step: exact while the drive changes evenly.
         mean = 0.5 * (before + self.drive)
         rate = 0.5 * (np.sqrt(before) + np.sqrt(self.drive))
+        self._show()
         step = mean * self._cycles * self.full
         if self._ends is not None:
             step, rate = self._near_the_end(step, rate, airborne)
         progress = np.stack([step, rate * self._cycles])
         self.gone = self.gone + progress
-        if self._ends is None and not self._changing and (before == self._wish).all():
+        settled = (before == self._wish).all() and (self.vigour == self.drive).all()
+        if self._ends is None and not self._changing and settled:
             self._steady = progress
+
+    def _show(self) -> None:
+        """Let bodies show a change of the drive, smoothly: as two lags, one after the other."""
+        part = -np.expm1(-self._cycles / SHOWS)
+        self._yielding = self._yielding + part * (self.drive - self._yielding)
+        vigour = self.vigour + part * (self._yielding - self.vigour)
+        near = np.maximum(np.abs(self.drive - vigour), np.abs(self.drive - self._yielding)) < ALIKE
+        self.vigour = np.where(near, self.drive, vigour)
+        self._yielding = np.where(near, self.drive, self._yielding)
 
     def _consider(self) -> None:
         """Work out the drive that is wanted, and what else stays as it is for a while."""

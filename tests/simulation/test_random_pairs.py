@@ -33,23 +33,11 @@ _POINTS = np.random.default_rng(0).normal(size=(40, 3))
 BALL = _POINTS / np.linalg.norm(_POINTS, axis=-1, keepdims=True)
 
 
-KNOWN = {
-    (SEED, 267): "a frightened centipede that stops where it starts sinks at 66 m/s² (bound 57)",
-    (HELD_OUT, 59): "the middle foot of a tripod is 4.5 mm below the side of a boulder",
-    (HELD_OUT, 138): "a kangaroo that stops where it starts is raised at 68 m/s² (bound 52)",
-    (HELD_OUT, 151): "an ostrich comes down from a step at 70 m/s² (bound 52)",
-    (HELD_OUT, 280): "a hopper on steep ground is raised at 191 m/s² (bound 60)",
-}
-"""What does not hold yet, by seed and number."""
-
-
 def _pairs(seed: int, tenth: pytest.MarkDecorator) -> list[object]:
     """Return all pairs of a seed: every tenth in the tier `tenth`, the others at night."""
     found = []
     for number in range(COUNT):
         marks = [tenth if number % 10 == 0 else pytest.mark.nightly]
-        if (seed, number) in KNOWN:
-            marks.append(pytest.mark.xfail(strict=True, reason=KNOWN[seed, number]))
         found.append(pytest.param(number, marks=marks))
     return found
 

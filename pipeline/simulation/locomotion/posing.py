@@ -23,13 +23,14 @@ from pipeline.simulation.locomotion.carriage.carriage import Carriage
 from pipeline.simulation.locomotion.carriage.give import Give
 from pipeline.simulation.locomotion.carriage.idle import Idlers
 from pipeline.simulation.locomotion.carriage.looking import Look, Rows
-from pipeline.simulation.locomotion.footing.folds import folds_of
 from pipeline.simulation.locomotion.herd import REACH, Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.postures import Postures
+from pipeline.simulation.locomotion.swings.sole import lowest
 from pipeline.simulation.locomotion.swings.swing import swing
 from pipeline.simulation.locomotion.ways.body_path import BodyPath
 from pipeline.simulation.locomotion.ways.route import Route
+from pipeline.simulation.locomotion.yielding import Going, Touches, Yielding
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.take import Note
 
@@ -110,7 +111,7 @@ class Posing:
         self.postures = postures
         self.dt = clock.dt
         self.row_dt = clock.dt * clock.steps / clock.samples
-        self._folds = folds_of(herd)
+        self.yielding = Yielding(herd, path)
         self.give = Give(herd, self.row_dt)
         self.carriage = Carriage(herd, idlers, self.row_dt)
 
@@ -131,20 +132,22 @@ class Posing:
             creature, way.ravel(), phase.ravel(), vigour.ravel(), bearing.body_pitch.ravel()
         )
         R_WB, p_WB = R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
+        planned = p_WB[..., 1].copy()
         p_WB[..., 1] -= _stooped(herd, stoop, s)
         tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
         self.give.apply(R_WB, p_WB)
         around = self._posed_bodies(steps * self.dt, way, tall, R_WB, p_WB)
-        grip = self.postures.free(steps * self.dt)
+        free = self.postures.free(steps * self.dt)
         if tuck.any():
             up = _between(tuck, s)
-            grip = grip * (1.0 - up)
+            free = free * (1.0 - up)
             tips = tips + up[..., None] * (self._tucked(tall, R_WB, p_WB) - tips)
         aloft = ease(np.clip(np.minimum(s, 1.0 - s) / YIELDS, 0.0, 1.0))
-        grip = grip * (1.0 - aloft)
-        p_WB[..., 1] += self._overfolded(tips, R_WB, p_WB, grip)
-        p_WB[..., 1] -= _overstretched(herd, tips, R_WB, p_WB, grip)
-        tips = self._reined(tips, R_WB, p_WB, aloft)
+        grip = free * (1.0 - aloft)
+        going = Going(way, phase, drive, vigour, bearing.body_pitch.reshape(n, -1), planned)
+        touches = Touches(lifted + span, YIELDS * span, end, stoop[:, 1], swinging)
+        self.yielding.give_way(R_WB, p_WB, tips, (grip, free), going, touches)
+        tips = self._reined(tips, R_WB, p_WB, aloft, swinging)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
         solution = settle(herd.legs, herd.chains, goals)
         residual = solution.residual
@@ -171,18 +174,14 @@ class Posing:
             ],
         )
 
-    def _overfolded(self, tips: Array, R_WB: Array, p_WB: Array, grip: Array) -> Array:
-        """Return how far bodies (n, C) have to be raised so that no leg folds up too far [m]."""
-        herd = self.herd
-        hips = p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips)
-        across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1) / self._folds**2
-        # Less towards the rim, so that nothing jumps where a foot comes under the hip.
-        below = np.maximum(1.0 - across, 0.0) ** 2
-        least = tips[..., 1] + self._folds * np.sqrt(below)
-        excess = grip * below * hinge(least - hips[..., 1], 0.02 * herd.legs.lengths)
-        return _greatest(herd, excess)
-
-    def _reined(self, tips: Array, R_WB: Array, p_WB: Array, aloft: Array) -> Array:
+    def _reined(
+        self,
+        tips: Array,
+        R_WB: Array,
+        p_WB: Array,
+        aloft: Array,
+        swinging: NDArray[np.bool_],
+    ) -> Array:
         """Return tips (n, L, 3) of feet in the air so that no leg stretches or folds too far [m].
 
         Args:
@@ -190,14 +189,22 @@ class Posing:
             R_WB: (n, C, 3, 3) and
             p_WB: (n, C, 3), poses of the bodies [m].
             aloft: (n, L) how far feet give way to bodies, 0 to 1.
+            swinging: (n, L) which are in the air.
         """
         herd = self.herd
         way = tips - (p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips))
         far = np.sqrt((way * way).sum(axis=-1))
         width = 0.01 * herd.legs.lengths
-        beyond = hinge(far - REINED * herd.legs.lengths, width) - hinge(self._folds - far, width)
-        shorter = np.minimum(aloft / YIELDS, 1.0) * beyond / np.maximum(far, 1e-9)
+        beyond = np.where(swinging, hinge(far - REINED * herd.legs.lengths, width), 0.0)
+        beyond -= np.minimum(aloft / YIELDS, 1.0) * hinge(self.yielding.folds - far, width)
+        shorter = beyond / np.maximum(far, 1e-9)
         result: Array = tips - shorter[..., None] * way
+        down = result[..., 1] < tips[..., 1]
+        if down.any():
+            # What a folded leg wants away from its hip must not be pressed into the ground.
+            (x, y, z), soles = result[down].T, np.broadcast_to(herd.sole, down.shape)[down]
+            least = lowest(self.path.ground, x, z, soles)
+            result[down, 1] = np.maximum(y, np.minimum(least, tips[down, 1]))
         return result
 
     def _tucked(self, tall: Array, R_WB: Array, p_WB: Array) -> Array:
@@ -273,25 +280,4 @@ def _stooped(herd: Herd, stoop: Array, s: Array) -> Array:
     for owners, legs in herd.tiers:
         sums[:, owners] += wanted[:, legs]
     result: Array = np.sqrt(np.sqrt(sums))
-    return result
-
-
-def _overstretched(herd: Herd, tips: Array, R_WB: Array, p_WB: Array, grip: Array) -> Array:
-    """Return how far bodies (n, C) have yet to be lowered so that no leg is overstretched [m].
-
-    That is what no plan foresaw. Legs count with their `grip` (n, L) on the ground.
-    """
-    hips = p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], herd.hips)
-    reach = REACH * herd.legs.lengths
-    across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1)
-    highest = tips[..., 1] + np.sqrt(np.maximum(reach**2 - across, 0.0))
-    excess = grip * hinge(hips[..., 1] - highest, 0.02 * herd.legs.lengths)
-    return _greatest(herd, excess)
-
-
-def _greatest(herd: Herd, values: Array) -> Array:
-    """Return the greatest (n, C) of the values (n, L) of each creature's legs."""
-    result = np.zeros((len(values), len(herd.names)))
-    for owners, legs in herd.tiers:
-        result[:, owners] = np.maximum(result[:, owners], values[:, legs])
     return result

@@ -138,6 +138,15 @@ class Paces:
             )
         return result
 
+    def flies(self, creature: NDArray[np.int64], phase: Array) -> NDArray[np.bool_]:
+        """Tell of creatures (N,) at phases (..., N) whether their gaits have, or had, flights."""
+        result = np.tile(np.isin(creature, self._flying), (*phase.shape[:-1], 1))
+        for c, changes in self.changes.items():
+            for change in changes:
+                if change.after.flight is not None:
+                    result |= (creature == c) & (phase >= change.gaits.start)
+        return result
+
     @cached_property
     def _first_down(self) -> Array:
         return np.array([pace.first_down for pace in self.herd.paces])

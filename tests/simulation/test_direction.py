@@ -102,7 +102,7 @@ def test_goes_to_a_place_and_on_when_it_has_arrived() -> None:
         "{at: 0.5, who: b, do: {go_to: [1, 0.6]}},"
         " {when: {arrived: b}, who: b, do: {go_to: [0.2, 0.9]}}"
     )
-    walk = walked("walk: {}", script, duration=9)
+    walk = walked("walk: {}", script, duration=14)
     p = places(walk)
     first = int(np.linalg.norm(p - [1, 0.6], axis=-1).argmin())
     np.testing.assert_allclose(p[first], [1, 0.6], atol=1e-3)
@@ -177,3 +177,14 @@ def test_an_inchworm_follows_no_script_and_no_path() -> None:
         Simulation(scene_of(worm, more="script: [{at: 1, who: w, do: stop}]"))
     with pytest.raises(SceneError, match="path"):
         Simulation(scene_of(worm.replace("walk: {}", "walk: {path: [[1, 1]]}")))
+
+
+@pytest.mark.parametrize("place", [(2, 0.3), (1, 2), (0.6, -2), (-2, 0.5), (1.2, 0.4), (-1, 0)])
+def test_feet_stay_put_wherever_it_is_sent_while_it_walks(place: tuple[float, float]) -> None:
+    script = f"{{at: 1.2, who: b, do: {{go_to: {list(place)}}}}},"
+    walk = walked("walk: {}", script, duration=14)
+    moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)
+    assert moved[walk.standing[1:] & walk.standing[:-1]].max() < 1e-6
+    assert not walk.take.notes
+    assert np.abs(np.diff(walk.take.positions[:, 0], 2, axis=0)).max() / ROW**2 < 30.0
+    np.testing.assert_allclose(places(walk)[-1], place, atol=1e-6)

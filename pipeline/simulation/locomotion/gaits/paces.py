@@ -36,10 +36,10 @@ class Step:
     stance: float
 
 
-CYCLES = 1.5
+CYCLES = 2.5
 """How long a change takes at least, in cycles."""
 
-UNHURRIED = 1.5
+UNHURRIED = 2.5
 """How much longer than it has to be: a leg whose clock is slowed stands longer, and is
 drawn out farther."""
 

@@ -14,6 +14,7 @@ import numpy as np
 from pipeline.simulation.locomotion.carriage.looking import look_of
 from pipeline.simulation.locomotion.ways.going import Going
 from pipeline.simulation.locomotion.ways.route import Route, direction, straight, through, turning
+from pipeline.simulation.spatial import Array
 from pipeline.spec.script import (
     ChangeGait,
     ChangeMood,
@@ -29,8 +30,15 @@ from pipeline.spec.script import (
 NEAR = 0.02
 """Places nearer to one another than this part of the stride are the same."""
 
-WIDE = 1.2
+WIDE = 1.5
 """Radius of the arc on which who walks is turned, as a part of the stride."""
+
+NARROW = 0.65
+"""Least radius of an arc to a place, as a part of that one: for what is nearer and to the side, or
+behind, who walks comes to rest, and turns on the spot."""
+
+AHEAD = math.radians(1.0)
+"""How far to the side a place is that is straight ahead."""
 
 ARC = math.radians(30.0)
 """Between waypoints on that arc."""
@@ -45,9 +53,7 @@ def _stop(going: Going, c: int, order: Do) -> None:
     """End the way where braking ends."""
     del order
     if not going.arrived[c]:
-        braking = 0.5 * float(going.full[c]) * float(going.drive[c]) ** 2
-        route = going.path.routes[c]
-        going.lead(c, route.upto(min(float(going.way[c]) + braking, route.length)))
+        going.lead(c, _braked(going, c))
 
 
 def _walk(going: Going, c: int, order: Do) -> None:
@@ -58,26 +64,31 @@ def _walk(going: Going, c: int, order: Do) -> None:
 
 
 def _go_to(going: Going, c: int, order: GoTo) -> None:
-    """Go to a place: a turn on the spot first, if it stands, then a curve."""
+    """Go to a place: along an arc and straight on, or by a turn on the spot."""
     here, target = _here(going, c), np.array(order.go_to)
     way = target - here.xz[-1]
     if np.linalg.norm(way) < NEAR * going.full[c]:
         going.lead(c, here)
         return
-    if going.drive[c] == 0.0:
-        towards = math.atan2(-way[1], way[0])
-        angle = math.remainder(towards - float(here.heading[-1]), 2.0 * math.pi)
-        here = here.then(_spot(going, c, here, angle))
-    heading = float(here.heading[-1])
-    points = [here.xz[-1], target]
-    ahead = float(way @ direction(heading))
-    if ahead < 0.0:
-        # What lies behind is gone to by a wide curve, not by a hairpin.
-        side = math.copysign(1.0, float(way @ direction(heading + math.pi / 2.0)))
-        across = direction(heading + side * math.pi / 2.0)
-        radius = WIDE * float(going.full[c])
-        points.insert(1, here.xz[-1] + radius * (direction(heading) + across))
-    going.lead(c, here.then(through(points, heading)))
+    widest = _radius(going, c)
+    if going.drive[c] != 0.0:
+        heading = float(here.heading[-1])
+        radius = min(_arc_through(way, heading), widest)
+        if radius >= NARROW * widest:
+            arc = _arc(here, _towards(way, heading, radius), radius)
+            going.lead(c, here.then(through([*arc, target], heading)))
+            return
+        here = _braked(going, c)
+    going.lead(c, _turned_to(going, c, here, target))
+
+
+def _turned_to(going: Going, c: int, here: Route, target: Array) -> Route:
+    """Return the way to a place by a turn on the spot at the end of the route so far."""
+    way = target - here.xz[-1]
+    towards = math.atan2(-way[1], way[0])
+    angle = math.remainder(towards - float(here.heading[-1]), 2.0 * math.pi)
+    here = here.then(_spot(going, c, here, angle))
+    return here.then(through([here.xz[-1], target], float(here.heading[-1])))
 
 
 def _turn(going: Going, c: int, order: TurnBy) -> None:
@@ -86,17 +97,50 @@ def _turn(going: Going, c: int, order: TurnBy) -> None:
     if going.drive[c] == 0.0:
         going.lead(c, here.then(_spot(going, c, here, angle)))
         return
-    heading, radius = float(here.heading[-1]), WIDE * float(going.full[c])
-    count = max(math.ceil(abs(angle) / ARC), 1)
-    side = math.copysign(1.0, angle)
-    centre = here.xz[-1] + radius * direction(heading + side * math.pi / 2.0)
-    arc = [
-        centre + radius * direction(heading + side * (abs(angle) * k / count - math.pi / 2.0))
-        for k in range(count + 1)
-    ]
+    heading, radius = float(here.heading[-1]), _radius(going, c)
+    arc = _arc(here, angle, radius)
     arc.append(arc[-1] + radius * direction(heading + angle))
     curve = here.then(through(arc, heading))
     going.lead(c, curve.then(straight(curve.xz[-1], float(curve.heading[-1]))))
+
+
+def _radius(going: Going, c: int) -> float:
+    """Return the radius of the arc on which feet that are down already can follow [m]."""
+    return WIDE * max(float(going.full[c]), float(going.paces.last(c).stride))
+
+
+def _arc(here: Route, angle: float, radius: float) -> list[Array]:
+    """Return waypoints (2,) from the end of a route along an arc that turns by `angle` [rad]."""
+    heading, side = float(here.heading[-1]), math.copysign(1.0, angle)
+    count = max(math.ceil(abs(angle) / ARC), 1) if angle else 0
+    centre = here.xz[-1] + radius * direction(heading + side * math.pi / 2.0)
+    turns = (
+        heading + side * (abs(angle) * k / max(count, 1) - math.pi / 2.0) for k in range(count + 1)
+    )
+    return [centre + radius * direction(turn) for turn in turns]
+
+
+def _arc_through(way: Array, heading: float) -> float:
+    """Return the radius of the arc that begins along a heading [rad] and ends at `way` (2,) [m]."""
+    across = abs(float(way @ direction(heading + math.pi / 2.0)))
+    return float(way @ way) / (2.0 * across) if across > 0.0 else math.inf
+
+
+def _towards(way: Array, heading: float, radius: float) -> float:
+    """Return by how much one turns on an arc until a place is straight ahead [rad].
+
+    Args:
+        way: (2,) to the place, which is not within the arc [m].
+        heading: now [rad].
+        radius: of the arc [m].
+    """
+    ahead, left = float(way @ direction(heading)), float(way @ direction(heading + math.pi / 2.0))
+    # The arc turns to +Y about (0, radius).
+    x, y, side = ahead, abs(left) - radius, math.copysign(1.0, left)
+    beyond = math.sqrt(max(x * x + y * y - radius * radius, 0.0))
+    on = math.atan2(y, x) + math.pi / 2.0 - math.atan2(beyond, radius)
+    # What is straight ahead is not gone to by a whole turn.
+    return side * (max(on, 0.0) if on > -AHEAD else on + 2.0 * math.pi)
 
 
 def _set_speed(going: Going, c: int, order: SetSpeed) -> str | None:
@@ -128,6 +172,13 @@ def _look(going: Going, c: int, order: LookAhead) -> None:
 def _here(going: Going, c: int) -> Route:
     """Return what is gone of its route."""
     return going.path.routes[c].upto(float(going.way[c]))
+
+
+def _braked(going: Going, c: int) -> Route:
+    """Return its route up to where braking ends."""
+    braking = 0.5 * float(going.full[c]) * float(going.drive[c]) ** 2
+    route = going.path.routes[c]
+    return route.upto(min(float(going.way[c]) + braking, route.length))
 
 
 def _spot(going: Going, c: int, here: Route, angle: float) -> Route:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
@@ -172,7 +173,7 @@ class Feet:
             rests = zip(due.tolist(), self.going.arrived[herd.owner[due]], strict=True)
             may &= [not rest or self._is_astray(leg) for leg, rest in rests]
         lifting = [(leg, float(up_at[leg])) for leg in due[may].tolist()]
-        self._foresee(lifting)
+        self._foresee(lifting, soon=True)
         for leg, up in self._stuck_first(lifting):
             self._go_up(step, leg, up)
         self._found.clear()
@@ -182,9 +183,9 @@ class Feet:
         owners = [int(self.herd.owner[leg]) for leg, _ in lifts]
         if len(set(owners)) == len(owners):
             return lifts
-        paces, free = self.going.paces, []
+        free = []
         for leg, phase in lifts:
-            swings = not paces.held(leg, phase) and self.tuck[1, leg] == 0.0
+            swings = self._swings_at(leg, phase)
             free.append(not swings or self._place_for(leg, phase) is not None)
         return [lifts[i] for i in np.argsort(free, kind="stable")]
 
@@ -237,16 +238,44 @@ class Feet:
         if self.lifted[leg] == phase:
             self.tuck[:, leg] = 1.0, 0.0
 
-    def _foresee(self, lifting: Sequence[tuple[int, float]]) -> None:
-        """Plan steps of all legs together that go up at their phases, as far as they are plain."""
-        paces = self.going.paces
+    def _foresee(self, lifting: Sequence[tuple[int, float]], soon: bool = False) -> None:
+        """Plan steps of all legs together that go up at their phases, as far as they are plain.
+
+        Args:
+            lifting: legs and their phases.
+            soon: whether to plan those that are to go up soon with them.
+        """
         lifts = [
-            self._lift_of(leg, phase, self.end[leg])
+            self._lift_of(leg, phase, self.going.gone, self.going.drive)
             for leg, phase in lifting
-            if self.tuck[1, leg] == 0.0 and not paces.held(leg, phase)
+            if self._swings_at(leg, phase)
         ]
-        self._plain.foresee([lift for lift in lifts if self._is_plain(lift)])
-        self.scout.foresee(lifts)
+        expected = cache(self._expected if soon else tuple)
+        self._plain.foresee(
+            [lift for lift in lifts if self._is_plain(lift)],
+            lambda: [lift for lift in expected() if self._is_plain(lift)],
+        )
+        self.scout.foresee(lifts, later=expected)
+
+    def _expected(self) -> Sequence[Lift]:
+        """Return the lifts of the next few steps as they will be if all go on as they do."""
+        herd, lifts = self.herd, list[Lift]()
+        base = self.going.phase[herd.owner]
+        for gone, drive in self.going.foreseen():
+            phase = gone[1, herd.owner]
+            up_at = base + np.mod(self.up - base, 1.0)
+            due = np.flatnonzero(up_at < phase).tolist()
+            lifts += [
+                self._lift_of(leg, float(up_at[leg]), gone, drive)
+                for leg in due
+                if self._swings_at(leg, float(up_at[leg]))
+            ]
+            base = phase
+        return lifts
+
+    def _swings_at(self, leg: int, phase: float) -> bool:
+        """Tell whether a leg that goes up at `phase` swings from one foothold to the next."""
+        return self.tuck[1, leg] == 0.0 and not self.going.paces.held(leg, phase)
 
     def _is_plain(self, lift: Lift) -> bool:
         """Tell whether a body neither stoops nor may have to brake while a foot steps."""
@@ -257,12 +286,20 @@ class Feet:
         far = float(going.braking[c]) + AHEAD * float(going.full[c])
         return left > far and not self.stoop[:, own].any()
 
-    def _lift_of(self, leg: int, phase: float, present: Array) -> Lift:
-        """Return what is known of the step of a foot that lifts at `phase`."""
-        going, owner = self.going, int(self.herd.owner[leg])
-        drive = float(going.drive[owner])
-        way = self._way_at(leg, phase)
-        return Lift(leg, way, phase, going.paces.step(leg, phase), drive, present)
+    def _lift_of(self, leg: int, phase: float, gone: Array, drive: Array) -> Lift:
+        """Return what is known of the step of a foot that lifts at `phase`.
+
+        Args:
+            leg: which.
+            phase: within the step that ends with what follows.
+            gone: (2, C) and
+            drive: (C,) of the creatures, see `Going`.
+        """
+        paces, c = self.going.paces, int(self.herd.owner[leg])
+        part = float(drive[c])
+        back = paces.way(c, float(gone[1, c]), np.array(phase))
+        way = float(gone[0, c] + back * math.sqrt(part))
+        return Lift(leg, way, phase, paces.step(leg, phase), part, self.end[leg].copy())
 
     def _is_astray(self, leg: int) -> bool:
         """Tell whether a foot of a body at rest is not where it would rest."""

@@ -1,19 +1,23 @@
-"""Plain steps: what most feet do, planned for all that lift in one world step together.
+"""Plain steps: what most feet do, planned together for all that lift within a few world steps.
 
 A foot mostly comes down at the first place of those that it may choose from that its leg is
 long enough for, with its body no lower than it goes anyway. That is worked out for many
 feet at once; if joints cannot do it, the foot is left to `Footholds`, which looks farther,
 and finds the same where a plain step is good.
+
+Steps are planned before feet lift, from what their bodies will have done then. A plan counts
+only if that is what they did, to the last bit; so it is the same whenever it was made.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.locomotion.carriage.bearing import Bearing
 from pipeline.simulation.locomotion.footing.footholds import (
     EASY_ARCH,
     EASY_WAY,
@@ -55,6 +59,29 @@ class Lift:
     drive: float
     present: Array | None = None
 
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All that says where the foot comes down."""
+        present = () if self.present is None else self.present.tolist()
+        return (self.travelled, self.phase, self.drive, self.step.swing, self.step.stance, *present)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What became of a lift.
+
+    Attributes:
+        lift: the lift.
+        place: where the foot comes down, None if its step is not plain.
+        route: that its body followed.
+        bearing: that all bodies had.
+    """
+
+    lift: Lift
+    place: Foothold | None
+    route: Route
+    bearing: Bearing
+
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
@@ -93,26 +120,48 @@ class PlainSteps:
         self.footholds = footholds
         self.herd = footholds.herd
         self.path = footholds.path
-        self._found: dict[int, tuple[Foothold, Route]] = {}
+        self._plans: dict[int, Plan] = {}
+        self._found: dict[int, Plan] = {}
 
-    def foresee(self, lifts: Sequence[Lift]) -> None:
-        """Plan all steps of `lifts` that are plain, and forget all others."""
-        self._found.clear()
-        owner = self.herd.owner
+    def foresee(
+        self, lifts: Sequence[Lift], later: Callable[[], Sequence[Lift]] = tuple
+    ) -> None:
+        """Plan all steps of `lifts` that are plain, and forget all others.
+
+        Args:
+            lifts: of feet that lift now.
+            later: returns some that are expected soon, which are planned together with
+                those of `lifts` that were not expected.
+        """
         # Who goes over into another pace is not plain.
-        lifts = [one for one in lifts if int(owner[one.leg]) not in self.path.paces.changes]
-        if lifts:
-            for one, place in zip(lifts, self._planned(lifts), strict=True):
-                if place is not None:
-                    self._found[one.leg] = place, self.path.routes[int(owner[one.leg])]
+        changes, owner = self.path.paces.changes, self.herd.owner
+        lifts = [one for one in lifts if int(owner[one.leg]) not in changes]
+        new = [one for one in lifts if not self._knows(one)]
+        if new:
+            now = {one.leg for one in lifts}
+            new += [
+                one
+                for one in later()
+                if one.leg not in now and int(owner[one.leg]) not in changes and not self._knows(one)
+            ]
+            for one, place in zip(new, self._planned(new), strict=True):
+                self._plans[one.leg] = Plan(one, place, self._route(one.leg), self.path.bearing)
+        self._found = {one.leg: self._plans[one.leg] for one in lifts}
 
     def of(self, leg: int) -> Foothold | None:
         """Return where a foot that was foreseen comes down by a plain step, if it does."""
-        if leg not in self._found:
-            return None
-        place, route = self._found[leg]
+        plan = self._found.get(leg)
         # Its creature may have been led elsewhere since.
-        return place if route is self.path.routes[int(self.herd.owner[leg])] else None
+        return plan.place if plan is not None and plan.route is self._route(leg) else None
+
+    def _knows(self, lift: Lift) -> bool:
+        plan = self._plans.get(lift.leg)
+        if plan is None or plan.route is not self._route(lift.leg):
+            return False
+        return plan.bearing is self.path.bearing and plan.lift.numbers == lift.numbers
+
+    def _route(self, leg: int) -> Route:
+        return self.path.routes[int(self.herd.owner[leg])]
 
     def _planned(self, lifts: Sequence[Lift]) -> list[Foothold | None]:
         legs = np.array([one.leg for one in lifts])

@@ -8,7 +8,7 @@ before, and the creature comes to rest there as at the end of any route.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -104,18 +104,33 @@ class Scout:
             self._seen[leg] = there
         return self._wall(c, way, braking, nearest)
 
-    def foresee(self, lifts: Sequence[Lift], first: int = 1) -> None:
-        """Look together at the ground that all of `lifts` will be asked about."""
+    def foresee(
+        self,
+        lifts: Sequence[Lift],
+        first: int = 1,
+        later: Callable[[], Sequence[Lift]] = tuple,
+    ) -> None:
+        """Look together at the ground that all of `lifts` will be asked about.
+
+        Args:
+            lifts: of feet that lift now.
+            first: see `ahead`.
+            later: returns some that are expected soon, which are looked at together with
+                those of `lifts` that were not expected.
+        """
+        if all(key in self._plain for key in self._asked(lifts, first)):
+            return
         self._plain.clear()
-        legs, there = list[int](), list[float]()
+        asked = list(dict.fromkeys(self._asked([*lifts, *later()], first)))
+        legs, there = np.array([leg for leg, _, _ in asked]), np.array([way for _, way, _ in asked])
+        self._plain.update(zip(asked, self._are_plain(legs, there).tolist(), strict=True))
+
+    def _asked(self, lifts: Sequence[Lift], first: int) -> Iterator[tuple[int, float, Route]]:
+        """Yield what `ahead` will want to know of lifts: leg, place of its body [m], its route."""
         for one in lifts:
+            route = self.path.routes[int(self.herd.owner[one.leg])]
             for _, middle in self._places(one.leg, one.travelled, one.step, first):
-                legs.append(one.leg)
-                there.append(middle)
-        if legs:
-            plain = self._are_plain(np.array(legs), np.array(there)).tolist()
-            routes = (self.path.routes[c] for c in self.herd.owner[legs].tolist())
-            self._plain.update(zip(zip(legs, there, routes, strict=True), plain, strict=True))
+                yield one.leg, middle, route
 
     def _places(self, leg: int, way: float, step: Step, first: int) -> list[tuple[int, float]]:
         """Return for cycles to come how far in the middle of its stance a body has gone [m]."""

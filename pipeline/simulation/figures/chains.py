@@ -69,7 +69,7 @@ class Chains:
     def some(self, which: slice | NDArray[np.int64]) -> Chains:
         """Return the limbs `which` alone; numbers may occur more than once."""
         of_limbs = {
-            name: getattr(self, name)[..., which, :]
+            name: _picked(getattr(self, name), which)
             for name in self.__dataclass_fields__
             if name not in ("rows", "slides", "used")
         }
@@ -184,6 +184,13 @@ def _constants(batch: LimbBatch) -> tuple[Array, Array, Array, Array, Array]:
     before = np.concatenate([x[:, :1], x[:, :-1]], axis=1)
     offset = np.arctan2(_dot(cross(before, x), z), _dot(before, x))
     return home[:, 0], offset, bend, way, home
+
+
+def _picked(values: Array, which: slice | NDArray[np.int64]) -> Array:
+    """Return `values` (..., l, 1) of the limbs `which`, with limbs last in memory."""
+    if isinstance(which, slice):
+        return values[..., which, :]
+    return values.take(which, axis=-2)
 
 
 def _dot(a: Array, b: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline.simulation.locomotion.carriage.gaze import Gaze
 from pipeline.simulation.locomotion.carriage.idle import Idlers
-from pipeline.simulation.locomotion.carriage.looking import Rows, sight_of
+from pipeline.simulation.locomotion.carriage.looking import Rows, looks_ahead, sight_of
 from pipeline.simulation.locomotion.carriage.overlap import Overlap
 from pipeline.simulation.locomotion.carriage.springs import Oscillators, Trailing
 from pipeline.simulation.locomotion.herd import Herd
@@ -82,6 +82,8 @@ class Carriage:
         """
         gaze, looks = self.gaze, np.zeros((len(rows.time), len(self.gaze.owner), 2))
         for h, c in enumerate(gaze.owner):
+            if looks_ahead(rows, int(c)):
+                continue
             head = gaze.necks.places[h, 0], gaze.end[h]
             own = None if eyes is None else eyes[:, h]
             looks[:, h, 0], looks[:, h, 1] = sight_of(

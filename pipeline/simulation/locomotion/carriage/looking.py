@@ -6,9 +6,11 @@ curve or a turn on the spot begins.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,11 +69,18 @@ class Rows:
     R_WB: Array
     p_WB: Array
 
-    @property
+    @cached_property
     def turned(self) -> Array:
         """(n, C) headings of the bodies [rad]."""
         result: Array = np.arctan2(-self.R_WB[..., 2, 0], self.R_WB[..., 0, 0])
         return result
+
+    @cached_property
+    def spans(self) -> Sequence[slice]:
+        """The rows during which nobody is led elsewhere, one after the other."""
+        count = len(self.routes)
+        led = [k for k in range(1, count) if self.routes[k] is not self.routes[k - 1]]
+        return [slice(a, b) for a, b in itertools.pairwise([0, *led, count])] if count else []
 
 
 def look_of(herd: Herd, c: int, words: Target) -> Look:
@@ -111,6 +120,13 @@ def looks_in(herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]) -> Mappin
     return looks
 
 
+def looks_ahead(rows: Rows, c: int) -> bool:
+    """Tell whether a creature goes straight on in all rows, and is told to look at nothing."""
+    if any(c in looks for looks in rows.looks):
+        return False
+    return all(rows.routes[span.start][c].goes_straight for span in rows.spans)
+
+
 def sight_of(
     herd: Herd, rows: Rows, c: int, head: tuple[Array, Array], most: float, eyes: Array | None
 ) -> tuple[Array, Array]:
@@ -127,7 +143,7 @@ def sight_of(
     azimuth, elevation = np.zeros((2, len(rows.time)))
     told = np.array([c in looks for looks in rows.looks], dtype=bool)
     out = float(np.hypot(*head[1][[0, 2]]))
-    for span in _spans(rows):
+    for span in rows.spans:
         route = rows.routes[span.start][c]
         own = np.arange(span.start, span.stop)[~told[span]]
         if not route.goes_straight and len(own):
@@ -151,15 +167,6 @@ def within(angle: Array, most: float) -> Array:
     width = max(0.15 * most, 1e-6)
     result: Array = angle - np.sign(angle) * hinge(np.abs(angle) - (most - width), width)
     return np.clip(result, -most, most)
-
-
-def _spans(rows: Rows) -> Iterator[slice]:
-    """Yield the rows during which nobody is led elsewhere."""
-    start = 0
-    for k in range(1, len(rows.routes) + 1):
-        if k == len(rows.routes) or rows.routes[k] is not rows.routes[start]:
-            yield slice(start, k)
-            start = k
 
 
 def _ahead(

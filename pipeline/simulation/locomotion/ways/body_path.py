@@ -173,13 +173,11 @@ class BodyPath:
             travelled: (N,) way gone since the start [m].
         """
         herd = self.herd
-        if self._goes_straight[creature].all():
-            # Most do, from where they started: no table is needed.
-            turned = herd.headings[creature]
-            xz = herd.starts[creature] + travelled[:, None] * direction(turned)
-            return xz, turned, np.zeros(len(creature))
-        xz, turned, lean = np.empty((len(creature), 2)), *np.empty((2, len(creature)))
-        for c in np.unique(creature):
+        # Most go straight from where they started: no table is needed.
+        turned = herd.headings[creature]
+        xz = herd.starts[creature] + travelled[:, None] * direction(turned)
+        lean, curved = np.zeros(len(creature)), creature[~self._goes_straight[creature]]
+        for c in np.unique(curved) if len(curved) else ():
             own = creature == c
             route, way = self.routes[c], travelled[own]
             xz[own], turned[own] = route.at(way)

@@ -268,14 +268,16 @@ class Going:
         self._rises = dt / (RISING * self.cycle)
         # Who is stuck has a way to brake on that was made for it.
         self._falls = np.where(self.halted, 1.0, dt / (FALLING * self.cycle))
+        self._bound = [c for c, route in enumerate(self.path.routes) if not route.goes_straight]
         length = np.array([route.length for route in self.path.routes])
         # None while all go on for ever, which most do.
         self._ends = length if (herd.walks & (np.isfinite(length) | self.halted)).any() else None
 
     def _braked(self) -> Array:
         """Return the greatest drive (C,) from which all come to rest where they have to."""
-        routes = zip(self.path.routes, self.way, strict=True)
-        left = np.maximum([route.free(s) for route, s in routes], 0.0)
+        left = np.full(len(self.way), np.inf)
+        for c in self._bound:
+            left[c] = max(self.path.routes[c].free(float(self.way[c])), 0.0)
         drive = np.sqrt(np.minimum(left / np.maximum(self.braking, 1e-9), 1.0))
         result: Array = np.where(self.arrived, 0.0, np.maximum(drive, CREEP))
         return result

@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Clock:
     """The grid of one simulation.
 
@@ -28,7 +29,7 @@ class Clock:
     steps: int = 4
     samples: int = 4
 
-    @property
+    @cached_property
     def dt(self) -> float:
         """Duration of a step [s]."""
         return float(1 / (self.rate * self.steps))

@@ -17,7 +17,8 @@ from functools import cached_property
 from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_solid, volume_of_solid
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import Tree
-from pipeline.simulation.figures.reroot import displacement
+from pipeline.simulation.figures.reroot import displaced
+from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.spatial import Array
 
 
@@ -54,8 +55,9 @@ class Inertia:
         """
         skeleton = self.figure.skeleton
         tree = Tree.of(skeleton)
+        X_BJ = tree.pose(q)
         return joined(
-            mass.in_frame(displacement(tree, q, link.joint))
+            mass if link.joint == BODY else mass.in_frame(displaced(tree, X_BJ, link.joint))
             for link, mass in zip(skeleton.links, self.links, strict=True)
         )
 

@@ -109,7 +109,12 @@ def displacement(tree: Tree, q: Array, joint: int) -> Array:
     """
     if joint == BODY:
         return np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4)).copy()
-    X = tree.pose(q)[..., joint, :, :]
+    return displaced(tree, tree.pose(q), joint)
+
+
+def displaced(tree: Tree, X_BJ: Array, joint: int) -> Array:
+    """Return the same (..., 4, 4) where the poses X_BJ (..., J, 4, 4) of all joints are known."""
+    X: Array = X_BJ[..., joint, :, :].copy()
     X[..., :3, 3] -= (X[..., :3, :3] @ tree.places[joint][:, None])[..., 0]
     return X
 

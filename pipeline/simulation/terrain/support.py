@@ -80,8 +80,12 @@ class Support:
         surface = filled(height, share)
         above = _above(ground.field, surface, side)
         high = above > room
-        excess = _blocks(np.where(high, 0.0, above), many, highest=True)
-        walls = _blocks(high.astype(float), many, highest=True)
+        if not high.any():
+            excess = _blocks(above, many, highest=True)
+            walls = np.zeros_like(excess)
+        else:
+            excess = _blocks(np.where(high, 0.0, above), many, highest=True)
+            walls = _blocks(high.astype(float), many, highest=True)
         # The spline at a place looks at nodes up to one and a half sides away.
         near = [1 + int(np.ceil(wide / s)) for s in side]
         nodes = np.stack([surface, _dilated(excess, near)])
@@ -240,9 +244,8 @@ def _above(field: HeightField, surface: Array, side: tuple[float, float]) -> Arr
         part = (u - i)[:, None] if axis == 0 else u - i
         surface = low + part * (high - low)
     h = field.heights - surface
-    result: Array = np.maximum(
-        np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])
-    )
+    rows = np.maximum(h[:-1], h[1:])
+    result: Array = np.maximum(rows[:, :-1], rows[:, 1:])
     return result
 
 

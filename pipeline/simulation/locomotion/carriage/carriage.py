@@ -94,6 +94,9 @@ class Carriage:
     def _followed(self, wanted: Array) -> Array:
         """Return where heads look (n, H, 2) that follow at no more than a certain speed [rad]."""
         goals, least = np.empty_like(wanted), -self._most
+        if self._last is not None and (wanted == self._last).all():
+            # Most look straight ahead all the time.
+            return wanted + self._look.follow(wanted)
         for row, goal in enumerate(wanted):
             before = goal if self._last is None else self._last
             ahead = goal - before

@@ -91,7 +91,9 @@ class Trailing:
         changes = np.diff(speeds, axis=0, prepend=before[None])
         by_place, by_speed = self.springs.by(goals.ndim - 1)
         state = np.zeros((2, *goals.shape[1:])) if self._state is None else self._state
-        for row, change in enumerate(changes, len(goals) - len(changes)):
+        # What rests while its goal goes evenly goes on resting.
+        moves = bool(state.any() or changes.any())
+        for row, change in enumerate(changes if moves else (), len(goals) - len(changes)):
             state = by_place * state[0] + by_speed * (state[1] - change)
             found[row] = state[0]
         self._state, self._speed = state, speeds[-1].copy()

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from pipeline.simulation.figures.settling import brought, settle
+from pipeline.simulation.locomotion.footing.footholds import Foothold
 from pipeline.simulation.locomotion.footing.plain_steps import Lift, PlainSteps
 from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.locomotion.ways.going import LOOKS
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
@@ -66,12 +71,55 @@ def test_no_bit_depends_on_who_else_lifts(walkers: Walkers) -> None:
     plain.foresee(lifts)
     together = [plain.of(lift.leg) for lift in lifts]
     for lift, place in zip(lifts, together, strict=True):
-        plain.foresee([lift])
-        alone = plain.of(lift.leg)
-        assert (alone is None) == (place is None)
-        if alone is not None and place is not None:
-            assert (alone.tip == place.tip).all()
-            assert alone.arch == place.arch
+        # Another one, which knows nothing yet.
+        apart = PlainSteps(walkers.feet.footholds)
+        apart.foresee([lift])
+        assert_same(apart.of(lift.leg), place)
+
+
+def assert_same(one: Foothold | None, other: Foothold | None) -> None:
+    assert (one is None) == (other is None)
+    if one is not None and other is not None:
+        assert (one.tip == other.tip).all()
+        assert one.arch == other.arch
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-3])
+def test_steps_planned_early_are_those_planned_in_time(walkers: Walkers, off: float) -> None:
+    early, lifts = PlainSteps(walkers.feet.footholds), lifts_of(walkers)
+    expected = [replace(lift, travelled=lift.travelled + off) for lift in lifts[1:]]
+    early.foresee(lifts[:1], lambda: expected)
+    assert all(early.of(lift.leg) is None for lift in expected)
+    known = {leg for leg, plan in early._plans.items() if plan.place is not None}
+    assert len(known) > len(lifts) / 2
+    for lift in lifts[1:]:
+        in_time = PlainSteps(walkers.feet.footholds)
+        in_time.foresee([lift])
+        early.foresee([lift])
+        assert_same(early.of(lift.leg), in_time.of(lift.leg))
+
+
+def test_no_plan_of_a_whole_walk_is_made_twice(
+    walkers: Walkers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = list[int]()
+    planned = PlainSteps._planned
+
+    def counted(self: PlainSteps, lifts: Sequence[Lift]) -> list[Foothold | None]:
+        asked.append(len(lifts))
+        return planned(self, lifts)
+
+    monkeypatch.setattr(PlainSteps, "_planned", counted)
+    before, lifted = walkers.feet.lifted.copy(), 0
+    for step in range(walkers.world.clock.last_step):
+        walkers.read({})
+        walkers.advance(step)
+        lifted += int((walkers.feet.lifted != before).sum())
+        before = walkers.feet.lifted.copy()
+    # What is expected in the last steps lifts after them.
+    assert sum(asked) <= lifted + len(before)
+    # One call between two looks at slopes, or a second one for who went otherwise.
+    assert len(asked) <= 2 * LOOKS
 
 
 def test_a_step_is_forgotten_when_its_creature_is_led_elsewhere(walkers: Walkers) -> None:

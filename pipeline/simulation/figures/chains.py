@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,7 +69,7 @@ class Chains:
 
     def some(self, which: slice | NDArray[np.int64]) -> Chains:
         """Return the limbs `which` alone; numbers may occur more than once."""
-        of_limbs = {
+        of_limbs: dict[str, Any] = {
             name: _picked(getattr(self, name), which)
             for name in self.__dataclass_fields__
             if name not in ("rows", "slides", "used")

@@ -96,6 +96,11 @@ class Support:
         """Whether all of it is level."""
         return bool(np.ptp(self.nodes[0]) < LEVEL and self.nodes[1].max() < LEVEL)
 
+    @cached_property
+    def has_walls(self) -> bool:
+        """Whether there are any walls."""
+        return bool(self.walls.any())
+
     def barred(self, x: Array, z: Array) -> NDArray[np.bool_]:
         """Say beside which world (x, z) walls rise; any equal shapes."""
         x, z = self.field.to_grid(x, z)

@@ -81,6 +81,10 @@ class Footing:
         """Say where the ground is too high for a creature's belly."""
         return self._of(c).barred(x, z)
 
+    def has_walls(self, c: int) -> bool:
+        """Tell whether anything on the ground is a wall for a creature."""
+        return self._of(c).has_walls
+
     def _of(self, c: int) -> Support:
         return self._supports[int(self._which[c])]
 

@@ -123,9 +123,7 @@ class PlainSteps:
         self._plans: dict[int, Plan] = {}
         self._found: dict[int, Plan] = {}
 
-    def foresee(
-        self, lifts: Sequence[Lift], later: Callable[[], Sequence[Lift]] = tuple
-    ) -> None:
+    def foresee(self, lifts: Sequence[Lift], later: Callable[[], Sequence[Lift]] = tuple) -> None:
         """Plan all steps of `lifts` that are plain, and forget all others.
 
         Args:
@@ -133,17 +131,12 @@ class PlainSteps:
             later: returns some that are expected soon, which are planned together with
                 those of `lifts` that were not expected.
         """
-        # Who goes over into another pace is not plain.
-        changes, owner = self.path.paces.changes, self.herd.owner
-        lifts = [one for one in lifts if int(owner[one.leg]) not in changes]
+        lifts = [one for one in lifts if self._keeps_pace(one)]
         new = [one for one in lifts if not self._knows(one)]
         if new:
             now = {one.leg for one in lifts}
-            new += [
-                one
-                for one in later()
-                if one.leg not in now and int(owner[one.leg]) not in changes and not self._knows(one)
-            ]
+            soon = [one for one in later() if one.leg not in now and self._keeps_pace(one)]
+            new += [one for one in soon if not self._knows(one)]
             for one, place in zip(new, self._planned(new), strict=True):
                 self._plans[one.leg] = Plan(one, place, self._route(one.leg), self.path.bearing)
         self._found = {one.leg: self._plans[one.leg] for one in lifts}
@@ -153,6 +146,10 @@ class PlainSteps:
         plan = self._found.get(leg)
         # Its creature may have been led elsewhere since.
         return plan.place if plan is not None and plan.route is self._route(leg) else None
+
+    def _keeps_pace(self, lift: Lift) -> bool:
+        """Tell whether a body goes on as it does: over into another pace no step is plain."""
+        return int(self.herd.owner[lift.leg]) not in self.path.paces.changes
 
     def _knows(self, lift: Lift) -> bool:
         plan = self._plans.get(lift.leg)

@@ -179,6 +179,9 @@ class Scout:
         first = max(self._clear[c], way)
         if last <= first:
             return None
+        if not self.path.footing.has_walls(c):
+            self._clear[c] = last
+            return None
         places = first + (last - first) * NOSE
         xz, _, _ = self.path.on_route(np.full(len(places), c), places + nose)
         high = self.path.footing.barred(c, xz[:, 0], xz[:, 1])

@@ -33,6 +33,9 @@ NEAR = 0.02
 WIDE = 1.5
 """Radius of the arc on which who walks is turned, as a part of the stride."""
 
+LEAD = 0.5
+"""Strides that who walks goes on as before it turns: feet that are down were put there for it."""
+
 NARROW = 0.65
 """Least radius of an arc to a place, as a part of that one: for what is nearer and to the side, or
 behind, who walks comes to rest, and turns on the spot."""
@@ -65,7 +68,7 @@ def _walk(going: Going, c: int, order: Do) -> None:
 
 def _go_to(going: Going, c: int, order: GoTo) -> None:
     """Go to a place: along an arc and straight on, or by a turn on the spot."""
-    here, target = _here(going, c), np.array(order.go_to)
+    here, target = _here(going, c, LEAD), np.array(order.go_to)
     way = target - here.xz[-1]
     if np.linalg.norm(way) < NEAR * going.full[c]:
         going.lead(c, here)
@@ -76,6 +79,8 @@ def _go_to(going: Going, c: int, order: GoTo) -> None:
         radius = min(_arc_through(way, heading), widest)
         if radius >= NARROW * widest:
             arc = _arc(here, _towards(way, heading, radius), radius)
+            if len(arc) > 1 and np.linalg.norm(arc[-1] - target) < NEAR * widest:
+                arc.pop()
             going.lead(c, here.then(through([*arc, target], heading)))
             return
         here = _braked(going, c)
@@ -85,6 +90,8 @@ def _go_to(going: Going, c: int, order: GoTo) -> None:
 def _turned_to(going: Going, c: int, here: Route, target: Array) -> Route:
     """Return the way to a place by a turn on the spot at the end of the route so far."""
     way = target - here.xz[-1]
+    if np.linalg.norm(way) < NEAR * going.full[c]:
+        return here
     towards = math.atan2(-way[1], way[0])
     angle = math.remainder(towards - float(here.heading[-1]), 2.0 * math.pi)
     here = here.then(_spot(going, c, here, angle))
@@ -93,7 +100,7 @@ def _turned_to(going: Going, c: int, here: Route, target: Array) -> Route:
 
 def _turn(going: Going, c: int, order: TurnBy) -> None:
     """Turn on the spot who stands, and along an arc who walks."""
-    here, angle = _here(going, c), math.radians(order.turn_deg)
+    here, angle = _here(going, c, LEAD), math.radians(order.turn_deg)
     if going.drive[c] == 0.0:
         going.lead(c, here.then(_spot(going, c, here, angle)))
         return
@@ -112,7 +119,7 @@ def _radius(going: Going, c: int) -> float:
 def _arc(here: Route, angle: float, radius: float) -> list[Array]:
     """Return waypoints (2,) from the end of a route along an arc that turns by `angle` [rad]."""
     heading, side = float(here.heading[-1]), math.copysign(1.0, angle)
-    count = max(math.ceil(abs(angle) / ARC), 1) if angle else 0
+    count = math.ceil(abs(angle) / ARC) if abs(angle) > AHEAD else 0
     centre = here.xz[-1] + radius * direction(heading + side * math.pi / 2.0)
     turns = (
         heading + side * (abs(angle) * k / max(count, 1) - math.pi / 2.0) for k in range(count + 1)
@@ -169,9 +176,11 @@ def _look(going: Going, c: int, order: LookAhead) -> None:
     going.looks = {who: look for who, look in going.looks.items() if who != c}
 
 
-def _here(going: Going, c: int) -> Route:
-    """Return what is gone of its route."""
-    return going.path.routes[c].upto(float(going.way[c]))
+def _here(going: Going, c: int, lead: float = 0.0) -> Route:
+    """Return its route up to where it is, or as many strides farther."""
+    route = going.path.routes[c]
+    ahead = lead * float(going.stride[c])
+    return route.upto(min(float(going.way[c]) + ahead, max(route.length, float(going.way[c]))))
 
 
 def _braked(going: Going, c: int) -> Route:

@@ -1,0 +1,159 @@
+"""Convex hull of points: the polyhedron that a body is to whatever it meets.
+
+Points are added one by one; the faces that a new point sees are replaced by those from
+their rim to it. That is exact but for one tolerance, works in its own hundred lines, and is
+run once a body, so no geometry library is asked for it.
+
+Source: Ericson 2005, chapter 3 (incremental hulls).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import MassError
+from pipeline.simulation.spatial import Array, cross, normalized
+
+SAME_PLANE = 1e-9
+"""Distance from a plane that is none, as a part of the extent of the points."""
+
+LEAST_ANGLE = 1e-7
+"""Sine of the angle between neighbouring triangles of one facet."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """A convex polyhedron.
+
+    Attributes:
+        vertices: (V, 3) [m].
+        faces: (F, 3) triangles, counter-clockwise from outside.
+        facets: each a plane polygon of vertices, counter-clockwise from outside.
+        normals: (P, 3) of the facets, outward.
+        edges: (E, 2) between facets.
+    """
+
+    vertices: Array
+    faces: NDArray[np.uint32]
+    facets: tuple[tuple[int, ...], ...]
+    normals: Array
+    edges: NDArray[np.int64]
+
+
+def hull_of(points: Array) -> Hull:
+    """Return the convex hull of points (n, 3).
+
+    Raises:
+        MassError: they lie in one plane, or are fewer than four.
+    """
+    extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    near = SAME_PLANE * extent
+    faces = _grown(points, _first(points, near), near)
+    used = np.unique(faces)
+    number = np.zeros(len(points), dtype=np.int64)
+    number[used] = np.arange(len(used))
+    faces = number[faces]
+    return _with_facets(points[used], faces)
+
+
+def _first(points: Array, near: float) -> list[int]:
+    """Return four points that span a solid, far apart from one another."""
+    if len(points) < 4:
+        raise MassError(f"a solid needs four points or more, not {len(points)}")
+    a = int(np.argmin(points[:, 0]))
+    away = points - points[a]
+    b = int(np.argmax(np.linalg.norm(away, axis=-1)))
+    along = normalized(away[b])
+    beside = np.linalg.norm(away - (away @ along)[:, None] * along, axis=-1)
+    c = int(np.argmax(beside))
+    if beside[c] <= near:
+        raise MassError("its points lie in one line, which encloses no volume")
+    height = away @ normalized(np.cross(away[b], away[c]))
+    d = int(np.argmax(np.abs(height)))
+    if abs(height[d]) <= near:
+        raise MassError("its points lie in one plane, which encloses no volume")
+    return [a, b, c, d] if height[d] < 0.0 else [a, c, b, d]
+
+
+def _grown(points: Array, first: Sequence[int], near: float) -> NDArray[np.int64]:
+    """Return the triangles (F, 3) of the hull, grown from a tetrahedron."""
+    a, b, c, d = first
+    faces = np.array([[a, b, c], [a, d, b], [b, d, c], [c, d, a]])
+    normals, offsets = _planes(points, faces)
+    # Those farthest from the first ones come first: most others then lie inside at once.
+    order = np.argsort(-np.linalg.norm(points - points[list(first)].mean(axis=0), axis=-1))
+    for i in order:
+        seen = normals @ points[i] - offsets > near
+        if not seen.any():
+            continue
+        rim = _rim(faces[seen])
+        new = np.column_stack([rim, np.full(len(rim), i)])
+        faces = np.concatenate([faces[~seen], new])
+        own = _planes(points, new)
+        normals = np.concatenate([normals[~seen], own[0]])
+        offsets = np.concatenate([offsets[~seen], own[1]])
+    return faces
+
+
+def _planes(points: Array, faces: NDArray[np.int64]) -> tuple[Array, Array]:
+    a, b, c = points[faces.T]
+    normals = normalized(cross(b - a, c - a))
+    return normals, np.sum(normals * a, axis=-1)
+
+
+def _rim(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the edges (n, 2) around a patch of triangles, in their own direction."""
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    there = {(int(a), int(b)) for a, b in edges}
+    return np.array([e for e in map(tuple, edges.tolist()) if (e[1], e[0]) not in there])
+
+
+def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
+    """Join triangles of one plane to facets."""
+    normals, _ = _planes(vertices, faces)
+    owner = {}
+    for f, (a, b, c) in enumerate(faces.tolist()):
+        owner[a, b] = owner[b, c] = owner[c, a] = f
+    group = list(range(len(faces)))
+
+    def root(f: int) -> int:
+        while group[f] != f:
+            f = group[f]
+        return f
+
+    for (a, b), f in owner.items():
+        g = owner[b, a]
+        if np.linalg.norm(np.cross(normals[f], normals[g])) < LEAST_ANGLE:
+            group[max(root(f), root(g))] = min(root(f), root(g))
+    patches: dict[int, list[int]] = {}
+    for f in range(len(faces)):
+        patches.setdefault(root(f), []).append(f)
+    facets, flat = list[tuple[int, ...]](), list[Array]()
+    edges = set[tuple[int, int]]()
+    for members in patches.values():
+        after = {int(a): int(b) for a, b in _rim(faces[members])}
+        start = min(after)
+        loop = [start]
+        while after[loop[-1]] != start:
+            loop.append(after[loop[-1]])
+        facets.append(tuple(loop))
+        flat.append(_area(vertices[loop]))
+        edges |= {(min(e), max(e)) for e in after.items()}
+    return Hull(
+        vertices,
+        faces.astype(np.uint32),
+        tuple(facets),
+        normalized(np.array(flat)),
+        np.array(sorted(edges)),
+    )
+
+
+def _area(polygon: Array) -> Array:
+    """Return the area vector (3,) of a plane polygon (n, 3)."""
+    arms = polygon - polygon[0]
+    result: Array = 0.5 * cross(arms[1:-1], arms[2:]).sum(axis=0)
+    return result

@@ -1,0 +1,103 @@
+"""Leaning: bodies that the ground holds, as they roll, slide, tip over or lie.
+
+The forces of the contacts over a sub-step are found together, as impulses are, so that no
+contact moves into the ground and friction holds those that it can. What is asked of a
+contact is where it is at the end, gap + h (u + u⁺) / 2 + c, with the velocity in the middle
+and the way c = h² ω × (ω × L) / 2 that turning takes it towards the centre: then the work of
+the forces is what the energy loses, to the third order in h. What is gained nevertheless is
+taken from the velocities at once, and what cannot pay for it stays where it is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.impulses import Problem, solved
+from pipeline.simulation.dynamics.meeting import Contacts
+from pipeline.simulation.dynamics.path import in_world
+from pipeline.simulation.dynamics.rigid import FREE, Bodies, State, dot, energy, kinetic, turned
+from pipeline.simulation.dynamics.striking import REST, TOUCHING
+from pipeline.simulation.spatial import Array, cross
+
+HELD = 2e-4
+"""Gap below which a contact holds, in sizes of the body."""
+
+SUNK = 5e-4
+"""Depth that is not mended, in sizes of the body: that would be jitter."""
+
+ENOUGH = 1e-9
+"""How exactly forces are found, see `solved`: what is left shows nowhere."""
+
+MENDED = 0.1
+"""Part of a greater depth that is mended in a sub-step."""
+
+
+def holds(bodies: Bodies, state: State, contacts: Contacts, h: Array) -> NDArray[np.bool_]:
+    """Say which contacts (B, K) are held over a sub-step: those that would come back in it."""
+    near = contacts.gap <= HELD * bodies.size[:, None]
+    w = in_world(state)
+    speed = dot(contacts.normal, state.v[:, None] + cross(w[:, None], contacts.lever))
+    back = np.sqrt(dot(FREE, FREE)) + dot(w, w) * bodies.reach
+    # What still comes fast enough to bounce shall do so.
+    slow = (speed > -REST) | (contacts.gap <= TOUCHING * bodies.size[:, None])
+    return near & slow & (speed < (back * h)[:, None])
+
+
+def leant(
+    bodies: Bodies,
+    state: State,
+    contacts: Contacts,
+    acts: NDArray[np.bool_],
+    free_w: Array,
+    h: Array,
+) -> tuple[Array, Array]:
+    """Return velocities and turning in the world (B, 3) after a sub-step.
+
+    Args:
+        bodies: B of them.
+        state: how they begin.
+        contacts: of theirs.
+        acts: (B, K) which hold.
+        free_w: (B, 3) turning after the sub-step if nothing held, in the world [rad/s].
+        h: (B,) its length [s].
+    """
+    w = in_world(state)
+    problem = Problem.of(bodies, state.q, contacts.normal, contacts.lever, acts)
+    inward = cross(w[:, None], cross(w[:, None], contacts.lever))
+    pull = dot(problem.axes, inward[:, :, None]) * h[:, None, None]
+    target = -pull
+    size = bodies.size[:, None]
+    gap = np.where(acts, contacts.gap, 0.0)
+    gap = np.where(gap < 0.0, np.minimum(gap + SUNK * size, 0.0) * MENDED, gap)
+    target[..., 0] -= problem.speeds(state.v, w)[..., 0] + 2.0 * gap / h[:, None]
+    free_v = state.v + h[:, None] * FREE
+    v, turn, impulses = solved(problem, free_v, free_w, target, ENOUGH)
+    return v, _rolled(bodies, state, turn, impulses)
+
+
+def _rolled(bodies: Bodies, state: State, turn: Array, impulses: Array) -> Array:
+    """Return turning (B, 3) less what rolling resists: a moment of lever times force."""
+    momentum = turned(bodies.inertia, state.w)
+    length = np.sqrt(dot(momentum, momentum))
+    force = np.zeros(len(turn))
+    for k in range(impulses.shape[1]):
+        force = force + impulses[:, k, 0]
+    lost = bodies.rolling * force / np.maximum(length, 1e-300)
+    return turn * np.maximum(1.0 - lost, 0.0)[:, None]
+
+
+def paid(bodies: Bodies, before: State, after: State) -> State:
+    """Return the state after a sub-step with no more energy than before it."""
+    gained = energy(bodies, after) - energy(bodies, before)
+    moves = kinetic(bodies, after.v, after.w)
+    share = (moves - gained) / np.maximum(moves, 1e-300)
+    slow = np.sqrt(np.clip(share, 0.0, 1.0))[:, None]
+    slow = np.where((gained > 0.0)[:, None], slow, 1.0)
+    stays = ((gained > 0.0) & (share < 0.0))[:, None]
+    return State(
+        np.where(stays, before.p, after.p),
+        np.where(stays, before.q, after.q),
+        slow * after.v,
+        slow * after.w,
+    )

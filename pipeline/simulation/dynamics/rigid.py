@@ -1,0 +1,190 @@
+"""Rigid bodies: what stays of them, and how they are just now, as arrays over all.
+
+Letters: p place of the centre of mass in the world, q attitude wxyz, v velocity in the world,
+w angular velocity in the frame of the body, L levers from the centre of mass.
+
+Source: Sims 1987, 7.1; 12.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.hull import Hull
+from pipeline.simulation.dynamics.mass import MassProperties
+from pipeline.simulation.spatial import Array, matrix
+
+FREE = np.array([0.0, -GRAVITY, 0.0])
+"""Acceleration of what falls [m/s²]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Build:
+    """One body as it is built, in its own frame about its centre of mass.
+
+    Attributes:
+        mass: mass, and inertia about the centre of mass.
+        hull: its surface; of a ball the middle alone counts.
+        radius: of a ball [m], 0 for a polyhedron.
+        bounciness: velocity ratio after / before.
+        friction: Coulomb's coefficient.
+        rolling: lever of the rolling resistance, as a part of the size.
+        soft: how long the ground's force lasts [s], 0 for an impact.
+    """
+
+    mass: MassProperties
+    hull: Hull | None
+    radius: float
+    bounciness: float
+    friction: float
+    rolling: float = 0.0
+    soft: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """What stays of N bodies.
+
+    Attributes:
+        mass: (N,) [kg].
+        inertia: (N, 3, 3) along the axes of the body [kg m²].
+        inverse: (N, 3, 3) of the same.
+        vertices: (N, V, 3) levers; the last one is repeated where a body has fewer [m].
+        normals: (N, P, 3) of the facets, outward, repeated likewise.
+        offsets: (N, P) of the facets from the centre of mass [m].
+        edges: (N, E, 2) vertices of the edges, repeated likewise.
+        radius: (N,) of balls, 0 for polyhedra [m].
+        reach: (N,) farthest point from the centre of mass [m].
+        size: (N,) characteristic length [m].
+        thin: (N,) distance of the nearest facet from the centre of mass [m].
+        bounciness: (N,).
+        friction: (N,).
+        rolling: (N,) lever of the rolling resistance [m].
+        soft: (N,) [s].
+    """
+
+    mass: Array
+    inertia: Array
+    inverse: Array
+    vertices: Array
+    normals: Array
+    offsets: Array
+    edges: NDArray[np.int64]
+    radius: Array
+    reach: Array
+    size: Array
+    thin: Array
+    bounciness: Array
+    friction: Array
+    rolling: Array
+    soft: Array
+
+    @staticmethod
+    def of(builds: Sequence[Build]) -> Bodies:
+        """Collect bodies."""
+        hulls = [b.hull for b in builds]
+        levers = [np.zeros((1, 3)) if h is None else h.vertices for h in hulls]
+        normals = [np.array([[0.0, 1.0, 0.0]]) if h is None else h.normals for h in hulls]
+        offsets = [_offsets(h, b.radius) for h, b in zip(hulls, builds, strict=True)]
+        edges = [np.zeros((1, 2), dtype=np.int64) if h is None else h.edges for h in hulls]
+        radius = np.array([b.radius for b in builds])
+        reach = np.array([np.linalg.norm(v, axis=-1).max() for v in levers]) + radius
+        size = np.array([np.ptp(v, axis=0).max() for v in levers]) + 2.0 * radius
+        inertia = np.array([b.mass.inertia for b in builds])
+        return Bodies(
+            mass=np.array([b.mass.mass for b in builds]),
+            inertia=inertia,
+            inverse=np.linalg.inv(inertia),
+            vertices=_filled(levers),
+            normals=_filled(normals),
+            offsets=_filled(offsets),
+            edges=_filled(edges),
+            radius=radius,
+            reach=reach,
+            size=size,
+            thin=np.array([o.min() for o in offsets]),
+            bounciness=np.array([b.bounciness for b in builds]),
+            friction=np.array([b.friction for b in builds]),
+            rolling=np.array([b.rolling for b in builds]) * size,
+            soft=np.array([b.soft for b in builds]),
+        )
+
+    def some(self, which: NDArray[np.int64]) -> Bodies:
+        """Return some of the bodies."""
+        return replace(self, **{name: value[which] for name, value in vars(self).items()})
+
+
+@dataclass(eq=False)
+class State:
+    """How N bodies are just now; see the letters above."""
+
+    p: Array
+    q: Array
+    v: Array
+    w: Array
+
+    def some(self, which: NDArray[np.int64]) -> State:
+        """Return a copy of some of them."""
+        return State(self.p[which], self.q[which], self.v[which], self.w[which])
+
+    def put(self, which: NDArray[np.int64], other: State) -> None:
+        """Take over the state of some of them."""
+        self.p[which], self.q[which] = other.p, other.q
+        self.v[which], self.w[which] = other.v, other.w
+
+
+def kinetic(bodies: Bodies, v: Array, w: Array) -> Array:
+    """Return the kinetic energies (N,) [J]."""
+    turning = dot(w, turned(bodies.inertia, w))
+    result: Array = 0.5 * (bodies.mass * dot(v, v) + turning)
+    return result
+
+
+def energy(bodies: Bodies, state: State) -> Array:
+    """Return kinetic and potential energy (N,) over height 0 [J]."""
+    result: Array = kinetic(bodies, state.v, state.w) + bodies.mass * GRAVITY * state.p[:, 1]
+    return result
+
+
+def angular_momentum(bodies: Bodies, state: State) -> Array:
+    """Return the angular momenta (N, 3) about the centres of mass, in the world [kg m²/s]."""
+    return turned(matrix(state.q), turned(bodies.inertia, state.w))
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Return a · b (...) of vectors (..., 3), added up in one order however many there are."""
+    result: Array = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+    return result
+
+
+def turned(R: Array, v: Array) -> Array:
+    """Return R v (..., 3), added up in one order however many there are."""
+    result: Array = (
+        R[..., :, 0] * v[..., None, 0] + R[..., :, 1] * v[..., None, 1]
+    ) + R[..., :, 2] * v[..., None, 2]
+    return result
+
+
+def unturned(R: Array, v: Array) -> Array:
+    """Return Rᵀ v (..., 3) likewise."""
+    return turned(np.swapaxes(R, -1, -2), v)
+
+
+def _offsets(hull: Hull | None, radius: float) -> Array:
+    if hull is None:
+        return np.array([radius])
+    first = np.array([facet[0] for facet in hull.facets])
+    return dot(hull.normals, hull.vertices[first])
+
+
+def _filled(rows: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Stack rows of different lengths, the last entry of each repeated."""
+    most = max(len(row) for row in rows)
+    index = [np.minimum(np.arange(most), len(row) - 1) for row in rows]
+    return np.array([row[i] for row, i in zip(rows, index, strict=True)])

@@ -21,7 +21,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.part_names import PartNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Node
-from pipeline.spec.cast import Creature, Prop
+from pipeline.spec.cast import Member, Prop
 from pipeline.spec.nearest import hint
 
 
@@ -96,7 +96,7 @@ def _pose(R: Array, p: Array, node: int) -> Array:
 
 
 def bonds_of(
-    cast: Sequence[Creature | Prop],
+    cast: Sequence[Member],
     figures: Mapping[str, Figure],
     nodes: Sequence[Node],
     clock: Clock,

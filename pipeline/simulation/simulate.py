@@ -16,6 +16,7 @@ import pipeline
 from pipeline.errors import Problem, SceneError, SimulationError
 from pipeline.simulation.attaching import bonds_of
 from pipeline.simulation.bodies.props import Props
+from pipeline.simulation.bodies.tumblers import Tumblers
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect import DETECTORS
 from pipeline.simulation.figures.figure import Figure, build_figure
@@ -27,7 +28,7 @@ from pipeline.simulation.script import Script
 from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
 from pipeline.simulation.terrain import build_ground, level_ground
 from pipeline.simulation.troupe import Troupe, World
-from pipeline.spec.cast import Creature, Prop
+from pipeline.spec.cast import Body, Creature, Prop
 from pipeline.spec.scene import VERSION, Scene
 
 Performer = tuple[int, Creature, Figure]
@@ -182,6 +183,9 @@ def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Tro
     props = [member for member in scene.cast if isinstance(member, Prop)]
     if props:
         troupes.append(Props(props, world, [member.material or THING for member in props]))
+    bodies = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Body)]
+    if bodies:
+        troupes.append(Tumblers(bodies, world, [member.material or THING for _, member in bodies]))
     return troupes
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 FORMAT = 1
 """Version of the take's layout."""
 
-ContactKind = Literal["touch", "scuff"]
+ContactKind = Literal["touch", "scuff", "hit"]
 
 TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes")
 """What a take has rows of that are no numbers alone."""
@@ -154,7 +154,8 @@ class Contact:
         material: of the part.
         surface: material of the other.
         size: characteristic length of the part [m].
-        kind: "touch" if the part comes to rest, "scuff" if it brushes over the other.
+        kind: "touch" if the part comes to rest, "scuff" if it brushes over the other, "hit" if
+            what moves freely strikes it.
     """
 
     step: int

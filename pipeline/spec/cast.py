@@ -7,8 +7,9 @@ from typing import Annotated, Any, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from pipeline.spec.body import BodyWords
 from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.keyframes import Keyframe, faults_of_order
+from pipeline.spec.keyframes import TURN, Keyframe, Turn, faults_of_order
 from pipeline.spec.mood import MoodMix
 from pipeline.spec.pose import PoseKey
 from pipeline.spec.prop import Hold, Shape
@@ -17,6 +18,9 @@ from pipeline.spec.walk import Walk
 
 MOST_KEYS = 10_000
 """Keyframes of one performer."""
+
+Speed = Annotated[Number, Field(ge=-1000, le=1000)]
+Velocity = tuple[Speed, Speed, Speed]
 
 At = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 
@@ -126,17 +130,48 @@ class Prop(Performer):
         return self.prop.shape
 
 
+class Body(Performer):
+    """A rigid thing that falls, bounces and rolls by itself."""
+
+    body: BodyWords = Field(description="Its shape, and what it is made of.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="Where its centre of mass begins, [x, y, z]; [x, z] puts it on the ground [m].",
+    )
+    rotation_deg: Turn = Field(
+        (0.0, 0.0, 0.0), description=f"How it begins turned, before its heading: {TURN}."
+    )
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
+    spin_deg: Turn = Field(
+        (0.0, 0.0, 0.0),
+        description="How it turns at the begin, about x, y and z of the world [degrees/s].",
+    )
+
+    @model_validator(mode="after")
+    def _moves_by_itself(self) -> Self:
+        if self.parent is not None:
+            message = "a body moves by itself; take parent away, or make it a prop"
+            refuse([Fault(("parent",), message, at_key=True)])
+        return self
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name."""
+        return self.body.shape
+
+
 def _what(words: Any) -> str:
     """Return what a member is by the block that it has."""
-    if isinstance(words, Mapping):
-        is_prop = "prop" in words and "figure" not in words
-    else:
-        is_prop = isinstance(words, Prop)
-    return "Prop" if is_prop else "Creature"
+    if not isinstance(words, Mapping):
+        return type(words).__name__
+    if "figure" in words:
+        return "Creature"
+    return "Prop" if "prop" in words else "Body" if "body" in words else "Creature"
 
 
 Member = Annotated[
-    Annotated[Creature, Tag("Creature")] | Annotated[Prop, Tag("Prop")], Discriminator(_what)
+    Annotated[Creature, Tag("Creature")] | Annotated[Prop, Tag("Prop")] | Annotated[Body, Tag("Body")],
+    Discriminator(_what),
 ]
 
 
@@ -163,11 +198,11 @@ def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
 
 def called(member: object) -> tuple[str, str]:
     """Return the own name and the kind of a member, which may be still raw and perhaps wrong."""
-    if isinstance(member, Creature | Prop):
+    if isinstance(member, Creature | Prop | Body):
         return member.name, member.called
     if not isinstance(member, Mapping):
         return "", ""
-    shape = member.get("prop")
+    shape = member.get("prop") or member.get("body")
     kind = shape.get("shape") if isinstance(shape, Mapping) else member.get("figure")
     name = member.get("name")
     return (name if isinstance(name, str) else ""), (kind if isinstance(kind, str) else "")

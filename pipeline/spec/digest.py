@@ -7,6 +7,7 @@ import json
 from collections.abc import Collection
 from typing import Any
 
+from pipeline.spec.body_files import cast_simulated
 from pipeline.spec.scene import Scene
 from pipeline.spec.terrain import simulated
 
@@ -59,6 +60,8 @@ def _part(scene: Scene, part: str) -> Any:
     words = scene.model_dump(mode="json", include={part})[part]
     if part == "terrain":
         return simulated(words)
+    if part == "cast":
+        return cast_simulated(words)
     if part != "figures":
         return words
     used = sorted({member.figure for _, member in scene.creatures})

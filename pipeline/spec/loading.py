@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pipeline.errors import Problem, SceneError, UsageError
+from pipeline.spec.body_files import bodies_named_in_full
 from pipeline.spec.checking import check, in_order, problems_of_faults
 from pipeline.spec.figure import Figure
 from pipeline.spec.figure_files import FigureFile, Search
@@ -153,6 +154,8 @@ def _scene(
     search = Search(beside, file)
     tree = search.complete(tree)
     tree, nameless = named_in_full(tree, beside)
+    tree, missing = bodies_named_in_full(tree, beside)
+    nameless = [*nameless, *missing]
     scene, invalid = check(Scene, tree)
     if scene is None:
         # What does not fit together is found by the model only when all else is right.

@@ -125,6 +125,8 @@ def _scripted(scene: object) -> Iterator[Fault]:
             member = dict(_items(_get(scene, "cast")))[names.index(name)]
             if _get(member, "prop") is not None:
                 yield Fault(("script", i, *place), f"'{name}' is a prop, which no script moves")
+            elif _get(member, "body") is not None:
+                yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
             elif not ((isinstance(member, Mapping) and "walk" in member) or _get(member, "walk")):
                 yield Fault(("script", i, *place), f"'{name}' does not walk; give it walk: {{}}")
 
@@ -156,11 +158,16 @@ def _seen(scene: object) -> Iterator[Fault]:
             message = f"nobody in the cast is called '{whom}', {hint(whom, names)}"
         elif whom == who:
             message = f"'{whom}' cannot look at itself"
-        elif _get(cast[names.index(whom)], "prop") is not None:
-            message = f"'{whom}' is a prop; give the place that is to be looked at, [x, y, z]"
+        elif (what := _thing(cast[names.index(whom)])) is not None:
+            message = f"'{whom}' is a {what}; give the place that is to be looked at, [x, y, z]"
         else:
             continue
         yield Fault((*place, "look_at"), message)
+
+
+def _thing(member: object) -> str | None:
+    """Return what a member is that is no creature."""
+    return next((word for word in ("prop", "body") if _get(member, word) is not None), None)
 
 
 def _names(scene: object) -> list[str]:

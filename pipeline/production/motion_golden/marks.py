@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pipeline.simulation.take import Contact, Note, SoundEvent, Take
 
-DOES = {"touch": "touches", "scuff": "scuffs"}
+DOES = {"touch": "touches", "scuff": "scuffs", "hit": "hits"}
 """What a part does in each kind of contact."""
 
 

@@ -102,7 +102,11 @@ class Bouncing:
         self._push_v, self._push_w = np.zeros((count, 3)), np.zeros((count, 3))
         self._sunk = np.zeros(count)
         self._contacts = none(count, self.meeting.width)
-        self._look(np.arange(count))
+        self.look()
+
+    def look(self) -> None:
+        """Take in that bodies were put elsewhere."""
+        self._look(np.arange(len(self.awake)))
 
     def depths(self) -> Array:
         """Return how deep each body is in the ground (N,), negative above it [m]."""

@@ -1,0 +1,246 @@
+"""Tumblers: rigid bodies that fall on the terrain, bounce, roll and come to rest.
+
+Source: Sims 1987, 7.1 and ch. 12.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.bodies.bevelled import bevelled
+from pipeline.simulation.bodies.pips import MATERIAL, pips
+from pipeline.simulation.bodies.polyhedra import hull_of_words
+from pipeline.simulation.dynamics.bouncing import Bouncing, Impact
+from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
+from pipeline.simulation.dynamics.rigid import Bodies, Build, State, unturned
+from pipeline.simulation.figures.solids import Solid, ball
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array, heading, matrix, quaternion
+from pipeline.simulation.take import Contact, Mesh, Node, Note, Part
+from pipeline.simulation.tracks import turned
+from pipeline.simulation.troupe import Facts, Inventory, Rows, World
+from pipeline.spec.body import Sphere
+from pipeline.spec.cast import Body
+
+FALL = 10.0
+"""Depth below the lowest ground at which what has left the terrain is dropped [m]."""
+
+OVERLAP = 1e-3
+"""Depth in the ground at the begin that is refused, in sizes of the body."""
+
+HALVINGS = 60
+
+Member = tuple[int, Body]
+"""Place in the cast, and words."""
+
+
+class Tumblers:
+    """All rigid bodies of a scene.
+
+    Raises:
+        SceneError: a shape is no solid, or a body begins in the ground.
+    """
+
+    def __init__(self, cast: Sequence[Member], world: World, materials: Sequence[str]) -> None:
+        self.world = world
+        self.names = [member.name for _, member in cast]
+        self.materials = materials
+        builds = _builds(cast)
+        bodies = Bodies.of(builds)
+        self.bouncing = Bouncing(bodies, _start(cast), world.ground)
+        _put_down(cast, self.bouncing)
+        _refuse_overlap(cast, self.bouncing)
+        self.inventory = _inventory(cast, builds, materials, world.clock.rows)
+        self._floor = float(world.ground.field.heights.min()) - FALL
+        self.alive = np.ones(len(cast), dtype=bool)
+        self._contacts: tuple[Contact, ...] = ()
+        self._notes: tuple[Note, ...] = ()
+        self._kept: list[tuple[Array, Array, Array]] = []
+
+    def read(self, orders: Orders) -> None:
+        """Take in nothing: no script moves a body."""
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to the next."""
+        impacts = self.bouncing.advance(self.world.clock.dt)
+        self._contacts = tuple(self._contact(step, impact) for impact in impacts)
+        lost = np.flatnonzero(self.alive & (self.bouncing.state.p[:, 1] < self._floor))
+        self.alive[lost] = False
+        self.bouncing.drop(lost)
+        text = f"left the terrain, and was dropped {FALL:g} m below it"
+        self._notes = tuple(Note("dropped", step + 1, self.names[i], text) for i in lost)
+
+    def keep(self) -> None:
+        """Keep the present state as the next row."""
+        state = self.bouncing.state
+        self._kept.append((state.p.copy(), state.q.copy(), self.alive.copy()))
+
+    def write(self, rows: Rows) -> None:
+        """Write all rows kept."""
+        p, q, alive = (np.array(values) for values in zip(*self._kept, strict=True))
+        rows.positions[:] = p
+        rows.rotations[:] = matrix(q)
+        rows.alive[:] = alive
+        self._kept.clear()
+
+    def facts(self) -> Facts:
+        """Return what struck the ground in the last step, and what was lost."""
+        return Facts(self._contacts, self._notes)
+
+    def _contact(self, step: int, impact: Impact) -> Contact:
+        i = impact.body
+        fraction = min(impact.time / self.world.clock.dt, math.nextafter(1.0, 0.0))
+        return Contact(
+            step=step,
+            fraction=fraction,
+            performer=self.names[i],
+            part="",
+            other="terrain",
+            place=impact.place,
+            normal=impact.normal,
+            speed=impact.speed,
+            energy=impact.energy,
+            material=self.materials[i],
+            surface=self.world.ground.material,
+            size=float(self.bouncing.bodies.size[i]),
+            kind="hit",
+        )
+
+
+def _builds(cast: Sequence[Member]) -> list[Build]:
+    """Return the bodies as they are built.
+
+    Raises:
+        SceneError: shapes are no solids.
+    """
+    builds, problems = list[Build](), list[Problem]()
+    for i, member in cast:
+        try:
+            builds.append(_build(member, f"cast[{i}].body"))
+        except SceneError as error:
+            problems += error.problems
+    if problems:
+        raise SceneError(problems)
+    return builds
+
+
+def _build(member: Body, path: str) -> Build:
+    words = member.body
+    if isinstance(words, Sphere):
+        mass = words.density * 4.0 / 3.0 * math.pi * words.radius**3
+        moment = 0.4 * mass * words.radius**2
+        own, hull, radius = MassProperties(mass, np.zeros(3), moment * np.eye(3)), None, words.radius
+    else:
+        hull = hull_of_words(words, path)
+        own, radius = mass_of_solid(hull.vertices, hull.faces, words.density), 0.0
+        hull = replace(hull, vertices=hull.vertices - own.centre)
+    if words.inertia == "scalar":
+        own = _isotropic(own)
+    return Build(
+        mass=own,
+        hull=hull,
+        radius=radius,
+        bounciness=words.bounciness,
+        friction=words.friction,
+        rolling=words.rolling if words.friction > 0.0 else 0.0,
+        soft=words.soft,
+    )
+
+
+def _isotropic(mass: MassProperties) -> MassProperties:
+    """Return mass properties with the mean moment of inertia about every axis.
+
+    Source: Sims 1987, 7.1.1: "approximated to be a constant, independent of the axis". A
+    moment that is taken anew for each torque's axis, as in (7.10), gives a body more energy
+    than it was given.
+    """
+    return replace(mass, inertia=np.trace(mass.inertia) / 3.0 * np.eye(3))
+
+
+def _start(cast: Sequence[Member]) -> State:
+    """Return how bodies begin; the heights of those without one are found later."""
+    p, R, w = [], [], []
+    for _, member in cast:
+        x, z = member.at[0], member.at[-1]
+        p.append([x, member.at[1] if len(member.at) == 3 else 0.0, z])
+        look = turned(np.radians(np.array([member.rotation_deg])))[0]
+        R.append(heading(math.radians(member.heading_deg)) @ look)
+        w.append(np.radians(member.spin_deg))
+    R_WB = np.array(R)
+    v = np.array([member.velocity for _, member in cast], dtype=float)
+    return State(np.array(p, dtype=float), quaternion(R_WB), v, unturned(R_WB, np.array(w)))
+
+
+def _put_down(cast: Sequence[Member], bouncing: Bouncing) -> None:
+    """Put bodies whose height is not given on the ground, by halving what is between."""
+    rows = np.array([len(member.at) == 2 for _, member in cast])
+    if not rows.any():
+        return
+    field, reach, p = bouncing.meeting.field, bouncing.bodies.reach, bouncing.state.p
+    low = np.full(len(rows), float(field.heights.min())) - reach
+    high = np.full(len(rows), float(field.heights.max())) + reach
+    for _ in range(HALVINGS):
+        p[rows, 1] = 0.5 * (low + high)[rows]
+        deep = bouncing.depths() > 0.0
+        low, high = np.where(deep, p[:, 1], low), np.where(deep, high, p[:, 1])
+    p[rows, 1] = high[rows]
+    bouncing.look()
+
+
+def _refuse_overlap(cast: Sequence[Member], bouncing: Bouncing) -> None:
+    """Refuse bodies that begin in the ground.
+
+    Raises:
+        SceneError: there are any.
+    """
+    depths = bouncing.depths()
+    problems = [
+        Problem(
+            f"cast[{i}].at",
+            f"'{member.name}' begins {depth:.3g} m deep in the terrain; raise it, or give "
+            f"[x, z] to put it on the ground",
+        )
+        for (i, member), depth, size in zip(cast, depths, bouncing.bodies.size, strict=True)
+        if depth > OVERLAP * size
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
+def _inventory(
+    cast: Sequence[Member], builds: Sequence[Build], materials: Sequence[str], rows: int
+) -> Inventory:
+    nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
+    for i, ((_, member), build, material) in enumerate(zip(cast, builds, materials, strict=True)):
+        nodes.append(Node(member.name, member.name, -1, (0.0, 0.0, 0.0)))
+        for suffix, solid, made_of in _solids(member, build, material):
+            size = float(np.ptp(solid.vertices, axis=0).max())
+            name = member.name + suffix
+            parts.append(Part(name, member.name, len(meshes), made_of, size, (0, rows)))
+            meshes.append(_mesh(solid, i))
+    return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts))
+
+
+def _solids(member: Body, build: Build, material: str) -> list[tuple[str, Solid, str]]:
+    """Return what is seen of a body: names after its own, solids and materials."""
+    if build.hull is None:
+        return [("", ball(np.zeros(3), build.radius), material)]
+    seen = [("", bevelled(build.hull), material)]
+    if member.body.shape == "die":
+        seen.append((".pips", pips(member.body.size), MATERIAL))
+    return seen
+
+
+def _mesh(solid: Solid, node: int) -> Mesh:
+    count = len(solid.vertices)
+    return Mesh(
+        solid.vertices.astype(np.float32),
+        solid.faces,
+        np.full((count, 2), node, dtype=np.int32),
+        np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
+    )

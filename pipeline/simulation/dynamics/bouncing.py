@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.leaning import HELD, holds, leant, paid
+from pipeline.simulation.dynamics.leaning import HELD, Forces, holds, leant, paid
 from pipeline.simulation.dynamics.meeting import Contacts, Meeting, none
 from pipeline.simulation.dynamics.path import Path, in_world
 from pipeline.simulation.dynamics.rigid import FREE, Bodies, State, dot, turned
@@ -101,6 +101,8 @@ class Bouncing:
         self._pushed = np.zeros(count)
         self._push_v, self._push_w = np.zeros((count, 3)), np.zeros((count, 3))
         self._sunk = np.zeros(count)
+        width = self.meeting.width
+        self._forces = Forces(np.zeros((count, width, 3)), np.zeros((count, width, 3)))
         self._contacts = none(count, self.meeting.width)
         self.look()
 
@@ -228,9 +230,12 @@ class Bouncing:
             own = state.some(some)
             q, w = tumble.some(some).at(h[some])
             free_w = turned(matrix(q), w)
-            v, after = leant(
-                bodies.some(some), own, contacts.some(some), acts[some], free_w, h[some]
+            who = rows[some]
+            before = Forces(self._forces.force[who], self._forces.lever[who])
+            v, after, forces = leant(
+                bodies.some(some), own, contacts.some(some), acts[some], free_w, h[some], before
             )
+            self._forces.force[who], self._forces.lever[who] = forces.force, forces.lever
             a[some] = (v - own.v) / h[some, None]
             rate[some] = (after - turn[some]) / h[some, None]
         return Path(state, a, tumble, held | pushed, turn, rate)

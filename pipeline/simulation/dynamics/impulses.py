@@ -93,7 +93,13 @@ class Problem:
 
 
 def solved(
-    problem: Problem, v: Array, w: Array, target: Array, still: float = STILL
+    problem: Problem,
+    v: Array,
+    w: Array,
+    target: Array,
+    still: float = STILL,
+    rounds: int = ROUNDS,
+    guess: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """Return velocities after (B, 3), turning in the world (B, 3), impulses (B, K, 3) [N s].
 
@@ -104,6 +110,8 @@ def solved(
         target: (B, K, 3) speeds along the axes, below which no normal one may be, and which
             friction would have the tangential ones be.
         still: change of a speed that is none, in parts of the speeds there are.
+        rounds: most times that the contacts are gone through.
+        guess: (B, K, 3) impulses to begin with, none if left out; each has to be possible.
     """
     V = np.concatenate([v, w], axis=1)
     impulses = np.zeros((*problem.acts.shape, 3))
@@ -111,7 +119,9 @@ def solved(
     scale = np.where(problem.acts, miss, 0.0).max(axis=1)
     rows = np.flatnonzero(scale > 0.0)
     sweep = _Sweep.of(problem.some(rows), V[rows], target[rows])
-    for _ in range(ROUNDS):
+    if guess is not None:
+        sweep.begin(guess[rows])
+    for _ in range(rounds):
         if not len(rows):
             break
         changed = sweep.round()
@@ -176,6 +186,12 @@ class _Sweep:
     def width(self) -> int:
         """Contacts that are gone through (K)."""
         return self.impulses.shape[1]
+
+    def begin(self, guess: Array) -> None:
+        """Let impulses act before any contact is looked at."""
+        self.impulses = np.where(self.normal[..., None] > 0.0, guess[:, : self.width], 0.0)
+        for k in range(self.width):
+            self.V = self.V + (self.Y[:, k] * self.impulses[:, k, None]).sum(axis=-1)
 
     def some(self, which: NDArray[np.bool_]) -> _Sweep:
         """Return that of some bodies."""

@@ -1,0 +1,83 @@
+"""Bodies for tests, thrown without a scene around them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pipeline.simulation.bodies.tumblers import Tumblers
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.dynamics.bouncing import Bouncing
+from pipeline.simulation.dynamics.rigid import State
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground, build_ground
+from pipeline.simulation.troupe import World
+from pipeline.spec import read_scene
+from pipeline.spec.cast import Body
+
+DT = 1.0 / 96.0
+
+SHAPES: tuple[dict[str, Any], ...] = (
+    {"shape": "box", "size": [0.4, 0.2, 0.3]},
+    {"shape": "brick"},
+    {"shape": "cube"},
+    {"shape": "die", "size": 0.1},
+    {"shape": "tetrahedron"},
+    {"shape": "octahedron"},
+    {"shape": "dodecahedron"},
+    {"shape": "icosahedron"},
+    {"shape": "prism", "sides": 5},
+    {"shape": "pyramid", "sides": 4},
+    {"shape": "hull", "points": [[0, 0, 0], [0.3, 0, 0], [0, 0.4, 0], [0, 0, 0.5], [0.2, 0.2, 0.3]]},
+)
+POLYHEDRA = [words["shape"] for words in SHAPES]
+
+
+def ground_of(terrain: str, seed: int = 3) -> Ground:
+    """Return the ground of a terrain's words."""
+    text = f"pronk: 1\nduration: 1\nterrain: {terrain}\ncast: [{{prop: {{shape: ball}}}}]\n"
+    return build_ground(read_scene(text).terrain, seed)
+
+
+def thrown(
+    words: Sequence[dict[str, Any]], ground: Ground, state: State | None = None, **more: Any
+) -> Bouncing:
+    """Return bodies above a ground, with more words for all of them, in a state if given."""
+    high = float(ground.field.heights.max()) + 50.0
+    cast = [
+        (i, Body.model_validate({"body": {**one, **more}, "at": (0.0, high, 0.0)}))
+        for i, one in enumerate(words)
+    ]
+    world = World(ground, Clock(24, 1), 1)  # type: ignore[arg-type]
+    bouncing = Tumblers(cast, world, ["wood"] * len(cast)).bouncing
+    if state is not None:
+        bouncing.state.put(np.arange(len(cast)), state)
+        bouncing.look()
+    return bouncing
+
+
+def attitudes(chance: np.random.Generator, count: int) -> Array:
+    """Return attitudes (count, 4), each as likely as any other."""
+    q = chance.normal(size=(count, 4))
+    result: Array = q / np.linalg.norm(q, axis=1, keepdims=True)
+    return result
+
+
+def still(p: Array, q: Array | None = None) -> State:
+    """Return bodies at rest at p (N, 3)."""
+    p = np.asarray(p, dtype=float)
+    q = np.tile([1.0, 0.0, 0.0, 0.0], (len(p), 1)) if q is None else q
+    return State(p.copy(), q.copy(), np.zeros((len(p), 3)), np.zeros((len(p), 3)))
+
+
+def face_down(bouncing: Bouncing) -> Array:
+    """Return attitudes (N, 4) in which the first facet of each body looks down."""
+    n = bouncing.bodies.normals[:, 0]
+    # The shortest turn from n to -Y: (1 - n·y, n × -y), normalised.
+    q = np.column_stack([1.0 - n[:, 1], n[:, 2], np.zeros(len(n)), -n[:, 0]])
+    up = n[:, 1] > 1.0 - 1e-9
+    q[up] = [0.0, 1.0, 0.0, 0.0]
+    result: Array = q / np.linalg.norm(q, axis=1, keepdims=True)
+    return result

@@ -1,0 +1,104 @@
+"""Bodies in scenes: where they begin, what they are heard of, what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from pipeline.errors import SceneError
+from pipeline.simulation.simulate import Simulation, simulate
+from pipeline.simulation.take import Take
+from pipeline.spec import load_scene, read_scene, simulation_key
+
+from .conftest import scene_of
+
+DIE = "{name: die, body: {shape: die, size: 0.2}, at: [0, 0.6, 0], spin_deg: [300, 50, 200]}"
+
+
+@pytest.fixture(name="die", scope="module")
+def _die() -> Take:
+    return simulate(scene_of(DIE, terrain="hills", duration=1.5))
+
+
+def test_a_die_is_heard_when_it_strikes(die: Take) -> None:
+    assert die.contacts
+    assert {c.kind for c in die.contacts} == {"hit"}
+    assert {(e.cause, e.who, e.other) for e in die.events} == {("collision", "die", "terrain")}
+    assert len(die.events) == len(die.contacts)
+    first = die.contacts[0]
+    assert first.speed == pytest.approx(np.sqrt(2 * 9.81 * 0.5), rel=0.5)
+    assert 0.0 < first.energy < 600 * 0.2**3 * 9.81 * 1.2
+    assert (first.material, first.surface, first.size) == ("wood", "dry soil", 0.2)
+    assert 0.0 <= first.fraction < 1.0
+
+
+def test_a_die_comes_to_lie_on_a_face(die: Take) -> None:
+    assert [part.name for part in die.parts] == ["die", "die.pips"]
+    np.testing.assert_array_equal(die.positions[-1], die.positions[-10])
+
+
+def test_the_same_scene_gives_the_same_bytes() -> None:
+    scene = scene_of(DIE, "{body: {shape: sphere}, at: [1, 1, 0]}", terrain="hills", duration=1)
+    assert simulate(scene).digest == simulate(scene).digest
+
+
+def test_a_body_without_height_stands_on_the_ground() -> None:
+    simulation = Simulation(scene_of("{body: {shape: cube}, at: [1, 2]}", terrain="hills"))
+    (troupe,) = simulation.troupes
+    assert abs(troupe.bouncing.depths()[0]) < 1e-6  # type: ignore[attr-defined]
+
+
+def test_what_leaves_the_terrain_is_dropped() -> None:
+    ball = "{name: ball, body: {shape: sphere, radius: 0.1}, at: [1.5, 0.3, 0], velocity: [4, 0, 0]}"
+    take = simulate(scene_of(ball, terrain="{kind: flat, size: [4, 4], cells: [8, 8]}", duration=2.5))
+    (note,) = take.notes
+    assert (note.kind, note.part) == ("dropped", "ball")
+    assert take.positions[:, 0, 1].min() < -10.0
+    gone = np.flatnonzero(~take.alive[:, 0])
+    assert len(gone)
+    np.testing.assert_array_equal(take.positions[gone, 0], np.tile(take.positions[-1, 0], (len(gone), 1)))
+
+
+def test_a_mesh_is_its_hull(tmp_path: Path) -> None:
+    trimesh.creation.icosphere(subdivisions=1, radius=0.2).export(tmp_path / "stone.obj")
+    path = tmp_path / "scene.yaml"
+    path.write_text(
+        "pronk: 1\nduration: 0.2\ncast: [{body: {shape: mesh, file: stone.obj}, at: [0, 1, 0]}]\n",
+        encoding="utf-8",
+    )
+    scene = load_scene(path)
+    (troupe,) = Simulation(scene).troupes
+    expected = trimesh.creation.icosphere(subdivisions=1, radius=0.2).volume * 600.0
+    assert troupe.bouncing.bodies.mass[0] == pytest.approx(expected, rel=1e-6)  # type: ignore[attr-defined]
+    before = simulation_key(scene)
+    trimesh.creation.icosphere(subdivisions=1, radius=0.3).export(tmp_path / "stone.obj")
+    assert simulation_key(load_scene(path)) != before
+
+
+@pytest.mark.parametrize(
+    ("member", "message"),
+    [
+        ("{name: a, body: {shape: cube}, at: [0, 0.05, 0]}", "'a' begins 0.1 m deep in the terrain"),
+        ("{body: {shape: cub}}", "cub"),
+        ("{body: {shape: cube, collide: all}}", "terrain"),
+        ("{body: {shape: cube, bounciness: 1.2}}", "at most 1"),
+        ("{body: {shape: hull, points: [[0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1]]}}", "one plane"),
+        ("{name: a, body: {shape: cube}, parent: b}", "a body moves by itself"),
+        ("{body: {shape: cube}, walk: {}}", "walk"),
+        ("{body: {shape: mesh, file: no.obj}}", "'no.obj' is no file in"),
+    ],
+)  # fmt: skip
+def test_refuses(member: str, message: str) -> None:
+    with pytest.raises(SceneError, match=message) as caught:
+        Simulation(scene_of(member, "{name: b, prop: {shape: ball}}"))
+    assert all(problem.line > 0 for problem in caught.value.problems)
+
+
+def test_a_body_follows_no_script() -> None:
+    with pytest.raises(SceneError, match="'die' is a body, which no script moves"):
+        read_scene(
+            f"pronk: 1\nduration: 1\ncast: [{DIE}]\nscript: [{{at: 1, who: die, do: {{go_to: [1, 1]}}}}]\n"
+        )

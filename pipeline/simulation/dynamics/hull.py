@@ -50,6 +50,16 @@ def hull_of(points: Array) -> Hull:
     Raises:
         MassError: they lie in one plane, or are fewer than four.
     """
+    hull = _hull(points)
+    # What lies in a facet or along an edge is no corner; without it the hull is the same.
+    facets = np.zeros(len(hull.vertices), dtype=np.int64)
+    for facet in hull.facets:
+        facets[list(facet)] += 1
+    corners = facets >= 3
+    return hull if corners.all() else _hull(hull.vertices[corners])
+
+
+def _hull(points: Array) -> Hull:
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     near = SAME_PLANE * extent
     faces = _grown(points, _first(points, near), near)

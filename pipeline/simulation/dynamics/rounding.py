@@ -58,7 +58,9 @@ class Triangles:
         distance = np.sqrt(dot(away, away))
         up = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         up /= np.sqrt(dot(up, up))[:, None]
-        above = dot(away, up) > 0.0
+        # On which side of a triangle's plane a middle lies says nothing beyond its sides.
+        field = self.bins.field
+        above = (p[:, 1] > field.height(p[:, 0], p[:, 2]))[body] & (distance > 0.0)
         normal = np.where(above[:, None], away / np.maximum(distance, 1e-300)[:, None], up)
         gap = np.where(above, distance, -distance) - radius[body]
         found = Found(body, gap, normal, place).some(gap <= slack)

@@ -145,6 +145,7 @@ class _Sweep:
         target: (B, K, 3) see `solved`.
         normal: (B, K) inverse of the matrices' first entries, 0 where nothing acts.
         across: (B, K, 2, 2) inverse of their tangential blocks, likewise.
+        gentle: (B, K) inverse of the greater eigenvalues of these blocks, likewise.
         beside: (B, K, 2) tangential speeds by normal impulses.
         friction: (B, K).
     """
@@ -156,6 +157,7 @@ class _Sweep:
     target: Array
     normal: Array
     across: Array
+    gentle: Array
     beside: Array
     friction: Array
 
@@ -169,6 +171,7 @@ class _Sweep:
         a, b, c = own[..., 1, 1], own[..., 1, 2], own[..., 2, 2]
         across = np.stack([np.stack([c, -b], -1), np.stack([-b, a], -1)], -2)
         across = across / (a * c - b * b)[..., None, None]
+        greatest = 0.5 * (a + c) + np.sqrt(0.25 * (a - c) ** 2 + b * b)
         yields = np.concatenate([push, problem.yields[:, :width]], axis=-1)
         return _Sweep(
             V=V,
@@ -178,6 +181,7 @@ class _Sweep:
             target=target[:, :width],
             normal=np.where(acts, 1.0 / own[..., 0, 0], 0.0),
             across=np.where(acts[..., None, None], across, 0.0),
+            gentle=np.where(acts, 1.0 / greatest, 0.0),
             beside=own[..., 1:, 0],
             friction=problem.friction[:, :width],
         )
@@ -208,9 +212,13 @@ class _Sweep:
             push = after[:, 0] - before[:, 0]
             slide = miss[:, 1:] + self.beside[:, k] * push[:, None]
             hold = before[:, 1:] - (self.across[:, k] * slide[:, None]).sum(axis=-1)
-            length = np.sqrt(hold[:, 0] ** 2 + hold[:, 1] ** 2)
             limit = self.friction[:, k] * after[:, 0]
-            # Beyond what friction can give it gives its most, in the same direction.
+            # What friction cannot hold slides, and its most is against the sliding: only a step
+            # of the same length along every axis ends in that direction.
+            free = before[:, 1:] - self.gentle[:, k, None] * slide
+            slips = hold[:, 0] ** 2 + hold[:, 1] ** 2 > limit**2
+            hold = np.where(slips[:, None], free, hold)
+            length = np.sqrt(hold[:, 0] ** 2 + hold[:, 1] ** 2)
             after[:, 1:] = hold * (limit / np.maximum(np.maximum(length, limit), 1e-300))[:, None]
             change = after - before
             self.impulses[:, k] = after

@@ -89,6 +89,8 @@ def leant(
     w = in_world(state)
     problem = Problem.of(bodies, state.q, contacts.normal, contacts.lever, acts)
     inward = cross(w[:, None], cross(w[:, None], contacts.lever))
+    # A ball is as near to the ground however it turns.
+    inward = np.where((bodies.radius > 0.0)[:, None, None], 0.0, inward)
     pull = dot(problem.axes, inward[:, :, None]) * h[:, None, None]
     target = -pull
     size = bodies.size[:, None]

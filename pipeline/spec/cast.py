@@ -170,7 +170,9 @@ def _what(words: Any) -> str:
 
 
 Member = Annotated[
-    Annotated[Creature, Tag("Creature")] | Annotated[Prop, Tag("Prop")] | Annotated[Body, Tag("Body")],
+    Annotated[Creature, Tag("Creature")]
+    | Annotated[Prop, Tag("Prop")]
+    | Annotated[Body, Tag("Body")],
     Discriminator(_what),
 ]
 

@@ -30,7 +30,10 @@ SHAPES: tuple[dict[str, Any], ...] = (
     {"shape": "icosahedron"},
     {"shape": "prism", "sides": 5},
     {"shape": "pyramid", "sides": 4},
-    {"shape": "hull", "points": [[0, 0, 0], [0.3, 0, 0], [0, 0.4, 0], [0, 0, 0.5], [0.2, 0.2, 0.3]]},
+    {
+        "shape": "hull",
+        "points": [[0, 0, 0], [0.3, 0, 0], [0, 0.4, 0], [0, 0, 0.5], [0.2, 0.2, 0.3]],
+    },
 )
 POLYHEDRA = [words["shape"] for words in SHAPES]
 

@@ -44,7 +44,9 @@ def dropped_flat(b: float, height: float, **more: Any) -> Bouncing:
     """Return balls and polyhedra at rest over flat ground, each on a facet."""
     ground = ground_of(TERRAINS["flat"])
     bouncing = thrown(FALLING, ground, bounciness=b, **more)
-    low = np.where(bouncing.bodies.radius > 0, bouncing.bodies.radius, bouncing.bodies.offsets[:, 0])
+    low = np.where(
+        bouncing.bodies.radius > 0, bouncing.bodies.radius, bouncing.bodies.offsets[:, 0]
+    )
     p = np.column_stack([np.linspace(-8, 8, len(low)), low + height, np.zeros(len(low))])
     bouncing.state.put(np.arange(len(low)), still(p, face_down(bouncing)))
     bouncing.look()
@@ -65,14 +67,21 @@ def test_bounces_are_as_high_as_asked(b: float) -> None:
         np.testing.assert_allclose((found / first) ** 2, (expected / first) ** 2, rtol=1e-3)
 
 
-@pytest.mark.parametrize("count", [pytest.param(12, id="12"),
-                                   pytest.param(100, marks=pytest.mark.slow, id="100"),
-                                   pytest.param(1000, marks=pytest.mark.nightly, id="1000")])
+@pytest.mark.parametrize(
+    "count",
+    [
+        pytest.param(12, id="12"),
+        pytest.param(100, marks=pytest.mark.slow, id="100"),
+        pytest.param(1000, marks=pytest.mark.nightly, id="1000"),
+    ],
+)
 def test_full_bounciness_keeps_the_energy(count: int) -> None:
     words = [BALL, SHAPES[4], SHAPES[0]]
     chance = np.random.default_rng(2)
     state = still([[0, 1, 0], [2, 1, 0], [4, 1, 0]], attitudes(chance, 3))
-    bouncing = thrown(words, ground_of("{kind: flat, size: [100, 100]}"), state, bounciness=1.0, friction=0.0)
+    bouncing = thrown(
+        words, ground_of("{kind: flat, size: [100, 100]}"), state, bounciness=1.0, friction=0.0
+    )
     before, seen = energy(bouncing.bodies, bouncing.state), 0
     while seen < count:
         seen += sum(one.body == 0 for one in bouncing.advance(0.25))
@@ -94,8 +103,13 @@ def drops(chance: np.random.Generator, count: int, terrain: str) -> Bouncing:
 
 
 @pytest.mark.parametrize("terrain", TERRAINS)
-@pytest.mark.parametrize("count", [pytest.param(20, marks=pytest.mark.slow, id="20"),
-                                   pytest.param(200, marks=pytest.mark.nightly, id="200")])
+@pytest.mark.parametrize(
+    "count",
+    [
+        pytest.param(20, marks=pytest.mark.slow, id="20"),
+        pytest.param(200, marks=pytest.mark.nightly, id="200"),
+    ],
+)
 def test_energy_never_rises_and_nothing_sinks(terrain: str, count: int) -> None:
     bouncing = drops(np.random.default_rng(count), count, terrain)
     before = energy(bouncing.bodies, bouncing.state)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.spatial import Array
@@ -30,7 +31,7 @@ AXES = {1: (1, 1.0), 6: (1, -1.0), 2: (0, 1.0), 5: (0, -1.0), 3: (2, 1.0), 4: (2
 def pips(edge: float) -> Solid:
     """Return the pips of a die of this edge about its middle [m]."""
     angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
-    vertices, faces = list[Array](), list[Array]()
+    vertices, faces = list[Array](), list[NDArray[np.int64]]()
     for number, (axis, sign) in AXES.items():
         out = np.zeros(3)
         out[axis] = sign

@@ -116,7 +116,7 @@ def hull_of_words(words: Any, path: str) -> Hull:
     Raises:
         SceneError: its points or its file make no solid.
     """
-    where = {HullBody: ".points", MeshBody: ".file"}.get(type(words), "")
+    where = {"hull": ".points", "mesh": ".file"}.get(words.shape, "")
     name = f"'{Path(words.file).name}' " if isinstance(words, MeshBody) else ""
     try:
         return hull_of(POINTS[type(words)](words))

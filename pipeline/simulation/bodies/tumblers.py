@@ -134,7 +134,11 @@ def _build(member: Body, path: str) -> Build:
     if isinstance(words, Sphere):
         mass = words.density * 4.0 / 3.0 * math.pi * words.radius**3
         moment = 0.4 * mass * words.radius**2
-        own, hull, radius = MassProperties(mass, np.zeros(3), moment * np.eye(3)), None, words.radius
+        own, hull, radius = (
+            MassProperties(mass, np.zeros(3), moment * np.eye(3)),
+            None,
+            words.radius,
+        )
     else:
         hull = hull_of_words(words, path)
         own, radius = mass_of_solid(hull.vertices, hull.faces, words.density), 0.0

@@ -137,8 +137,9 @@ class Bouncing:
     def _strike(self, rows: Numbers, time: Array) -> list[Impact]:
         """Let bodies that touch the ground and approach it bounce."""
         contacts = self._contacts.some(rows)
-        able = np.flatnonzero((contacts.least <= HELD * self.bodies.size[rows])
-                              & (self._pushed[rows] == 0.0))
+        able = np.flatnonzero(
+            (contacts.least <= HELD * self.bodies.size[rows]) & (self._pushed[rows] == 0.0)
+        )
         rows, time = rows[able], time[able]
         if not len(rows):
             return []

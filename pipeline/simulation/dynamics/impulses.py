@@ -189,7 +189,7 @@ class _Sweep:
     @property
     def width(self) -> int:
         """Contacts that are gone through (K)."""
-        return self.impulses.shape[1]
+        return int(self.impulses.shape[1])
 
     def begin(self, guess: Array) -> None:
         """Let impulses act before any contact is looked at."""

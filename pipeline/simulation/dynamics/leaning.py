@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impulses import Problem, solved
 from pipeline.simulation.dynamics.meeting import Contacts
 from pipeline.simulation.dynamics.path import in_world
@@ -61,8 +62,9 @@ def holds(bodies: Bodies, state: State, contacts: Contacts, h: Array) -> NDArray
     w = in_world(state)
     speed = dot(contacts.normal, state.v[:, None] + cross(w[:, None], contacts.lever))
     back = np.sqrt(dot(FREE, FREE)) + dot(w, w) * bodies.reach
-    # What still comes fast enough to bounce shall do so.
-    slow = (speed > -REST) | (contacts.gap <= TOUCHING * bodies.size[:, None])
+    # What will come fast enough to bounce shall do so.
+    comes = speed**2 + 2.0 * GRAVITY * np.where(near, np.maximum(contacts.gap, 0.0), 0.0)
+    slow = (comes < REST**2) | (contacts.gap <= TOUCHING * bodies.size[:, None])
     return near & slow & (speed < (back * h)[:, None])
 
 
@@ -104,9 +106,7 @@ def leant(
     return v, _rolled(bodies, state, turn, impulses), Forces(given, contacts.lever)
 
 
-def _guess(
-    bodies: Bodies, problem: Problem, contacts: Contacts, before: Forces, h: Array
-) -> Array:
+def _guess(bodies: Bodies, problem: Problem, contacts: Contacts, before: Forces, h: Array) -> Array:
     """Return impulses (B, K, 3) such as the contacts at the same places had before."""
     apart = contacts.lever[:, :, None] - before.lever[:, None]
     apart = np.where((before.force != 0.0).any(axis=-1)[:, None], dot(apart, apart), np.inf)

@@ -161,4 +161,6 @@ def _lowest(contacts: Contacts, most: int) -> Contacts:
 def _sorted(contacts: Contacts) -> Contacts:
     order = np.argsort(contacts.gap, axis=1, kind="stable")
     rows = np.arange(len(order))[:, None]
-    return Contacts(contacts.gap[rows, order], contacts.normal[rows, order], contacts.lever[rows, order])
+    return Contacts(
+        contacts.gap[rows, order], contacts.normal[rows, order], contacts.lever[rows, order]
+    )

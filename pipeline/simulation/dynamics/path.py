@@ -69,7 +69,7 @@ def turned_by(q: Array, angle: Array) -> Array:
     s = 0.5 * np.sinc(half / np.pi)
     a, (b, c, d) = np.cos(half), (s[:, None] * angle).T
     w, x, y, z = q.T
-    result = np.stack(
+    result: Array = np.stack(
         [
             a * w - b * x - c * y - d * z,
             a * x + b * w + c * z - d * y,
@@ -78,8 +78,9 @@ def turned_by(q: Array, angle: Array) -> Array:
         ],
         axis=-1,
     )
-    length = np.sqrt((result**2)[:, 0] + (result**2)[:, 1] + (result**2)[:, 2] + (result**2)[:, 3])
-    return result / length[:, None]
+    w, x, y, z = result.T
+    result /= np.sqrt(w * w + x * x + y * y + z * z)[:, None]
+    return result
 
 
 def in_world(state: State) -> Array:

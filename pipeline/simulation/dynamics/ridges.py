@@ -81,9 +81,7 @@ class Ridges:
         ends = _standing_out(vertices, field.faces.astype(np.int64), min(field.cell))
         edges = vertices[ends]
         peaks = vertices[np.unique(ends)]
-        return Ridges(
-            edges, peaks, Bins.of(field, edges.mean(axis=1)), Bins.of(field, peaks)
-        )
+        return Ridges(edges, peaks, Bins.of(field, edges.mean(axis=1)), Bins.of(field, peaks))
 
     def meet(self, bodies: Bodies, p: Array, R: Array, world: Array, slack: float) -> Found:
         """Return the contacts of polyhedra with what stands out, farther gaps left out.
@@ -151,9 +149,7 @@ def _seen_from_above(a: Array, b: Array) -> Array:
     return result
 
 
-def _standing_out(
-    vertices: Array, faces: NDArray[np.int64], cell: float
-) -> NDArray[np.int64]:
+def _standing_out(vertices: Array, faces: NDArray[np.int64], cell: float) -> NDArray[np.int64]:
     """Return the edges (E, 2) of triangles from which both sides fall away, and the border."""
     sides = np.concatenate([faces[:, [0, 1, 2]], faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]])
     ends = np.sort(sides[:, :2], axis=1)

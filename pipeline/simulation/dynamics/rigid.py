@@ -165,9 +165,9 @@ def dot(a: Array, b: Array) -> Array:
 
 def turned(R: Array, v: Array) -> Array:
     """Return R v (..., 3), added up in one order however many there are."""
-    result: Array = (
-        R[..., :, 0] * v[..., None, 0] + R[..., :, 1] * v[..., None, 1]
-    ) + R[..., :, 2] * v[..., None, 2]
+    result: Array = (R[..., :, 0] * v[..., None, 0] + R[..., :, 1] * v[..., None, 1]) + R[
+        ..., :, 2
+    ] * v[..., None, 2]
     return result
 
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, cross
 
@@ -73,7 +74,7 @@ class Tumble:
         length = np.sqrt(q[:, 0] ** 2 + q[:, 1] ** 2 + q[:, 2] ** 2 + q[:, 3] ** 2)
         return q / length[:, None], w
 
-    def some(self, which: Array) -> Tumble:
+    def some(self, which: NDArray[np.int64]) -> Tumble:
         """Return the turning of some of the bodies."""
         return Tumble(self.q[:, which], self.w[:, which])
 

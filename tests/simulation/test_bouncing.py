@@ -161,7 +161,7 @@ def test_what_slides_stops_where_friction_says(mu: float) -> None:
 
 
 def test_a_ball_rolls_down_at_five_sevenths() -> None:
-    ramp = "{kind: ramp, size: [40, 10], cells: [400, 100], slope_deg: 15, course: up, start: -15, height: 8}"
+    ramp = "{kind: ramp, size: [40, 10], slope_deg: 15, course: up, start: -15, height: 8}"
     ground = ground_of(ramp)
     slope = np.radians(15.0)
     x = 10.0

@@ -58,7 +58,9 @@ def test_hulls_hold_their_points(seed: int) -> None:
         # On a grid many points lie in one plane, in one line, or on one another.
         points = np.round(points)
     hull = hull_of(points)
-    offsets = [float(n @ hull.vertices[f[0]]) for n, f in zip(hull.normals, hull.facets)]
+    offsets = [
+        float(n @ hull.vertices[f[0]]) for n, f in zip(hull.normals, hull.facets, strict=True)
+    ]
     assert (points @ hull.normals.T - offsets).max() < 1e-9
     theirs = trimesh.Trimesh(hull.vertices, hull.faces, process=False)
     assert theirs.is_watertight
@@ -75,7 +77,9 @@ def test_what_is_flat_has_no_hull() -> None:
 @pytest.mark.parametrize("shape", ["cube", "tetrahedron", "dodecahedron", "pyramid"])
 def test_bevels_stay_inside_and_on_the_facets(shape: str) -> None:
     hull = hull_of_words(Body.model_validate({"body": {"shape": shape}}).body, "")
-    offsets = np.array([n @ hull.vertices[f[0]] for n, f in zip(hull.normals, hull.facets)])
+    offsets = np.array(
+        [n @ hull.vertices[f[0]] for n, f in zip(hull.normals, hull.facets, strict=True)]
+    )
     out = bevelled(hull).vertices @ hull.normals.T - offsets
     assert out.max() < 1e-12
     # Every facet is still touched: it stands as it would without.

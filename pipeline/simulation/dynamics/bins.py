@@ -47,7 +47,8 @@ class Bins:
         n_x, n_z = self.field.cells
         x, z = self.field.to_grid(places[:, 0], places[:, 2])
         low, high = [], []
-        for u, size, cell, n in zip((x, z), self.field.size, self.field.cell, (n_x, n_z)):
+        field = self.field
+        for u, size, cell, n in zip((x, z), field.size, field.cell, (n_x, n_z), strict=True):
             # A piece lies in the cell of its middle and may stand out by one cell.
             first = np.floor((u - reach + 0.5 * size) / cell).astype(np.int64) - 1
             last = np.floor((u + reach + 0.5 * size) / cell).astype(np.int64) + 1

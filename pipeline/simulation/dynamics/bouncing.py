@@ -33,7 +33,7 @@ TRAVEL = 0.5
 """Way of any point in a sub-step near the ground, in the depth of the body: none passes
 through what is higher than that."""
 
-DEEP = 1e-6
+DEEP = 1e-7
 """Depth at which a body in flight has struck, in sizes; an impact is located to half of it."""
 
 DEEP_HELD = 2e-5

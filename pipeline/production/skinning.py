@@ -49,8 +49,14 @@ class Skin:
     def posed(self, take: Take, row: int) -> NDArray[np.float32]:
         """Return the vertices (V, 3) in the world in `row` [m]."""
         R, p = matrix(take.rotations[row]), take.positions[row]
+        # A scale is of the node's own geometry: along its axes, before it is turned.
+        R[list(take.scaled)] *= take.scales[row][:, None, :]
         world = np.zeros((self.vertices.shape[1], 3))
         for k in range(2 if self.blended else 1):
             moved = p[self.nodes[k]] + (R[self.nodes[k]] @ self.vertices[k][..., None])[..., 0]
             world += self.weights[k] * moved
+        gone = ~take.alive[row]
+        if gone.any():
+            # Hidden by collapsing: the topology of a build stays as it is.
+            world[gone[self.nodes[0]]] = 0.0
         return world.astype(np.float32)

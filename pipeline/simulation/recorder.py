@@ -44,11 +44,13 @@ class Recorder:
         self.nodes, self.meshes, self.parts = _joined(inventories)
         self.channels = tuple(c for inventory in inventories for c in inventory.channels)
         self._slices = _slices(inventories)
+        self.scaled = _scaled(inventories)
         rows, nodes = clock.rows, len(self.nodes)
         self.positions = reel((rows, nodes, 3), float)
         self.quaternions = reel((rows, nodes, 4), float)
         self.alive = reel((rows, nodes), bool)
         self.values = reel((rows, len(self.channels)), float)
+        self.scales = reel((rows, len(self.scaled), 3), float)
         self._R = np.zeros((0, nodes, 3, 3))
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
@@ -80,8 +82,9 @@ class Recorder:
                 self._R[:count, nodes],
                 self.alive[which, nodes],
                 self.values[which, channels],
+                self.scales[which, scales],
             )
-            for nodes, channels in self._slices
+            for nodes, channels, scales in self._slices
         ]
 
     def keep(self, which: slice, bonds: Iterable[Bond]) -> tuple[int, str] | None:
@@ -104,7 +107,7 @@ class Recorder:
         last = self.quaternions[max(which.start - 1, 0) : which.start]
         run = continuous(np.concatenate([last, quaternion(R)]))
         self.quaternions[which] = run[len(last) :]
-        for rows in (self.positions, self.quaternions, self.alive, self.values):
+        for rows in (self.positions, self.quaternions, self.alive, self.values, self.scales):
             put_down(rows)
         return None
 
@@ -129,8 +132,8 @@ class Recorder:
             positions=self.positions,
             rotations=self.quaternions,
             alive=self.alive,
-            scales=np.zeros((len(self.positions), 0, 3)),
-            scaled=(),
+            scales=self.scales,
+            scaled=self.scaled,
             channels=self.channels,
             values=self.values,
             meshes=self.meshes,
@@ -166,10 +169,21 @@ def _joined(
     return tuple(nodes), tuple(meshes), tuple(parts)
 
 
-def _slices(inventories: Sequence[Inventory]) -> list[tuple[slice, slice]]:
-    slices, node, channel = [], 0, 0
+def _scaled(inventories: Sequence[Inventory]) -> tuple[int, ...]:
+    scaled, first = list[int](), 0
     for inventory in inventories:
-        after = node + len(inventory.nodes), channel + len(inventory.channels)
-        slices.append((slice(node, after[0]), slice(channel, after[1])))
-        node, channel = after
+        scaled += [first + node for node in inventory.scaled]
+        first += len(inventory.nodes)
+    return tuple(scaled)
+
+
+def _slices(inventories: Sequence[Inventory]) -> list[tuple[slice, slice, slice]]:
+    """Return where each one's nodes, channels and scales are."""
+    slices, before = [], (0, 0, 0)
+    for inventory in inventories:
+        counts = len(inventory.nodes), len(inventory.channels), len(inventory.scaled)
+        after = before[0] + counts[0], before[1] + counts[1], before[2] + counts[2]
+        nodes, channels, scales = map(slice, before, after)
+        slices.append((nodes, channels, scales))
+        before = after
     return slices

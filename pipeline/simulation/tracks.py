@@ -3,7 +3,7 @@
 Between two keys a value moves along a cubic (Hermite) whose ends have the speeds of the
 spline through the keys, or along an ease that starts or ends at rest.
 
-Source: Sims 1987, 3.2; Catmull and Rom 1974, with keys at uneven times.
+Source: Sims 1987, 3.1.1; Catmull and Rom 1974, with keys at uneven times.
 """
 
 from __future__ import annotations
@@ -34,20 +34,31 @@ class Track:
         times: (n,) ascending [s].
         values: (n, d).
         eases: how each key is come to.
+        tangents: (n, d) speeds that are given, NaN for those that are found; None for all.
     """
 
     times: Array
     values: Array
     eases: tuple[Ease, ...]
+    tangents: Array | None = None
 
     @staticmethod
-    def of(keys: Sequence[Key]) -> Track:
-        """Return the track through keys: time, value and ease of each."""
+    def of(keys: Sequence[Key], tangents: Sequence[Sequence[float] | None] = ()) -> Track:
+        """Return the track through keys: time, value and ease of each.
+
+        Args:
+            keys: in the order of time.
+            tangents: speed at each key, None where it is to be found; none are given if empty.
+        """
         times, values, eases = zip(*keys, strict=True)
-        return Track(np.array(times, dtype=float), np.array(values, dtype=float), eases)
+        given = None
+        if any(tangent is not None for tangent in tangents):
+            unknown = [np.nan] * len(values[0])
+            given = np.array([t if t is not None else unknown for t in tangents], dtype=float)
+        return Track(np.array(times, dtype=float), np.array(values, dtype=float), eases, given)
 
     @cached_property
-    def _speeds(self) -> Array:
+    def speeds(self) -> Array:
         """Speeds (n, d) at which a spline goes through each key."""
         n = len(self.times)
         spline = np.array([e == "spline" for e in self.eases])
@@ -59,6 +70,8 @@ class Track:
                 before = (self.values[i] - self.values[i - 1]) / a
                 after = (self.values[i + 1] - self.values[i]) / b
                 through[i] = (b * before + a * after) / (a + b)
+        if self.tangents is not None:
+            through = np.where(np.isnan(self.tangents), through, self.tangents)
         return through
 
     def __call__(self, times: Array) -> Array:
@@ -74,11 +87,11 @@ class Track:
         s1, h = s[:, None], span[:, None]
         a, b = self.values[left], self.values[right]
         spline = a + (b - a) * s1 * s1 * (3.0 - 2.0 * s1)
-        speeds = self._speeds
+        speeds = self.speeds
         spline = spline + h * s1 * (1.0 - s1) * ((1.0 - s1) * speeds[left] - s1 * speeds[right])
         eased = np.select(
-            [kind == "linear", kind == "in", kind == "out"],
-            [s, s * s * (1.5 - 0.5 * s), s * (1.5 - 0.5 * s * s)],
+            [kind == "linear", kind == "in", kind == "out", kind == "hold"],
+            [s, s * s * (1.5 - 0.5 * s), s * (1.5 - 0.5 * s * s), np.floor(s)],
             ease(s),
         )[:, None]
         result: Array = np.where((kind == "spline")[:, None], spline, a + (b - a) * eased)

@@ -43,12 +43,21 @@ class World:
 
 @dataclass(frozen=True, slots=True)
 class Inventory:
-    """What a troupe adds to the take; node numbers count from its own first node."""
+    """What a troupe adds to the take; node numbers count from its own first node.
+
+    Attributes:
+        nodes: that move.
+        channels: numbers that change.
+        meshes: that follow its nodes.
+        parts: what is seen.
+        scaled: its nodes that have a scale.
+    """
 
     nodes: tuple[Node, ...]
     channels: tuple[Channel, ...]
     meshes: tuple[Mesh, ...]
     parts: tuple[Part, ...]
+    scaled: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +69,14 @@ class Rows:
         rotations: (n, J, 3, 3) matrices; the take holds them as quaternions.
         alive: (n, J).
         values: (n, C) of its channels.
+        scales: (n, N, 3) of its nodes that have one.
     """
 
     positions: Array
     rotations: Array
     alive: NDArray[np.bool_]
     values: Array
+    scales: Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Self
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Any, Self, TypeGuard
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.body import BodyWords
 from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.keyframes import TURN, Keyframe, Turn, faults_of_order
+from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
+from pipeline.spec.keyframes import (
+    TURN,
+    Keyframe,
+    Rates,
+    Turn,
+    faults_of_order,
+    faults_of_tangents,
+)
 from pipeline.spec.mood import MoodMix
 from pipeline.spec.pose import PoseKey
 from pipeline.spec.prop import Hold, Shape
@@ -19,7 +27,6 @@ from pipeline.spec.walk import Walk
 MOST_KEYS = 10_000
 """Keyframes of one performer."""
 
-Speed = Annotated[Number, Field(ge=-1000, le=1000)]
 Velocity = tuple[Speed, Speed, Speed]
 
 At = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
@@ -47,6 +54,10 @@ class Performer(Words):
         description="What it goes along with: a performer, or one of its links or nodes as "
         "bug.head; its place is then relative to that.",
     )
+
+
+def _keyed(velocity: VelocityWords | None) -> TypeGuard[tuple[VelocityKey, ...]]:
+    return velocity is not None and isinstance(velocity[0], VelocityKey)
 
 
 class Creature(Performer):
@@ -103,8 +114,24 @@ class Prop(Performer):
         description="Where its middle is, [x, y, z]; [x, z] puts it on the ground, or on the "
         "origin of its parent [m].",
     )
+    rotation_deg: Turn = Field(
+        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN}."
+    )
     keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MOST_KEYS)] = Field(
-        (), description="Where it is at certain times; they replace at and heading_deg."
+        (), description="Where it is at certain times; they replace at, rotation_deg and heading_deg."
+    )
+    velocity: VelocityWords | None = Field(
+        None,
+        description="How fast it goes from where it is at the begin, [x, y, z], or a list of "
+        "velocities at certain times; relative to its parent or the world [m/s].",
+    )
+    spin_deg: Rates | None = Field(
+        None,
+        description="How it turns all the time, about x, y and z of its parent or the world "
+        "[degrees/s].",
+    )
+    force: ForceWords | None = Field(
+        None, description="What pushes and turns it, as its mass lets it."
     )
     held: Annotated[tuple[Hold, ...], Field(max_length=MOST_KEYS)] = Field(
         (), description="By whom it is held, and when."
@@ -112,10 +139,11 @@ class Prop(Performer):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        faults = list(faults_of_order(self.keyframes, "keyframes"))
-        if self.keyframes and self.held:
-            message = "what is held does not follow keyframes; take one of the two away"
-            faults.append(Fault(("held",), message, at_key=True))
+        faults = [
+            *faults_of_order(self.keyframes, "keyframes"),
+            *faults_of_tangents(self.keyframes, "keyframes"),
+            *self._faults_of_moving(),
+        ]
         for i in range(1, len(self.held)):
             before = self.held[i - 1]
             if before.until is None or self.held[i].at < before.until:
@@ -123,6 +151,24 @@ class Prop(Performer):
                 faults.append(Fault(("held", i, "at"), message))
         refuse(faults)
         return self
+
+    def _faults_of_moving(self) -> Iterator[Fault]:
+        ways = [word for word in ("keyframes", "velocity", "force") if getattr(self, word)]
+        for word in ways[1:]:
+            message = f"it is moved by its {ways[0]} already; take one of the two away"
+            yield Fault((word,), message, at_key=True)
+        if self.spin_deg is not None and ways not in ([], ["velocity"]):
+            message = f"it turns by its {ways[0]}; say there how"
+            yield Fault(("spin_deg",), message, at_key=True)
+        elif self.spin_deg is not None and _keyed(self.velocity):
+            message = "give it in the keys of its velocity"
+            yield Fault(("spin_deg",), message, at_key=True)
+        if _keyed(self.velocity):
+            yield from faults_of_order(self.velocity, "velocity")
+        moving = [*ways, *(["spin_deg"] if self.spin_deg is not None else [])]
+        if moving and self.held:
+            message = f"what is held does not follow {moving[0]}; take one of the two away"
+            yield Fault(("held",), message, at_key=True)
 
     @property
     def called(self) -> str:

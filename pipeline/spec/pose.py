@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.keyframes import EASE, TURN, Ease, Place, Time, Turn
+from pipeline.spec.keyframes import EASE, TURN, Place, SmoothEase, Time, Turn
 from pipeline.spec.values import Name, Number, Whole, Words
 
 Frame = Literal["feet", "body", "world"]
@@ -72,7 +72,7 @@ class PoseKey(Words):
         description="How long the first key takes over from what was done before, ending at `at`, "
         "and how long a release takes, beginning there [s].",
     )
-    ease: Ease = Field("spline", description=EASE)
+    ease: SmoothEase = Field("spline", description=f"{EASE}.")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

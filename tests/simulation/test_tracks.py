@@ -12,6 +12,7 @@ from pipeline.simulation.tracks import Run, Track, turned
 from pipeline.spec.keyframes import Ease
 
 EASES: tuple[Ease, ...] = ("spline", "linear", "in", "out", "in-out")
+"""Those that never jump."""
 
 KEYS = st.lists(
     st.tuples(st.floats(0.05, 3.0), st.floats(-5, 5), st.sampled_from(EASES)),
@@ -67,6 +68,21 @@ def test_eases_rest_where_they_say(kind: Ease, start: int, end: int) -> None:
     assert (speeds > 0.5).tolist() == [bool(start), bool(end)]
     values = track(np.linspace(0.0, 1.0, 100))[:, 0]
     assert (np.diff(values) > 0.0).all()
+
+
+def test_hold_waits_and_jumps() -> None:
+    track = Track.of([(0.0, (1.0,), "linear"), (1.0, (4.0,), "hold"), (2.0, (4.0,), "hold")])
+    values = track(np.array([0.0, 0.5, 1.0 - 1e-9, 1.0, 2.0, 3.0]))[:, 0]
+    np.testing.assert_array_equal(values, [1.0, 1.0, 1.0, 4.0, 4.0, 4.0])
+
+
+def test_a_spline_has_the_tangents_that_are_given() -> None:
+    keys = [(t, (t * t,), "spline") for t in (0.0, 1.0, 1.5)]
+    track = Track.of(keys, [(2.0,), None, (-3.0,)])  # type: ignore[arg-type]
+    step = 1e-6
+    found = (track(np.array([step, 1 + step, 1.5])) - track(np.array([0.0, 1.0, 1.5 - step]))) / step
+    # The one between is found as if nothing were given.
+    np.testing.assert_allclose(found[:, 0], [2.0, 2.0, -3.0], atol=1e-4)
 
 
 def test_a_run_takes_over_and_lets_go() -> None:

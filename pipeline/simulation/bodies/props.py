@@ -1,39 +1,25 @@
 """Props: things that move only as their author says.
 
-Here along their keyframes, relative to their parents; what goes along with a parent or is
+Here along their keyframes, or by velocity or force, relative to their parents; what goes along with a parent or is
 held in a hand is put in its place when everybody has moved (see `attaching.py`).
 
-Source: Sims 1987, 3.2.
+Source: Sims 1987, 3.1.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
+from pipeline.simulation.bodies.paths import path_of, scale_of
 from pipeline.simulation.bodies.shapes import bottom, solid_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
-from pipeline.simulation.tracks import Key, Track, turned
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World
 from pipeline.spec.cast import Prop
-
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """Where one prop is, relative to its parent or the world.
-
-    Attributes:
-        position: (3,) [m] over time.
-        angles: (3,) [rad] over time, see `turned`.
-    """
-
-    position: Track
-    angles: Track
 
 
 class Props:
@@ -41,8 +27,11 @@ class Props:
 
     def __init__(self, cast: Sequence[Prop], world: World, materials: Sequence[str]) -> None:
         self.world = world
-        self.paths = [_path(member, world) for member in cast]
-        self.inventory = _inventory(cast, materials, world.clock.rows)
+        self.paths = [path_of(member, _start(member, world)) for member in cast]
+        scales = [scale_of(member) for member in cast]
+        self.scales = [track for track in scales if track is not None]
+        scaled = tuple(i for i, track in enumerate(scales) if track is not None)
+        self.inventory = replace(_inventory(cast, materials, world.clock.rows), scaled=scaled)
         self._steps: list[int] = []
         self._step = 0
 
@@ -61,28 +50,15 @@ class Props:
         """Write all rows kept."""
         times = np.array(self._steps) * self.world.clock.dt
         for i, path in enumerate(self.paths):
-            rows.positions[:, i] = path.position(times)
-            rows.rotations[:, i] = turned(path.angles(times))
+            rows.positions[:, i], rows.rotations[:, i] = path.at(times)
+        for n, track in enumerate(self.scales):
+            rows.scales[:, n] = track(times)
         rows.alive[:] = True
         self._steps.clear()
 
     def facts(self) -> Facts:
         """Return nothing: props meet nobody."""
         return Facts()
-
-
-def _path(member: Prop, world: World) -> Path:
-    start: list[Key] = [(0.0, tuple(_start(member, world)), "linear")]
-    look: list[Key] = [(0.0, (0.0, math.radians(member.heading_deg), 0.0), "linear")]
-    places: list[Key] = [
-        (k.at, k.position, k.ease) for k in member.keyframes if k.position is not None
-    ]
-    angles: list[Key] = [
-        (k.at, tuple(math.radians(a) for a in k.rotation_deg), k.ease)
-        for k in member.keyframes
-        if k.rotation_deg is not None
-    ]
-    return Path(Track.of(places or start), Track.of(angles or look))
 
 
 def _start(member: Prop, world: World) -> Array:

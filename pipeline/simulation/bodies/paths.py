@@ -1,0 +1,149 @@
+"""Paths: where one prop is over time, by keyframes, by velocity or by force.
+
+Source: Sims 1987, 3.1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, Self
+
+import numpy as np
+
+from pipeline.simulation.bodies.shapes import solid_of
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
+from pipeline.simulation.pieces import Carried, Pieces
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.tracks import Key, Track, turned
+from pipeline.simulation.turning import Spun, Torqued
+from pipeline.spec.cast import Prop
+from pipeline.spec.driving import ForceKey, ForceWords, VelocityKey
+from pipeline.spec.keyframes import Keyframe
+from pipeline.spec.prop import Shape
+
+NOTHING = (0.0, 0.0, 0.0)
+
+
+class Path(Protocol):
+    """Where one prop is, relative to its parent or the world; asked for at ascending times."""
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """Return positions (m, 3) [m] and rotations (m, 3, 3) at `times` (m,) [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Keyed:
+    """Along keyframes.
+
+    Attributes:
+        position: (3,) [m] over time.
+        angles: (3,) [rad] over time, see `turned`.
+    """
+
+    position: Track
+    angles: Track
+
+    @classmethod
+    def of(cls, keys: Sequence[Keyframe], start: Array, angles: Array) -> Self:
+        """Return the path along `keys`; what none of them says stays as it is at the start."""
+        position, looks = _track(keys, "position"), _track(keys, "rotation_deg")
+        turns = _still(angles) if looks is None else _in_radians(looks)
+        return cls(position or _still(start), turns)
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """See `Path`."""
+        return self.position(times), turned(self.angles(times))
+
+
+class Driven:
+    """By velocity."""
+
+    def __init__(self, linear: Track, spin: Track, start: Array, R: Array) -> None:
+        self.places = Carried.by_velocity(Pieces.of(linear), start)
+        self.attitude = Spun(Pieces.of(spin), R)
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """See `Path`."""
+        return self.places.at(times)[0], np.array([self.attitude.at(float(t)) for t in times])
+
+
+class Pushed:
+    """By force."""
+
+    def __init__(
+        self, words: ForceWords, mass: MassProperties, start: Array, angles: Array
+    ) -> None:
+        keys, weight = words.keys, np.array([0.0, GRAVITY if words.gravity else 0.0, 0.0])
+        force = _track(keys, "force") or _still(np.array(words.force or NOTHING))
+        torque = _track(keys, "torque") or _still(np.array(words.torque or NOTHING))
+        pull = Track(force.times, force.values / mass.mass - weight, force.eases)
+        velocity = np.array(words.velocity)
+        drag = words.drag / mass.mass
+        self.places = Carried.by_acceleration(Pieces.of(pull), start, velocity, drag)
+        spin = np.radians(np.array(words.spin_deg))
+        R = turned(angles)
+        self.attitude = Torqued(Pieces.of(torque), mass, R, spin, words.turning_drag)
+
+    def at(self, times: Array) -> tuple[Array, Array]:
+        """See `Path`."""
+        return self.places.at(times)[0], np.array([self.attitude.at(float(t)) for t in times])
+
+
+def path_of(member: Prop, start: Array) -> Path:
+    """Return the path of a prop that begins at `start` (3,) [m]."""
+    # Its heading turns it about the vertical, which its second angle does last of all.
+    angles = np.radians(np.array(member.rotation_deg))
+    angles[1] += math.radians(member.heading_deg)
+    if member.force is not None:
+        return Pushed(member.force, mass_of(member.prop, member.force), start, angles)
+    if member.velocity is None and member.spin_deg is None:
+        return Keyed.of(member.keyframes, start, angles)
+    keys, alone = velocity_keys(member)
+    linear = _track(keys, "linear") or _still(np.array(alone))
+    spin = _track(keys, "spin_deg") or _still(np.array(member.spin_deg or NOTHING))
+    return Driven(linear, _in_radians(spin), start, turned(angles))
+
+
+def velocity_keys(member: Prop) -> tuple[Sequence[VelocityKey], tuple[float, float, float]]:
+    """Return the keys of a prop's velocity, and the velocity of one that has none."""
+    keys = tuple(key for key in member.velocity or () if isinstance(key, VelocityKey))
+    numbers = [float(v) for v in member.velocity or () if not isinstance(v, VelocityKey)]
+    x, y, z = numbers or NOTHING
+    return keys, (x, y, z)
+
+
+def scale_of(member: Prop) -> Track | None:
+    """Return the scale of a prop over time, None for one that keeps its size."""
+    return _track(member.keyframes, "scale", "factors")
+
+
+def mass_of(shape: Shape, words: ForceWords) -> MassProperties:
+    """Return the mass properties of a prop, by its shape."""
+    solid = solid_of(shape)
+    own = mass_of_solid(solid.vertices, solid.faces, words.density)
+    factor = 1.0 if words.mass is None else words.mass / own.mass
+    return MassProperties(own.mass * factor, np.zeros(3), own.inertia * factor)
+
+
+def _track(
+    keys: Sequence[Keyframe | VelocityKey | ForceKey], word: str, values: str = ""
+) -> Track | None:
+    """Return the track of those keys that say `word`, None if none does."""
+    said = [key for key in keys if getattr(key, word) is not None]
+    if not said:
+        return None
+    row: list[Key] = [(key.at, getattr(key, values or word), key.ease) for key in said]
+    given = [getattr(key.tangent, word, None) if isinstance(key, Keyframe) else None for key in said]
+    return Track.of(row, given)
+
+
+def _still(value: Array) -> Track:
+    return Track.of([(0.0, tuple(value), "linear")])
+
+
+def _in_radians(track: Track) -> Track:
+    given = None if track.tangents is None else np.radians(track.tangents)
+    return Track(track.times, np.radians(track.values), track.eases, given)

@@ -70,10 +70,10 @@ class Pieces:
         piece, tau = self.places(times)
         return _sum(self.powers[piece], tau)
 
-    def after(self, time: float, more: Array) -> Array:
-        """Return the values (m, d) `more` (m,) [s] after `time`, all in the piece it lies in."""
-        piece, tau = self.places(np.array([time]))
-        return _sum(np.repeat(self.powers[piece], len(more), axis=0), tau + more)
+    def after(self, times: Array, more: Array) -> Array:
+        """Return the values (m, d) `more` (m,) [s] after `times` (m,), in the pieces of those."""
+        piece, tau = self.places(times)
+        return _sum(self.powers[piece], tau + more)
 
     def places(self, times: Array) -> tuple[NDArray[np.int64], Array]:
         """Return the pieces (m,) that `times` (m,) lie in, and the time since their begins."""
@@ -156,6 +156,9 @@ def phis(z: Array) -> Array:
     """Return φ₀(z) to φ_(DEGREE + 2)(z), (DEGREE + 3, m), for z (m,) not above 0."""
     count = DEGREE + 3
     result = np.empty((count, len(z)))
+    if not z.any():
+        result[:] = 1.0 / np.array([[math.factorial(n)] for n in range(count)])
+        return result
     small = z >= -SMALL
     near = np.where(small, z, 0.0)
     for n in range(count):

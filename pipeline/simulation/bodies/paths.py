@@ -67,7 +67,7 @@ class Driven:
 
     def at(self, times: Array) -> tuple[Array, Array]:
         """See `Path`."""
-        return self.places.at(times)[0], np.array([self.attitude.at(float(t)) for t in times])
+        return self.places.at(times)[0], self.attitude.at(times)
 
 
 class Pushed:
@@ -89,7 +89,7 @@ class Pushed:
 
     def at(self, times: Array) -> tuple[Array, Array]:
         """See `Path`."""
-        return self.places.at(times)[0], np.array([self.attitude.at(float(t)) for t in times])
+        return self.places.at(times)[0], self.attitude.at(times)
 
 
 def path_of(member: Prop, start: Array) -> Path:

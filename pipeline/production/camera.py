@@ -16,10 +16,11 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.moving_camera import looks_by_itself, seen_from
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.reel import reel, rows_of
 from pipeline.simulation.spatial import UP, Array, matrix, normalized
-from pipeline.simulation.take import Take
+from pipeline.simulation.take import Mesh, Take
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.simulation.terrain.surfaces import surface_of_vertices
 from render.shot import CameraPose
@@ -59,13 +60,16 @@ class _Followed:
     heading: Array
 
 
-def camera_poses(take: Take, cuts: Sequence[Camera], aspect: float) -> tuple[CameraPose, ...]:
+def camera_poses(
+    take: Take, cuts: Sequence[Camera], aspect: float, mounts: Sequence[int] | None = None
+) -> tuple[CameraPose, ...]:
     """Return the pose of the camera at every frame.
 
     Args:
         take: what is filmed.
         cuts: in the order of time, the first from the start.
         aspect: width by height of the picture.
+        mounts: node that the camera of each cut goes along with, -1 for none.
     """
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
@@ -75,9 +79,14 @@ def camera_poses(take: Take, cuts: Sequence[Camera], aspect: float) -> tuple[Cam
     starts = [min(start, header.frames + 1) for start in starts]
     ends = [*starts[1:], header.frames + 1]
     poses: list[CameraPose] = []
-    for cut, first, end in zip(cuts, starts, ends, strict=True):
+    mounts = mounts or [-1] * len(cuts)
+    for cut, mount, first, end in zip(cuts, mounts, starts, ends, strict=True):
         rows = np.array([clock.row_of_frame(f) for f in range(first, end)], dtype=np.int64)
-        if len(rows):
+        if not len(rows):
+            continue
+        if cut.moved:
+            poses.extend(_moved(take, cut, mount, rows))
+        else:
             poses.extend(_cut(take, cut, rows, ground, aspect))
     return tuple(poses)
 
@@ -107,6 +116,23 @@ def _cut(
         poses = _stand(cut, followed, target, direction, distance, ground, take)
         distance *= _too_near(followed.points, poses, aspect)
     return _stand(cut, followed, target, direction, distance, ground, take)
+
+
+def _moved(take: Take, cut: Camera, mount: int, rows: NDArray[np.int64]) -> list[CameraPose]:
+    """Return the poses of a camera that its author moves."""
+    target = None
+    if cut.look_at is not None:
+        target = np.tile(cut.look_at, (len(rows), 1))
+    elif cut.follow is not None or (cut.parent is None and not looks_by_itself(cut)):
+        target = _follow(take, cut.follow, rows).place
+    seen = seen_from(take, cut, mount, rows, target)
+    if cut.steady > 0.0:
+        seen = seen.smoothed(lambda path: _smoothed(path, cut.steady * _rate(take)))
+    return [
+        pose
+        for i, fov_deg in enumerate(seen.fov_deg)
+        for pose in _poses(seen.eye[[i]], seen.target[[i]], seen.up[i], float(fov_deg))
+    ]
 
 
 def _stand(
@@ -150,22 +176,39 @@ def _follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.in
 
 def _corners(take: Take, wanted: tuple[str, ...] | None, rows: NDArray[np.int64]) -> Array:
     """Return the corners (F, 8 P, 3) of boxes around all parts of the performers `wanted`."""
-    nodes, corners = [], []
-    for part in take.parts:
-        if wanted is None or part.performer in wanted:
-            mesh = take.meshes[part.mesh]
-            ends = np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
-            box = np.stack(np.meshgrid(*ends.T.astype(float)), axis=-1).reshape(8, 3)
-            node = int(mesh.nodes[0, 0])
-            nodes.append(node)
-            corners.append(box - take.nodes[node].rest)
+    boxes = [
+        box
+        for part in take.parts
+        if wanted is None or part.performer in wanted
+        for box in _boxes(take, take.meshes[part.mesh])
+    ]
+    nodes, corners = [node for node, _ in boxes], [box for _, box in boxes]
+    scaled = [(j, take.scaled.index(n)) for j, n in enumerate(nodes) if n in set(take.scaled)]
     corners_W: Array = reel((len(rows), 8 * len(nodes), 3), float)
     for some in rows_of(corners_W):
         which = np.ix_(rows[some], np.array(nodes))
         R, p = matrix(take.rotations[which]), take.positions[which]
+        for j, n in scaled:
+            R[:, j] *= take.scales[rows[some], n][:, None]
         world = np.einsum("fpij,pcj->fpci", R, np.array(corners)) + p[:, :, None]
         corners_W[some] = world.reshape(-1, 8 * len(nodes), 3)
     return corners_W
+
+
+def _boxes(take: Take, mesh: Mesh) -> list[tuple[int, Array]]:
+    """Return the corners (8, 3) of a box around a mesh in the node it follows.
+
+    The mesh of a group follows many nodes; each has a box then.
+    """
+    nodes = mesh.nodes[:, 0]
+    several = bool((mesh.weights[:, 1] == 0.0).all()) and bool((nodes != nodes[0]).any())
+    boxes = []
+    for node in np.unique(nodes) if several else nodes[:1]:
+        vertices = mesh.vertices[nodes == node] if several else mesh.vertices
+        ends = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
+        box = np.stack(np.meshgrid(*ends.T.astype(float)), axis=-1).reshape(8, 3)
+        boxes.append((int(node), box - take.nodes[int(node)].rest))
+    return boxes
 
 
 def _too_near(points: Array, poses: Sequence[CameraPose], aspect: float) -> float:

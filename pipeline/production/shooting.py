@@ -8,6 +8,7 @@ import numpy as np
 
 from pipeline.production.camera import camera_poses
 from pipeline.production.landscape import ground_meshes
+from pipeline.production.mounting import mounts_of
 from pipeline.production.skinning import Skin
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
@@ -21,6 +22,9 @@ class Shooting:
 
     Attributes:
         poses: of the camera at every frame.
+
+    Raises:
+        SceneError: a camera goes along with a part that nobody has.
     """
 
     def __init__(self, scene: Scene, take: Take) -> None:
@@ -29,7 +33,8 @@ class Shooting:
         self.light = scene.light
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
-        self.poses = camera_poses(take, scene.camera, self.film.size[0] / self.film.size[1])
+        aspect = self.film.size[0] / self.film.size[1]
+        self.poses = camera_poses(take, scene.camera, aspect, mounts_of(scene, take.nodes))
         self.materials = _materials(scene, take)
         self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)
         self._skin = Skin.of(take)

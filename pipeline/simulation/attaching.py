@@ -116,13 +116,9 @@ def bonds_of(
     problems = list[Problem]()
 
     def node_of(whom: str, path: str) -> int:
-        name, _, part = whom.partition(".")
-        found = _node(name, part, figures.get(name), numbers)
-        if found is None:
-            figure = figures.get(name)
-            known = [n.partition(".")[2] for n in numbers if n.startswith(f"{name}.")]
-            known += list(PartNames(figure).nodes) if figure is not None else []
-            problems.append(Problem(path, f"'{name}' has no part '{part}', {hint(part, known)}"))
+        found = number_of(whom, figures, numbers)
+        if isinstance(found, str):
+            problems.append(Problem(path, found))
             return -1
         return found
 
@@ -144,6 +140,29 @@ def bonds_of(
     if problems:
         raise SceneError(problems)
     return _parents_first(bonds, nodes, [member.name for member in cast])
+
+
+def number_of(
+    whom: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]
+) -> int | str:
+    """Return the number of the node that a performer or a part of one is called by.
+
+    Args:
+        whom: such as bug, or bug.head.
+        figures: of the creatures, by name.
+        numbers: of all nodes, by name.
+
+    Returns:
+        The number, or what is wrong with the name.
+    """
+    name, _, part = whom.partition(".")
+    figure = figures.get(name)
+    found = _node(name, part, figure, numbers)
+    if found is not None:
+        return found
+    known = [n.partition(".")[2] for n in numbers if n.startswith(f"{name}.")]
+    known += list(PartNames(figure).nodes) if figure is not None else []
+    return f"'{name}' has no part '{part}', {hint(part, known)}"
 
 
 def _node(name: str, part: str, figure: Figure | None, numbers: Mapping[str, int]) -> int | None:

@@ -91,6 +91,10 @@ def _followed(scene: object) -> Iterator[Fault]:
             if isinstance(follow, str) and follow not in known:
                 message = f"nobody in the cast is called '{follow}', {hint(follow, known)}"
                 yield Fault(("camera", *place, "follow", *below), message)
+        parent = _get(cut, "parent")
+        if isinstance(parent, str) and (name := parent.partition(".")[0]) not in known:
+            message = f"nobody in the cast is called '{name}', {hint(name, known)}"
+            yield Fault(("camera", *place, "parent"), message)
 
 
 def _attached(scene: object) -> Iterator[Fault]:

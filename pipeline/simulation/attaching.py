@@ -21,7 +21,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.part_names import PartNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Node
-from pipeline.spec.cast import Member, Prop
+from pipeline.spec.cast import Group, Member, Prop
 from pipeline.spec.nearest import hint
 
 
@@ -125,7 +125,8 @@ def bonds_of(
     bonds = {}
     for i, member in enumerate(cast):
         holds = member.held if isinstance(member, Prop) else ()
-        if member.parent is None and not holds:
+        # A fire's flames leave their source; where that is, the group asks itself.
+        if isinstance(member, Group) or (member.parent is None and not holds):
             continue
         own = [k for k, node in enumerate(nodes) if node.performer == member.name]
         parent = -1 if member.parent is None else node_of(member.parent, f"cast[{i}].parent")
@@ -160,6 +161,8 @@ def number_of(
     found = _node(name, part, figure, numbers)
     if found is not None:
         return found
+    if not part:
+        return f"'{name}' is a group; say which of them, as {name}.0"
     known = [n.partition(".")[2] for n in numbers if n.startswith(f"{name}.")]
     known += list(PartNames(figure).nodes) if figure is not None else []
     return f"'{name}' has no part '{part}', {hint(part, known)}"

@@ -87,19 +87,28 @@ class Recorder:
             for nodes, channels, scales in self._slices
         ]
 
-    def keep(self, which: slice, bonds: Iterable[Bond]) -> tuple[int, str] | None:
-        """Keep the rows `which`, all troupes having written theirs.
+    def attached(self, which: slice, bonds: Iterable[Bond]) -> tuple[Array, Array]:
+        """Bring all nodes of the rows `which` into the world, all troupes having written theirs.
 
         Args:
             which: the rows after those that were kept before.
             bonds: what goes along with what, parents first.
 
         Returns:
-            The first row with a pose that is not finite, and its node; None if all are.
+            Rotations (n, J, 3, 3) and positions (n, J, 3) [m], which may still be written into.
         """
         R, p = self._R[: which.stop - which.start], self.positions[which]
         for bond in bonds:
             bond.apply(R, p, which.start)
+        return R, p
+
+    def keep(self, which: slice) -> tuple[int, str] | None:
+        """Keep the rows `which`, all nodes being in the world.
+
+        Returns:
+            The first row with a pose that is not finite, and its node; None if all are.
+        """
+        R, p = self._R[: which.stop - which.start], self.positions[which]
         if not (np.isfinite(p).all() and np.isfinite(R).all()):
             row, node = np.argwhere(~np.isfinite(p.sum(axis=-1) + R.sum(axis=(-1, -2))))[0]
             return which.start + int(row), self.nodes[int(node)].name
@@ -145,8 +154,9 @@ class Recorder:
                 self.ground.forbidden,
                 self.ground.material,
             ),
-            contacts=tuple(self.contacts),
-            events=tuple(self.events),
+            # Those of groups come when their rows are written; all others are in order.
+            contacts=tuple(sorted(self.contacts, key=lambda c: c.step)),
+            events=tuple(sorted(self.events, key=lambda e: e.step)),
             notes=tuple(self._notes.values()),
         )
 

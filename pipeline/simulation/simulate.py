@@ -15,6 +15,7 @@ import numpy as np
 import pipeline
 from pipeline.errors import Problem, SceneError, SimulationError
 from pipeline.simulation.attaching import bonds_of
+from pipeline.simulation.bodies.groups.groups import Groups
 from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.bodies.tumblers import Tumblers
 from pipeline.simulation.clock import Clock
@@ -28,7 +29,7 @@ from pipeline.simulation.script import Script
 from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
 from pipeline.simulation.terrain import build_ground, level_ground
 from pipeline.simulation.troupe import Troupe, World
-from pipeline.spec.cast import Body, Creature, Prop
+from pipeline.spec.cast import Body, Creature, Group, Prop
 from pipeline.spec.scene import VERSION, Scene
 
 Performer = tuple[int, Creature, Figure]
@@ -59,10 +60,13 @@ class Simulation:
             self.world = World(ground, clock, scene.seed, scene.script, scene.all_moods)
             figures = _figures(scene)
             self.troupes: list[Troupe] = _troupes(scene, figures, self.world)
+            self._groups = [troupe for troupe in self.troupes if isinstance(troupe, Groups)]
             self.recorder = Recorder(
                 _header(scene, key), clock, self.world.ground, [t.inventory for t in self.troupes]
             )
             self.bonds = bonds_of(scene.cast, figures, self.recorder.nodes, clock)
+            for groups in self._groups:
+                groups.meet(self.recorder.nodes, self.recorder.meshes, figures)
         except SceneError as error:
             raise scene.places.located(error) from None
         self.recorder.hang(self.bonds)
@@ -120,7 +124,12 @@ class Simulation:
     def _write(self, which: slice) -> None:
         for troupe, rows in zip(self.troupes, self.recorder.rows(which), strict=True):
             troupe.write(rows)
-        wrong = self.recorder.keep(which, self.bonds)
+        R, p = self.recorder.attached(which, self.bonds)
+        for groups in self._groups:
+            # Nobody depends on them, so they see everybody in place.
+            contacts = groups.follow(R, p)
+            self.recorder.happened(contacts, self._detect(contacts), ())
+        wrong = self.recorder.keep(which)
         if wrong is not None:
             row, node = wrong
             step = row * self.world.clock.steps // self.world.clock.samples
@@ -186,6 +195,9 @@ def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Tro
     bodies = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Body)]
     if bodies:
         troupes.append(Tumblers(bodies, world, [member.material or THING for _, member in bodies]))
+    groups = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Group)]
+    if groups:
+        troupes.append(Groups(groups, world))
     return troupes
 
 

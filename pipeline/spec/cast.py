@@ -10,6 +10,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pipeline.spec.body import BodyWords
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
+from pipeline.spec.group import Fire, GroupWords
 from pipeline.spec.keyframes import (
     TURN,
     Keyframe,
@@ -206,19 +207,43 @@ class Body(Performer):
         return self.body.shape
 
 
+class Group(Performer):
+    """Many bodies that move by one rule."""
+
+    group: GroupWords = Field(description="How many they are, and by which rule they move.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="About where they begin, [x, y, z]; [x, z] is on the ground [m].",
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.parent is not None and not isinstance(self.group, Fire):
+            message = "only a fire goes along with a parent; a flock may follow somebody"
+            refuse([Fault(("parent",), message, at_key=True)])
+        return self
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name."""
+        return self.group.rule
+
+
 def _what(words: Any) -> str:
     """Return what a member is by the block that it has."""
     if not isinstance(words, Mapping):
         return type(words).__name__
     if "figure" in words:
         return "Creature"
-    return "Prop" if "prop" in words else "Body" if "body" in words else "Creature"
+    kinds = {"prop": "Prop", "body": "Body", "group": "Group"}
+    return next((kind for key, kind in kinds.items() if key in words), "Creature")
 
 
 Member = Annotated[
     Annotated[Creature, Tag("Creature")]
     | Annotated[Prop, Tag("Prop")]
-    | Annotated[Body, Tag("Body")],
+    | Annotated[Body, Tag("Body")]
+    | Annotated[Group, Tag("Group")],
     Discriminator(_what),
 ]
 
@@ -246,11 +271,13 @@ def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
 
 def called(member: object) -> tuple[str, str]:
     """Return the own name and the kind of a member, which may be still raw and perhaps wrong."""
-    if isinstance(member, Creature | Prop | Body):
+    if isinstance(member, Creature | Prop | Body | Group):
         return member.name, member.called
     if not isinstance(member, Mapping):
         return "", ""
     shape = member.get("prop") or member.get("body")
     kind = shape.get("shape") if isinstance(shape, Mapping) else member.get("figure")
+    if isinstance(group := member.get("group"), Mapping):
+        kind = group.get("rule")
     name = member.get("name")
     return (name if isinstance(name, str) else ""), (kind if isinstance(kind, str) else "")

@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from pipeline.spec.cast import called, names_of
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
+from pipeline.spec.group import DIRECTED
 from pipeline.spec.mood import MOODS
 from pipeline.spec.nearest import hint
 from render.words import MATERIALS
@@ -98,11 +99,15 @@ def _followed(scene: object) -> Iterator[Fault]:
 
 
 def _attached(scene: object) -> Iterator[Fault]:
-    names = _names(scene)
-    for i, member in _items(_get(scene, "cast")):
+    names, cast = _names(scene), dict(_items(_get(scene, "cast")))
+    for i, member in cast.items():
         places: list[tuple[Place, Any]] = [(("parent",), _get(member, "parent"))]
         for k, hold in _items(_get(member, "held")):
             places.append((("held", k, "by"), _get(hold, "by")))
+        group = _get(member, "group")
+        places += [(("group", word), _get(group, word)) for word in ("follow", "around")]
+        for k, whom in _items(_get(group, "avoid")):
+            places.append((("group", "avoid", k), whom))
         for place, whom in places:
             if not isinstance(whom, str):
                 continue
@@ -112,6 +117,9 @@ def _attached(scene: object) -> Iterator[Fault]:
                 yield Fault(("cast", i, *place), message)
             elif name == names[i]:
                 yield Fault(("cast", i, *place), f"'{name}' cannot go along with itself")
+            elif _get(cast[names.index(name)], "group") is not None:
+                message = f"'{name}' is a group, which nobody can go along with"
+                yield Fault(("cast", i, *place), message)
 
 
 def _scripted(scene: object) -> Iterator[Fault]:
@@ -131,8 +139,23 @@ def _scripted(scene: object) -> Iterator[Fault]:
                 yield Fault(("script", i, *place), f"'{name}' is a prop, which no script moves")
             elif _get(member, "body") is not None:
                 yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
+            elif (group := _get(member, "group")) is not None:
+                yield from _directed(group, name, instruction, ("script", i), place)
             elif not ((isinstance(member, Mapping) and "walk" in member) or _get(member, "walk")):
                 yield Fault(("script", i, *place), f"'{name}' does not walk; give it walk: {{}}")
+
+
+def _directed(
+    group: object, name: str, instruction: object, path: Place, place: Place
+) -> Iterator[Fault]:
+    """Find what a script asks of a group that it cannot do."""
+    rule = _get(group, "rule")
+    if rule not in DIRECTED:
+        yield Fault((*path, *place), f"'{name}' is a group that no script moves")
+    elif place != ("who",):
+        yield Fault((*path, *place), f"'{name}' is a group, which never arrives")
+    elif _get(_get(instruction, "do"), "go_to") is None:
+        yield Fault((*path, "do"), f"'{name}' is a group; all it can be told is go_to")
 
 
 def _moods(scene: object) -> Iterator[Fault]:
@@ -171,7 +194,7 @@ def _seen(scene: object) -> Iterator[Fault]:
 
 def _thing(member: object) -> str | None:
     """Return what a member is that is no creature."""
-    return next((word for word in ("prop", "body") if _get(member, word) is not None), None)
+    return next((word for word in ("prop", "body", "group") if _get(member, word) is not None), None)
 
 
 def _names(scene: object) -> list[str]:

@@ -52,6 +52,10 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "red plastic": {"color": "#b3231c", "roughness": 0.3, "clearcoat": 0.5},
     "blue plastic": {"color": "#22569c", "roughness": 0.3, "clearcoat": 0.5},
     "yellow plastic": {"color": "#d9a818", "roughness": 0.3, "clearcoat": 0.5},
+    "flame": {"color": "#ff8a1c", "roughness": 1.0},
+    "smoke": {"color": "#a3a19d", "roughness": 1.0},
+    "water": {"color": "#a9c4d4", "roughness": 0.08, "clearcoat": 1.0},
+    "leaf": {"color": "#637d2b", "roughness": 0.65, "clearcoat": 0.1},
     # Ground.
     "dry soil": {
         "color": "#8c7156",

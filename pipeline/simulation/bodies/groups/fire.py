@@ -1,0 +1,106 @@
+"""Fire: flames that rise from a place, sway, shrink and die; also smoke.
+
+Where the place moves, as a torch in a hand, each flame leaves it where it was born.
+
+Source: Sims 1987, 3.2; Reeves 1983.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pipeline.simulation.bodies.groups import looks
+from pipeline.simulation.bodies.groups.chance import Chance
+from pipeline.simulation.bodies.groups.others import Cast, Others
+from pipeline.simulation.bodies.groups.rule import Setting
+from pipeline.simulation.spatial import UP, Array, rotation
+from pipeline.simulation.take import Contact
+from pipeline.simulation.troupe import Rows
+from pipeline.spec.group import Fire
+
+SWAY, SWAYS = 0.12, 1.7
+"""How far flames sway, in heights, and how often in a life."""
+
+WIDENED = 0.08
+"""Part of its life after which a flame is at its largest."""
+
+SMALLEST = 0.03
+"""Scale below which it is dead."""
+
+
+class Flames:
+    """A fire."""
+
+    def __init__(self, setting: Setting, words: Fire) -> None:
+        self.setting = setting
+        self.words = words
+        self.chance = Chance(setting.world.seed, setting.name)
+        self.slots = np.arange(words.count)
+        # Lives differ, so that the fire does not pulse.
+        self.span = words.life * (0.7 + 0.6 * self.chance.uniform(self.slots, 0, 0))
+        self.phase = self.chance.uniform(self.slots, 0, 1)
+        self.life = np.full(words.count, -1, dtype=np.int64)
+        self.source = np.zeros((words.count, 3))
+        rows = setting.world.clock.rows
+        solid = looks.flame(words.size)
+        self.inventory = looks.inventory(
+            setting.name, setting.material, rows, words.count, [("", solid)], words.size, True
+        )
+        self._parent: int | None = None
+
+    def meet(self, cast: Cast) -> None:
+        """See `Rule`."""
+        if self.setting.parent is not None:
+            self._parent = cast.number(self.setting.parent, f"{self.setting.path}.parent")
+
+    def send(self, time: float, goal: tuple[float, float]) -> None:
+        """See `Rule`; a fire burns where it burns."""
+
+    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+        """See `Rule`."""
+        for k, time in enumerate(times):
+            turns = float(time) / self.span + self.phase
+            life = np.floor(turns).astype(np.int64)
+            born = life > self.life
+            self.source[born] = self._place(others, k)
+            self.life = life
+            self._pose(rows, k, turns - life)
+        return []
+
+    def _place(self, others: Others, k: int) -> Array:
+        """Return where flames come from (3,) [m]."""
+        if self._parent is None:
+            return self.setting.place
+        R, p = others.R[k, self._parent], others.p[k, self._parent]
+        result: Array = p + R @ self.setting.place
+        return result
+
+    def _pose(self, rows: Rows, k: int, aged: Array) -> None:
+        """Write a row, in which flames have lived through parts `aged` (N,) of their lives."""
+        words = self.words
+        draws = [self.chance.uniform(self.slots, self.life, draw) for draw in range(2, 6)]
+        angle, out = 2.0 * math.pi * draws[0], words.radius * np.sqrt(draws[1])
+        # Those in the middle rise highest, as the air is hottest there.
+        rise = words.height * (1.0 - 0.45 * draws[1]) * (0.75 + 0.25 * draws[2]) * aged
+        out = out * (1.0 - 0.75 * aged)
+        sway = SWAY * words.height * aged
+        turns = 2.0 * math.pi * (SWAYS * aged + draws[3])
+        seconds = aged * self.span
+        offset = np.stack(
+            [
+                out * np.cos(angle) + sway * np.sin(turns) + words.wind[0] * seconds * aged,
+                rise,
+                out * np.sin(angle) + sway * np.cos(1.3 * turns) + words.wind[1] * seconds * aged,
+            ],
+            axis=-1,
+        )
+        rows.positions[k] = self.source + offset
+        rows.rotations[k] = rotation(UP, turns)
+        full = np.minimum(aged / WIDENED, 1.0) * (1.0 - aged) ** 0.8
+        full = full * (0.6 + 0.4 * draws[2])
+        rows.scales[k] = np.maximum(full, SMALLEST)[:, None] * np.stack(
+            [np.ones_like(aged), 1.0 + 0.9 * (1.0 - aged), np.ones_like(aged)], axis=-1
+        )
+        rows.alive[k] = full > SMALLEST

@@ -1,0 +1,156 @@
+"""Grass: blades that stand on the ground, sway in the wind and bend away from feet.
+
+A blade follows two nodes, one at its root that stands still and one that is bent: the higher a
+point of it, the more it follows the other. So one node more makes a curve of it.
+
+Source: Sims 1987, 3.2; Reeves and Blau 1985 for gusts that travel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.simulation.bodies.groups import looks
+from pipeline.simulation.bodies.groups.chance import Chance
+from pipeline.simulation.bodies.groups.others import Cast, Others, Outline
+from pipeline.simulation.bodies.groups.rule import Setting
+from pipeline.simulation.figures.solids import Solid, lofted
+from pipeline.simulation.spatial import UP, Array, heading, rotation
+from pipeline.simulation.take import Contact, Mesh, Node, Part
+from pipeline.simulation.troupe import Inventory, Rows
+from pipeline.spec.group import Grass
+
+LEVELS = np.array([0.0, 0.3, 0.6, 0.85])
+"""Heights of a blade's rings, in its own."""
+
+WIDTH = 0.045
+"""Half of a blade's width at its root, in its height."""
+
+LEAN = 0.11
+"""How much a metre a second bends it [rad]."""
+
+GUST = 1.6
+"""Length of gusts [m]."""
+
+TREMBLE = 0.07
+"""How much each sways by itself [rad]."""
+
+MOST_BENT = 1.35
+"""No blade is bent further [rad]."""
+
+REACH = 0.8
+"""Distance at which it bends away from a foot, in its heights."""
+
+
+class Blades:
+    """Grass."""
+
+    def __init__(self, setting: Setting, words: Grass) -> None:
+        self.setting = setting
+        self.words = words
+        chance = Chance(setting.world.seed, setting.name)
+        slots = np.arange(words.count)
+        x, z, turned, tall, own = (chance.uniform(slots, 0, draw) for draw in range(5))
+        roots = np.tile(setting.place, (words.count, 1))
+        roots[:, 0] += words.area[0] * (x - 0.5)
+        roots[:, 2] += words.area[1] * (z - 0.5)
+        roots[:, 1] = setting.height(roots)
+        self.roots = roots
+        self.looks = heading(2.0 * math.pi * turned)
+        self.tall = words.size * (0.65 + 0.5 * tall)
+        self.own = 2.0 * math.pi * own
+        self.inventory = self._inventory()
+        self._avoided: Sequence[Outline] = ()
+
+    def meet(self, cast: Cast) -> None:
+        """See `Rule`."""
+        self._avoided = [cast.outline(name) for name in self.words.avoid]
+
+    def send(self, time: float, goal: tuple[float, float]) -> None:
+        """See `Rule`; grass stays where it stands."""
+
+    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+        """See `Rule`."""
+        feet = others.points(self._avoided)
+        rows.positions[:, 0], rows.rotations[:, 0] = 0.0, np.eye(3)
+        rows.positions[:, 1:] = self.roots
+        for k, time in enumerate(times):
+            bent = self._blown(float(time)) + self._trodden(feet[k])
+            angle = np.sqrt((bent * bent).sum(axis=-1))
+            # Bent without a corner, and never further than it bears.
+            angle = MOST_BENT * np.tanh(angle / MOST_BENT)
+            across = np.stack([bent[:, 1], np.zeros(len(bent)), -bent[:, 0]], axis=-1)
+            length = np.sqrt((across * across).sum(axis=-1, keepdims=True))
+            axis = np.where(length > 1e-12, across / np.maximum(length, 1e-12), UP)
+            rows.rotations[k, 1:] = rotation(axis, np.where(length[:, 0] > 1e-12, angle, 0.0))
+        return []
+
+    def _blown(self, time: float) -> Array:
+        """Return how the wind bends each, along x and z (N, 2) [rad]."""
+        wind = np.array(self.words.wind)
+        speed = math.sqrt(float((wind * wind).sum()))
+        along = wind / speed if speed > 0.0 else np.array([1.0, 0.0])
+        # Gusts run with the wind over the grass.
+        where = self.roots[:, [0, 2]] @ along - speed * time
+        across = self.roots[:, 0] * along[1] - self.roots[:, 2] * along[0]
+        gust = 0.55 + 0.3 * np.sin(2.0 * math.pi * where / GUST + 0.8 * np.sin(1.1 * across))
+        gust += 0.15 * np.sin(2.0 * math.pi * where / (0.37 * GUST) + self.own)
+        blown = (LEAN * speed * gust)[:, None] * along
+        shaken = min(speed, 2.0) / 2.0 * TREMBLE
+        blown[:, 0] += shaken * np.sin(5.1 * time + self.own)
+        blown[:, 1] += shaken * np.sin(4.3 * time + 1.7 * self.own)
+        return blown
+
+    def _trodden(self, feet: Array) -> Array:
+        """Return how points (m, 3) of others bend each, along x and z (N, 2) [rad]."""
+        bent = np.zeros((len(self.roots), 2))
+        reach = REACH * self.words.size
+        low = self.setting.place - np.array([self.words.area[0], 0.0, self.words.area[1]])
+        high = self.setting.place + np.array([self.words.area[0], 0.0, self.words.area[1]])
+        near = (feet >= low - reach)[:, [0, 2]].all(axis=1)
+        near &= (feet <= high + reach)[:, [0, 2]].all(axis=1)
+        near &= feet[:, 1] < self.setting.height(feet) + self.words.size if len(feet) else near
+        for foot in feet[near]:
+            away = (self.roots - foot)[:, [0, 2]]
+            far = np.sqrt((away * away).sum(axis=-1))
+            # Feet that are lifted let it rise again.
+            above = np.clip(1.0 - (foot[1] - self.roots[:, 1]) / self.tall, 0.0, 1.0)
+            push = 1.6 * above * np.clip(1.0 - far / reach, 0.0, 1.0) ** 2
+            bent += (push / np.maximum(far, 1e-3))[:, None] * away
+        return bent
+
+    def _inventory(self) -> Inventory:
+        name, count = self.setting.name, self.words.count
+        nodes = [Node(name, name, -1, (0.0, 0.0, 0.0))]
+        solids = list[Solid]()
+        for i in range(count):
+            x, y, z = (float(c) for c in self.roots[i])
+            nodes.append(Node(f"{name}.{i}", name, -1, (x, y, z)))
+            blade = _blade(float(self.tall[i]))
+            solids.append(replace(blade, vertices=blade.vertices @ self.looks[i].T + self.roots[i]))
+        whole = looks.joined(solids)
+        each = len(solids[0].vertices)
+        follows = np.zeros((len(whole.vertices), 2), dtype=np.int32)
+        follows[:, 0] = 1 + np.repeat(np.arange(count), each)
+        height = whole.vertices[:, 1] - np.repeat(self.roots[:, 1], each)
+        bent = np.clip(height / np.repeat(self.tall, each), 0.0, 1.0)
+        weights = np.stack([bent, 1.0 - bent], axis=-1).astype(np.float32)
+        mesh = Mesh(whole.vertices.astype(np.float32), whole.faces, follows, weights)
+        rows = self.setting.world.clock.rows
+        part = Part(name, name, 0, self.setting.material, self.words.size, (0, rows))
+        return Inventory(tuple(nodes), (), (mesh,), (part,))
+
+
+def _blade(tall: float) -> Solid:
+    """Return a blade of this height [m] that stands on the origin."""
+    wide = WIDTH * tall * np.array([1.0, 0.9, 0.6, 0.3])
+    around = 2.0 * math.pi * np.arange(3) / 3.0
+    rings = np.zeros((len(LEVELS), 3, 3))
+    rings[..., 0] = wide[:, None] * np.sin(around)
+    rings[..., 1] = tall * LEVELS[:, None]
+    rings[..., 2] = 0.35 * wide[:, None] * np.cos(around)
+    return lofted(rings, np.array([[0.0, 0.0, 0.0], [0.0, tall, 0.0]]))

@@ -1,0 +1,138 @@
+"""Rain: drops that fall at one speed and end on the ground, where each is a splash for a while.
+
+A drop is a function of time: the n-th of a slot falls on a place that chance gives to n. So
+the rain is the same whatever the frame rate, and strikes at exact times.
+
+Source: Sims 1987, 3.2; Reeves 1983.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.bodies.groups import looks
+from pipeline.simulation.bodies.groups.chance import Chance
+from pipeline.simulation.bodies.groups.others import Cast, Others
+from pipeline.simulation.bodies.groups.rule import Setting
+from pipeline.simulation.spatial import Array, from_directions
+from pipeline.simulation.take import Contact
+from pipeline.simulation.troupe import Rows
+from pipeline.spec.group import Rain
+
+SPLASH = 0.12
+"""How long a splash is seen [s]."""
+
+DRY = 0.03
+"""How long a slot is empty after it [s]."""
+
+FLAT, WIDE = 0.06, 9.0
+"""Height and width of a splash at its end, in those of the drop."""
+
+ROUND = 0.05
+"""Diameter of the water in a drop, in the length that is seen of it."""
+
+WATER = 1000.0
+"""[kg/m³]."""
+
+
+class Drops:
+    """Rain."""
+
+    def __init__(self, setting: Setting, words: Rain) -> None:
+        self.setting = setting
+        self.words = words
+        self.chance = Chance(setting.world.seed, setting.name)
+        self.fall = words.height / words.speed
+        self.period = self.fall + SPLASH + DRY
+        self.slots = np.arange(words.count)
+        # One after the other, so that as many strike in every second.
+        self.phase = self.chance.uniform(self.slots, 0, 0) + self.slots
+        self.phase = self.phase / words.count
+        drift = np.array([words.wind[0], -words.speed, words.wind[1]])
+        self.drift = drift
+        up = -drift / math.sqrt(float((drift * drift).sum()))
+        self.leaning = from_directions(np.array([up[1], -up[0], 0.0]), up)
+        solid = looks.drop(words.size)
+        rows = setting.world.clock.rows
+        self.inventory = looks.inventory(
+            setting.name, setting.material, rows, words.count, [("", solid)], words.size, True
+        )
+        self._time = 0.0
+
+    def meet(self, cast: Cast) -> None:
+        """See `Rule`; rain knows nobody."""
+
+    def send(self, time: float, goal: tuple[float, float]) -> None:
+        """See `Rule`; rain falls where it falls."""
+
+    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+        """See `Rule`."""
+        contacts = list[Contact]()
+        for k, time in enumerate(times):
+            turns = float(time) / self.period + self.phase
+            life = np.floor(turns).astype(np.int64)
+            age = (turns - life) * self.period
+            ends = self.ends(life)
+            falling = age < self.fall
+            rows.positions[k] = np.where(
+                falling[:, None], ends - (self.fall - age)[:, None] * self.drift, ends
+            )
+            rows.rotations[k] = np.where(falling[:, None, None], self.leaning, np.eye(3))
+            grown = np.clip((age - self.fall) / SPLASH, 0.0, 1.0)
+            wide = 2.0 + (WIDE - 2.0) * np.sqrt(grown)
+            flat = FLAT * (1.0 - grown) + 1e-3
+            splash = np.stack([wide, flat, wide], axis=-1)
+            rows.scales[k] = np.where(falling[:, None], 1.0, splash)
+            rows.alive[k] = age < self.fall + SPLASH
+            if self.words.splash and time > self._time:
+                contacts += self._struck(self._time, float(time))
+            self._time = float(time)
+        return contacts
+
+    def ends(self, life: NDArray[np.int64]) -> Array:
+        """Return where drops (N,) of these lives strike the ground, (N, 3) [m]."""
+        x, z = (self.chance.uniform(self.slots, life, draw) - 0.5 for draw in (1, 2))
+        ends = np.tile(self.setting.place, (len(life), 1))
+        ends[:, 0] += self.words.area[0] * x
+        ends[:, 2] += self.words.area[1] * z
+        ends[:, 1] = self.setting.height(ends)
+        return ends
+
+    def _struck(self, before: float, now: float) -> list[Contact]:
+        """Return the contacts of drops that struck after `before` and not after `now` [s]."""
+        clock, words = self.setting.world.clock, self.words
+        struck = []
+        share = self.fall / self.period
+        # A drop strikes where its turns have come to `share` past a whole number.
+        first = np.floor(before / self.period + self.phase - share).astype(np.int64) + 1
+        last = np.floor(now / self.period + self.phase - share).astype(np.int64)
+        ends = self.ends(first)
+        mass = WATER * math.pi / 6.0 * (ROUND * words.size) ** 3
+        for i in np.flatnonzero(last >= first).tolist():
+            time = (int(first[i]) + share - float(self.phase[i])) * self.period
+            step = min(int(time / clock.dt), clock.last_step)
+            x, y, z = (float(c) for c in ends[i])
+            normal = self.setting.world.ground.normal(np.array(x), np.array(z))
+            a, b, c = (float(part) for part in normal)
+            speed = float(-(self.drift * normal).sum())
+            struck.append(
+                Contact(
+                    step=step,
+                    fraction=min(max(time / clock.dt - step, 0.0), math.nextafter(1.0, 0.0)),
+                    performer=self.setting.name,
+                    part=str(i),
+                    other="terrain",
+                    place=(x, y, z),
+                    normal=(a, b, c),
+                    speed=speed,
+                    energy=0.5 * mass * speed * speed,
+                    material=self.setting.material,
+                    surface=self.setting.world.ground.material,
+                    size=ROUND * words.size,
+                    kind="hit",
+                )
+            )
+        return sorted(struck, key=lambda contact: (contact.step, contact.fraction))

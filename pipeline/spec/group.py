@@ -1,0 +1,150 @@
+"""Group: many bodies that move by one rule (Sims, chapter 3.2)."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from pipeline.spec.faults import fault
+from pipeline.spec.values import Length, LengthOrZero, Name, Number, Place, Whole, Words
+
+Weight = Annotated[Number, Field(ge=0, le=100)]
+Wind = Annotated[Number, Field(ge=-100, le=100)]
+Whom = Annotated[str, Field(min_length=1, max_length=200)]
+Extent = tuple[Length, Length]
+
+MOST = 5000
+"""Members of one group."""
+
+
+class Many(Words):
+    """What every group has."""
+
+    count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(100, description="How many they are.")
+
+
+class Steered(Many):
+    """What flocks and schools have: each goes by what its neighbours do."""
+
+    separation: Weight = Field(1.0, description="How much each keeps away from those too near.")
+    alignment: Weight = Field(1.0, description="How much each goes where its neighbours go.")
+    cohesion: Weight = Field(1.0, description="How much each keeps to its neighbours.")
+    goal: Weight = Field(1.0, description="How much each makes for what all of them make for.")
+    path: Annotated[tuple[Place, ...], Field(max_length=1000)] = Field(
+        (), description="Places [x, y, z] that they make for, one after the other, again and again."
+    )
+    follow: Whom | None = Field(
+        None, description="Whom they make for, such as bug or bug.head, instead of a path."
+    )
+    above: Annotated[Number, Field(ge=-1000, le=1000)] = Field(
+        0.0, description="How far above whom they follow [m]."
+    )
+    avoid: Annotated[tuple[Name, ...], Field(max_length=200)] = Field(
+        (), description="Performers that they keep out of the way of."
+    )
+
+    @model_validator(mode="after")
+    def _makes_for_one(self) -> Self:
+        if self.path and self.follow is not None:
+            raise fault("give either path or follow, not both", "follow")
+        return self
+
+
+class Flock(Steered):
+    """Birds."""
+
+    rule: Literal["flock"] = Field(description="A flock of birds.")
+    size: Length = Field(0.5, description="Span of their wings [m].")
+    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
+        6.0, description="At which they like to fly [m/s]."
+    )
+    agility: Annotated[Number, Field(gt=0, le=1000)] = Field(
+        12.0, description="Largest acceleration [m/s²]."
+    )
+    spread: LengthOrZero = Field(3.0, description="How far around `at` they begin [m].")
+    height: LengthOrZero = Field(1.5, description="How far above the ground they stay [m].")
+
+
+class School(Steered):
+    """Fish in a volume of water."""
+
+    rule: Literal["school"] = Field(description="A school of fish.")
+    size: Length = Field(0.2, description="Their length [m].")
+    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
+        0.7, description="At which they like to swim [m/s]."
+    )
+    agility: Annotated[Number, Field(gt=0, le=1000)] = Field(
+        2.5, description="Largest acceleration [m/s²]."
+    )
+    volume: tuple[Length, Length, Length] = Field(
+        (4.0, 1.5, 4.0), description="Extent of their water along x, y and z, about `at` [m]."
+    )
+
+
+class Swarm(Many):
+    """Insects around something."""
+
+    rule: Literal["swarm"] = Field(description="A swarm of insects.")
+    size: Length = Field(0.03, description="Their length [m].")
+    around: Whom | None = Field(
+        None, description="Whom they swarm around, such as bug or bug.head; `at` if left out."
+    )
+    radius: Length = Field(0.4, description="How far from it they are, as a mean square [m].")
+    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
+        1.2, description="How fast they fly, as a mean square [m/s]."
+    )
+
+
+class Rain(Many):
+    """Drops that fall and end on the ground."""
+
+    rule: Literal["rain"] = Field(description="Rain.")
+    count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(
+        400, description="How many are in the air at once."
+    )
+    size: Length = Field(0.12, description="Length of a drop as it is seen [m].")
+    area: Extent = Field((6.0, 6.0), description="Where they fall, along x and z, about `at` [m].")
+    height: Length = Field(5.0, description="How far above the ground they begin [m].")
+    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
+        7.0, description="At which they fall [m/s]."
+    )
+    wind: tuple[Wind, Wind] = Field((0.0, 0.0), description="Along x and z [m/s].")
+    splash: bool = Field(
+        False, description="Whether each strikes the ground as a body does: it can be heard then."
+    )
+
+
+class Fire(Many):
+    """Flames that rise, shrink and die."""
+
+    rule: Literal["fire"] = Field(description="Flames of a fire, or smoke.")
+    size: Length = Field(0.16, description="Of a flame at its largest [m].")
+    radius: LengthOrZero = Field(0.2, description="Of the place they come from [m].")
+    height: Length = Field(1.0, description="How far they rise [m].")
+    life: Annotated[Number, Field(gt=0, le=1000)] = Field(
+        0.9, description="How long each lasts, about [s]."
+    )
+    wind: tuple[Wind, Wind] = Field((0.0, 0.0), description="Along x and z [m/s].")
+
+
+class Grass(Many):
+    """Blades that stand on the ground."""
+
+    rule: Literal["grass"] = Field(description="Grass.")
+    count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(500, description="How many blades.")
+    size: Length = Field(0.3, description="Their height, about [m].")
+    area: Extent = Field((2.0, 2.0), description="Where they stand, along x and z, about `at` [m].")
+    wind: tuple[Wind, Wind] = Field((2.0, 0.0), description="Along x and z [m/s].")
+    avoid: Annotated[tuple[Name, ...], Field(max_length=200)] = Field(
+        (), description="Performers whose links they bend away from."
+    )
+
+
+GroupWords = Annotated[
+    Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")
+]
+
+DIRECTED = ("flock", "school")
+"""Rules of the groups that a script can send somewhere."""
+

@@ -99,6 +99,54 @@ class Track:
 
 
 @dataclass(frozen=True, eq=False)
+class Cycle:
+    """A track that begins again and again.
+
+    Attributes:
+        track: through its keys and through copies of them before and after, so that a spline
+            goes on through the ends.
+        first: when it begins [s].
+        period: after which it begins again [s].
+    """
+
+    track: Track
+    first: float
+    period: float
+
+    @staticmethod
+    def of(track: Track, first: float, period: float) -> Cycle:
+        """Return the cycle of a track.
+
+        Args:
+            track: whose keys lie between `first` and a `period` later.
+            first: when it begins [s].
+            period: after which it begins again [s].
+        """
+        # What is whole turns on goes through the ends as fast as it came.
+        gain = track.values[-1] - track.values[0]
+        keys = range(len(track.times))
+        # Where a key stands at both ends, one of the two is copied.
+        both = track.times[-1] - track.times[0] > period - AT_ONCE
+        before, after = keys[: -1 if both else None], keys[1 if both else 0 :]
+        order = [*before, *keys, *after]
+        shifts = np.repeat([-1.0, 0.0, 1.0], [len(before), len(keys), len(after)])
+        given = None if track.tangents is None else track.tangents[order]
+        whole_track = Track(
+            track.times[order] + period * shifts,
+            track.values[order] + gain * shifts[:, None],
+            tuple(track.eases[i] for i in order),
+            given,
+        )
+        return Cycle(whole_track, first, period)
+
+    def __call__(self, times: Array) -> Array:
+        """Return the values (m, d) at `times` (m,)."""
+        # A hair early is as good as there: rows stand on keys but for rounding.
+        since = np.mod(times - self.first + AT_ONCE, self.period) - AT_ONCE
+        return self.track(self.first + since)
+
+
+@dataclass(frozen=True, eq=False)
 class Run:
     """A track that takes over from something else, and may let go of it again.
 

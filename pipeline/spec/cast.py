@@ -121,6 +121,11 @@ class Prop(Performer):
     keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MOST_KEYS)] = Field(
         (), description="Where it is at certain times; they replace at, rotation_deg and heading_deg."
     )
+    repeat: bool = Field(
+        False,
+        description="Whether the keyframes begin again when the last is reached, which should "
+        "then be as the first; a rotation may be whole turns on.",
+    )
     velocity: VelocityWords | None = Field(
         None,
         description="How fast it goes from where it is at the begin, [x, y, z], or a list of "
@@ -158,6 +163,8 @@ class Prop(Performer):
         for word in ways[1:]:
             message = f"it is moved by its {ways[0]} already; take one of the two away"
             yield Fault((word,), message, at_key=True)
+        if self.repeat and not (self.keyframes and self.keyframes[-1].at > self.keyframes[0].at):
+            yield Fault(("repeat",), "needs two keyframes to go between", at_key=True)
         if self.spin_deg is not None and ways not in ([], ["velocity"]):
             message = f"it turns by its {ways[0]}; say there how"
             yield Fault(("spin_deg",), message, at_key=True)

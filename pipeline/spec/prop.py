@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from pipeline.spec.faults import fault
 from pipeline.spec.keyframes import Time
-from pipeline.spec.values import Length, Words
+from pipeline.spec.values import Length, LengthOrZero, Whole, Words
 
 
 class BoxShape(Words):
@@ -35,7 +35,31 @@ class CylinderShape(Words):
     height: Length = Field(0.4, description="Its height [m].")
 
 
-Shape = Annotated[BoxShape | BallShape | CylinderShape, Field(discriminator="shape")]
+class ConeShape(Words):
+    """An upright cone, or a part of one, about the middle of its height."""
+
+    shape: Literal["cone"] = Field(description="An upright cone, or a part of one.")
+    radius: Length = Field(0.2, description="Its radius below [m].")
+    top: LengthOrZero = Field(0.0, description="Its radius above [m].")
+    height: Length = Field(0.4, description="Its height [m].")
+
+
+class GearShape(Words):
+    """A gear wheel about its middle, its axis upright."""
+
+    shape: Literal["gear"] = Field(description="A gear wheel, its axis upright.")
+    teeth: Annotated[Whole, Field(ge=5, le=120)] = Field(12, description="How many teeth.")
+    radius: Length = Field(
+        0.2,
+        description="Of its pitch circle [m]; two gears mesh at the sum of their radii, if these "
+        "are as their teeth.",
+    )
+    height: Length = Field(0.05, description="Its thickness [m].")
+
+
+Shape = Annotated[
+    BoxShape | BallShape | CylinderShape | ConeShape | GearShape, Field(discriminator="shape")
+]
 
 
 class Hold(Words):

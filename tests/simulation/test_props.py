@@ -10,7 +10,7 @@ from pipeline.simulation.bodies.shapes import solid_of
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
-from pipeline.spec.prop import BallShape, BoxShape, CylinderShape, Shape
+from pipeline.spec.prop import BallShape, BoxShape, ConeShape, CylinderShape, GearShape, Shape
 
 from .conftest import scene_of
 
@@ -139,6 +139,9 @@ def test_refuses(cast: list[str], message: str) -> None:
         BoxShape(shape="box", size=(0.4, 0.2, 1.0)),
         CylinderShape(shape="cylinder", radius=0.5, height=0.1),
         BallShape(shape="ball", radius=0.3),
+        ConeShape(shape="cone", radius=0.3, height=0.7),
+        ConeShape(shape="cone", radius=0.3, top=0.5, height=0.2),
+        GearShape(shape="gear", teeth=9, radius=0.3),
     ],
 )
 def test_solids_are_closed_and_face_outward(words: Shape) -> None:

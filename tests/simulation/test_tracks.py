@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.simulation.spatial import heading
-from pipeline.simulation.tracks import Run, Track, turned
+from pipeline.simulation.tracks import Cycle, Run, Track, turned
 from pipeline.spec.keyframes import Ease
 
 EASES: tuple[Ease, ...] = ("spline", "linear", "in", "out", "in-out")
@@ -83,6 +85,23 @@ def test_a_spline_has_the_tangents_that_are_given() -> None:
     found = (track(np.array([step, 1 + step, 1.5])) - track(np.array([0.0, 1.0, 1.5 - step]))) / step
     # The one between is found as if nothing were given.
     np.testing.assert_allclose(found[:, 0], [2.0, 2.0, -3.0], atol=1e-4)
+
+
+def test_a_cycle_begins_again_without_a_corner() -> None:
+    keys = [(t, (math.sin(math.pi * t), 90 * t), "spline") for t in (0.5, 0.9, 1.4, 2.0, 2.5)]
+    turns = [(t, (a, 360 * (t - 0.5) / 2), e) for t, (a, _), e in keys]
+    track = Track.of(turns)  # type: ignore[arg-type]
+    cycle = Cycle.of(track, 0.5, 2.0)
+    times = np.linspace(0.5, 2.4, 77)
+    for n in (1, 5):
+        later = cycle(times + 2.0 * n)
+        np.testing.assert_allclose(later, cycle(times), atol=1e-6)
+    step = 1e-6
+    slope = [cycle(np.array([t, t + step]))[:, 0] @ [-1, 1] / step for t in (2.5 - 2 * step, 2.5)]
+    assert slope[0] == pytest.approx(slope[1], abs=1e-3)
+    # Whole turns go on as fast as they came.
+    rate = np.diff(np.unwrap(cycle(np.linspace(0.5, 6.5, 601))[:, 1], period=360.0)) / 0.01
+    np.testing.assert_allclose(rate, 180.0, rtol=1e-6)
 
 
 def test_a_run_takes_over_and_lets_go() -> None:

@@ -17,7 +17,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.pieces import Carried, Pieces
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.tracks import Key, Track, turned
+from pipeline.simulation.tracks import Cycle, Key, Track, turned
 from pipeline.simulation.turning import Spun, Torqued
 from pipeline.spec.cast import Prop
 from pipeline.spec.driving import ForceKey, ForceWords, VelocityKey
@@ -43,15 +43,18 @@ class Keyed:
         angles: (3,) [rad] over time, see `turned`.
     """
 
-    position: Track
-    angles: Track
+    position: Track | Cycle
+    angles: Track | Cycle
 
     @classmethod
-    def of(cls, keys: Sequence[Keyframe], start: Array, angles: Array) -> Self:
-        """Return the path along `keys`; what none of them says stays as it is at the start."""
-        position, looks = _track(keys, "position"), _track(keys, "rotation_deg")
-        turns = _still(angles) if looks is None else _in_radians(looks)
-        return cls(position or _still(start), turns)
+    def of(cls, member: Prop, start: Array, angles: Array) -> Self:
+        """Return the path along keyframes; what none of them says stays as it is at the start."""
+        position = _track(member.keyframes, "position")
+        looks = _track(member.keyframes, "rotation_deg")
+        return cls(
+            _still(start) if position is None else _cycled(member, position),
+            _still(angles) if looks is None else _cycled(member, _in_radians(looks)),
+        )
 
     def at(self, times: Array) -> tuple[Array, Array]:
         """See `Path`."""
@@ -100,7 +103,7 @@ def path_of(member: Prop, start: Array) -> Path:
     if member.force is not None:
         return Pushed(member.force, mass_of(member.prop, member.force), start, angles)
     if member.velocity is None and member.spin_deg is None:
-        return Keyed.of(member.keyframes, start, angles)
+        return Keyed.of(member, start, angles)
     keys, alone = velocity_keys(member)
     linear = _track(keys, "linear") or _still(np.array(alone))
     spin = _track(keys, "spin_deg") or _still(np.array(member.spin_deg or NOTHING))
@@ -115,9 +118,17 @@ def velocity_keys(member: Prop) -> tuple[Sequence[VelocityKey], tuple[float, flo
     return keys, (x, y, z)
 
 
-def scale_of(member: Prop) -> Track | None:
+def scale_of(member: Prop) -> Track | Cycle | None:
     """Return the scale of a prop over time, None for one that keeps its size."""
-    return _track(member.keyframes, "scale", "factors")
+    track = _track(member.keyframes, "scale", "factors")
+    return None if track is None else _cycled(member, track)
+
+
+def _cycled(member: Prop, track: Track) -> Track | Cycle:
+    if not member.repeat:
+        return track
+    first, last = member.keyframes[0].at, member.keyframes[-1].at
+    return Cycle.of(track, first, last - first)
 
 
 def mass_of(shape: Shape, words: ForceWords) -> MassProperties:

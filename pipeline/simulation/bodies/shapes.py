@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.simulation.figures.solids import Solid, ball, lofted
 from pipeline.simulation.spatial import Array
-from pipeline.spec.prop import BallShape, BoxShape, CylinderShape, Shape
+from pipeline.spec.prop import BallShape, BoxShape, ConeShape, CylinderShape, GearShape, Shape
 
 AROUND = 48
 """Sides of a cylinder."""
@@ -50,6 +50,36 @@ def _bevelled(outer: Array, inner: Array, half: float, bevel: float) -> Solid:
     return lofted(rings, rings[[0, -1]].mean(axis=1))
 
 
+def cone(words: ConeShape) -> Solid:
+    """Return an upright cone, its rims bevelled."""
+    half, low, high = words.height / 2.0, words.radius, words.top
+    bevel = BEVEL * min(2.0 * low, words.height)
+    least = 0.02 * low  # Its point is a little round, as points are.
+    profile = [(low - bevel, -half), (low, bevel - half), (max(high, least), half - 0.5 * bevel)]
+    profile.append((max(high - bevel, 0.5 * least), half))
+    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
+    ring = np.stack([np.sin(angle), np.zeros(AROUND), np.cos(angle)], axis=-1)
+    rings = np.stack([radius * ring + np.array([0.0, y, 0.0]) for radius, y in profile])
+    return lofted(rings, rings[[0, -1]].mean(axis=1))
+
+
+def gear(words: GearShape) -> Solid:
+    """Return a gear wheel with straight flanks, one of its teeth along +X."""
+    pitch = 2.0 * np.pi / words.teeth
+    # A tooth is as deep as two modules and a bit; half of the pitch is tooth at its middle.
+    module = 2.0 * words.radius / words.teeth
+    outer, inner = words.radius + 0.95 * module, words.radius - 1.15 * module
+    flanks = np.array([-0.31, -0.12, 0.12, 0.31]) * pitch
+    radii = np.array([inner, outer, outer, inner])
+    # From +z to +x, as all rings here turn.
+    angle = (pitch * np.arange(words.teeth)[:, None] + flanks).ravel()
+    radius = np.tile(radii, words.teeth)
+    ring = np.stack([radius * np.cos(angle), np.zeros(len(angle)), -radius * np.sin(angle)], -1)
+    bevel = 2.0 * BEVEL * words.height
+    inward = 1.0 - bevel / words.radius
+    return _bevelled(ring, ring * np.array([inward, 1.0, inward]), words.height / 2.0, bevel)
+
+
 def sphere(words: BallShape) -> Solid:
     """Return a ball."""
     return ball(np.zeros(3), words.radius)
@@ -59,6 +89,8 @@ SHAPES: dict[type[Any], Callable[[Any], Solid]] = {
     BoxShape: box,
     CylinderShape: cylinder,
     BallShape: sphere,
+    ConeShape: cone,
+    GearShape: gear,
 }
 
 

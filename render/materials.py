@@ -47,6 +47,12 @@ def bsdf(words: Material, textured: bool, tinted: bool = False) -> dict[str, Any
     return {"type": "twosided", "bsdf": surface}
 
 
+def glowing(words: Material) -> dict[str, Any]:
+    """Return the emitter of a material that gives off light."""
+    radiance = [float(words.glow * c) for c in linear(words.color)]
+    return {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
+
+
 def _surface(words: Material, textured: bool) -> dict[str, Any]:
     if words.texture == "none" or not textured:
         return _principled(words, _flat(words.color))

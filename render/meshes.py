@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import ShotError
-from render.materials import STEEP, TINTED, bsdf, shows_rock
+from render.materials import STEEP, TINTED, bsdf, glowing, shows_rock
 from render.shot import Mesh
 from render.words import Material
 
@@ -108,6 +108,8 @@ def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     props = mi.Properties()
     props["mesh_bsdf"] = mi.load_dict(bsdf(words, group.textured, group.tinted is not None))
     count = sum(len(meshes[i].vertices) for i in group.members)
+    if words.glow > 0.0:
+        props["mesh_emitter"] = mi.load_dict(glowing(words))
     mesh = mi.Mesh(
         group.material,
         count,

@@ -52,7 +52,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "red plastic": {"color": "#b3231c", "roughness": 0.3, "clearcoat": 0.5},
     "blue plastic": {"color": "#22569c", "roughness": 0.3, "clearcoat": 0.5},
     "yellow plastic": {"color": "#d9a818", "roughness": 0.3, "clearcoat": 0.5},
-    "flame": {"color": "#ff8a1c", "roughness": 1.0},
+    "flame": {"color": "#ff8a1c", "roughness": 1.0, "glow": 6.0},
     "smoke": {"color": "#a3a19d", "roughness": 1.0},
     "water": {"color": "#a9c4d4", "roughness": 0.08, "clearcoat": 1.0},
     "leaf": {"color": "#637d2b", "roughness": 0.65, "clearcoat": 0.1},
@@ -127,6 +127,12 @@ class Material(PresetWords):
     roughness: Unit = Field(0.5, description="0 is a mirror, 1 is chalk.")
     metallic: Unit = Field(0.0, description="0 is a dielectric, 1 is bare metal.")
     clearcoat: Unit = Field(0.0, description="Weight of a clear, glossy coat.")
+    glow: float = Field(
+        0.0,
+        ge=0,
+        le=1e4,
+        description="Light of its colour that it gives off; about 10 is what the sun lights.",
+    )
     texture: Texture = Field("none", description="Pattern laid over the base colour.")
     texture_scale: float = Field(
         2.0, ge=0.01, le=1000, description="Length [m] after which the pattern starts again."

@@ -143,9 +143,7 @@ def bonds_of(
     return _parents_first(bonds, nodes, [member.name for member in cast])
 
 
-def number_of(
-    whom: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]
-) -> int | str:
+def number_of(whom: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]) -> int | str:
     """Return the number of the node that a performer or a part of one is called by.
 
     Args:

@@ -8,8 +8,8 @@ from typing import Annotated, Any, Self, TypeGuard
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.body import BodyWords
-from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
+from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.group import Fire, GroupWords
 from pipeline.spec.keyframes import (
     TURN,
@@ -119,7 +119,8 @@ class Prop(Performer):
         (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN}."
     )
     keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MOST_KEYS)] = Field(
-        (), description="Where it is at certain times; they replace at, rotation_deg and heading_deg."
+        (),
+        description="Where it is at certain times; they replace at, rotation_deg and heading_deg.",
     )
     repeat: bool = Field(
         False,

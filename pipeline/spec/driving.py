@@ -49,9 +49,7 @@ def _form(words: Any) -> str:
 
 VelocityWords = Annotated[
     Annotated[Velocity, Tag("one")]
-    | Annotated[
-        tuple[VelocityKey, ...], Field(min_length=1, max_length=MOST_KEYS), Tag("keys")
-    ],
+    | Annotated[tuple[VelocityKey, ...], Field(min_length=1, max_length=MOST_KEYS), Tag("keys")],
     Discriminator(_form),
 ]
 """One velocity [m/s], or velocities at certain times."""

@@ -141,10 +141,7 @@ class Grass(Many):
     )
 
 
-GroupWords = Annotated[
-    Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")
-]
+GroupWords = Annotated[Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")]
 
 DIRECTED = ("flock", "school")
 """Rules of the groups that a script can send somewhere."""
-

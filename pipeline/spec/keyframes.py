@@ -43,9 +43,7 @@ class Tangent(Words):
     """How fast a spline goes through a keyframe, where that is not left to the spline."""
 
     position: Rates | None = Field(None, description="[m/s].")
-    rotation_deg: Rates | None = Field(
-        None, description="Of each of the three angles [degrees/s]."
-    )
+    rotation_deg: Rates | None = Field(None, description="Of each of the three angles [degrees/s].")
     scale: Rates | None = Field(None, description="[1/s].")
 
 
@@ -64,8 +62,9 @@ class Keyframe(Words):
     )
     ease: Ease = Field("spline", description=HELD_EASE)
     tangent: Tangent | None = Field(
-        None, description="How fast a spline goes through here; found from the keys beside it "
-        "if left out, 0 at the first and the last."
+        None,
+        description="How fast a spline goes through here; found from the keys beside it "
+        "if left out, 0 at the first and the last.",
     )
 
     @model_validator(mode="after")

@@ -194,7 +194,9 @@ def _seen(scene: object) -> Iterator[Fault]:
 
 def _thing(member: object) -> str | None:
     """Return what a member is that is no creature."""
-    return next((word for word in ("prop", "body", "group") if _get(member, word) is not None), None)
+    return next(
+        (word for word in ("prop", "body", "group") if _get(member, word) is not None), None
+    )
 
 
 def _names(scene: object) -> list[str]:

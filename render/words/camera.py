@@ -28,9 +28,7 @@ class CameraTangent(Words):
 
     position: Point | None = Field(None, description="[m/s].")
     target: Point | None = Field(None, description="[m/s].")
-    rotation_deg: Point | None = Field(
-        None, description="Of each of the three angles [degrees/s]."
-    )
+    rotation_deg: Point | None = Field(None, description="Of each of the three angles [degrees/s].")
     fov_deg: float | None = Field(None, description="[degrees/s].")
 
 
@@ -47,8 +45,9 @@ class CameraKey(Words):
     fov_deg: FieldOfView | None = Field(None, description="Vertical field of view [degrees].")
     ease: Ease = Field("spline", description=HELD_EASE)
     tangent: CameraTangent | None = Field(
-        None, description="How fast a spline goes through here; found from the keys beside it "
-        "if left out, 0 at the first and the last."
+        None,
+        description="How fast a spline goes through here; found from the keys beside it "
+        "if left out, 0 at the first and the last.",
     )
 
     @model_validator(mode="after")
@@ -129,7 +128,6 @@ class Camera(Words):
         if self.view == "top" and self.elevation_deg is not None:
             raise ValueError("the view from the top has no elevation_deg")
         return self
-
 
     @property
     def moved(self) -> bool:

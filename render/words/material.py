@@ -52,7 +52,7 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "red plastic": {"color": "#b3231c", "roughness": 0.3, "clearcoat": 0.5},
     "blue plastic": {"color": "#22569c", "roughness": 0.3, "clearcoat": 0.5},
     "yellow plastic": {"color": "#d9a818", "roughness": 0.3, "clearcoat": 0.5},
-    "flame": {"color": "#ff8a1c", "roughness": 1.0, "glow": 6.0},
+    "flame": {"color": "#ff7417", "roughness": 1.0, "glow": 2.5},
     "smoke": {"color": "#a3a19d", "roughness": 1.0},
     "water": {"color": "#a9c4d4", "roughness": 0.08, "clearcoat": 1.0},
     "leaf": {"color": "#637d2b", "roughness": 0.65, "clearcoat": 0.1},

@@ -48,7 +48,9 @@ def column(poses: tuple[CameraPose, ...], word: str) -> Array:
 
 def test_a_changed_camera_does_not_simulate() -> None:
     one = scene_of("{at: [0, 1, 0]}")
-    other = scene_of("{parent: arm, keyframes: [{at: 0, position: [0, 1, 0]}, {at: 1, fov_deg: 9}]}")
+    other = scene_of(
+        "{parent: arm, keyframes: [{at: 0, position: [0, 1, 0]}, {at: 1, fov_deg: 9}]}"
+    )
     assert simulation_key(one) == simulation_key(other)
 
 
@@ -66,15 +68,17 @@ def test_it_follows_keyframes(take: Take) -> None:
 
 def test_a_tangent_is_its_speed(take: Take) -> None:
     keys = (
-        "[{at: 0, position: [0, 1, 0], tangent: {position: [0, 2, 0]}}, {at: 1, position: [0, 3, 0],"
-        " tangent: {position: [0, 2, 0]}}]"
+        "[{at: 0, position: [0, 1, 0], tangent: {position: [0, 2, 0]}},"
+        " {at: 1, position: [0, 3, 0], tangent: {position: [0, 2, 0]}}]"
     )
     height = column(poses_of(take, f"{{look_at: [9, 0, 0], keyframes: {keys}}}"), "p_WC")[:25, 1]
     np.testing.assert_allclose(height, 1 + 2 * TIMES[:25], atol=1e-6)
 
 
 def test_it_goes_and_turns_by_velocity(take: Take) -> None:
-    camera = "{at: [0, 2, 1], velocity: [0.5, 0, 1], rotation_deg: [0, 90, 0], spin_deg: [0, 45, 0]}"
+    camera = (
+        "{at: [0, 2, 1], velocity: [0.5, 0, 1], rotation_deg: [0, 90, 0], spin_deg: [0, 45, 0]}"
+    )
     poses = poses_of(take, camera)
     eye = column(poses, "p_WC")
     np.testing.assert_allclose(eye, [0, 2, 1] + TIMES[:, None] * [0.5, 0, 1], atol=1e-6)

@@ -95,7 +95,7 @@ def test_a_force_with_drag_obeys_its_equation(
     begins = np.append(pieces.begins, pieces.begins[-1] + 1.0)
     times = np.concatenate([a + (b - a) * np.linspace(0.05, 0.95, 7) for a, b in pairwise(begins)])
     h = 1e-4
-    p, v = carried.at(times)
+    v = carried.at(times)[1]
     slope = (carried.at(times + h)[0] - carried.at(times - h)[0]) / (2 * h)
     np.testing.assert_allclose(slope, v, atol=2e-4 * (1 + drag))
     change = (carried.at(times + h)[1] - carried.at(times - h)[1]) / (2 * h)
@@ -117,7 +117,9 @@ def test_a_throw_is_a_parabola() -> None:
 
 
 def test_drag_ends_in_the_terminal_velocity() -> None:
-    member = "{name: a, prop: {shape: ball}, at: [0, 50, 0], force: {gravity: true, mass: 2, drag: 5}}"
+    member = (
+        "{name: a, prop: {shape: ball}, at: [0, 50, 0], force: {gravity: true, mass: 2, drag: 5}}"
+    )
     take = simulate(scene_of(member))
     t, k = times_of(take), 2.5
     fall = GRAVITY / k * (t - (1 - np.exp(-k * t)) / k)
@@ -163,7 +165,9 @@ def test_without_torque_momentum_and_energy_stay() -> None:
 
 
 def test_a_torque_changes_momentum_by_as_much_as_it_lasts() -> None:
-    mass = MassProperties(2.0, np.zeros(3), np.array([[0.3, 0.05, 0], [0.05, 0.5, -0.1], [0, -0.1, 0.6]]))
+    mass = MassProperties(
+        2.0, np.zeros(3), np.array([[0.3, 0.05, 0], [0.05, 0.5, -0.1], [0, -0.1, 0.6]])
+    )
     keys = [(0.0, (0.2, -0.4, 0.1), "linear"), (1.0, (1.0, 0.4, -0.9), "linear")]
     torque = Pieces.of(Track.of(keys))  # type: ignore[arg-type]
     body = Torqued(torque, mass, rotation(np.array([0.6, 0.8, 0.0]), 1.0), np.array([1.0, 2, 2]), 0)

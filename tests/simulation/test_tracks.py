@@ -82,7 +82,9 @@ def test_a_spline_has_the_tangents_that_are_given() -> None:
     keys = [(t, (t * t,), "spline") for t in (0.0, 1.0, 1.5)]
     track = Track.of(keys, [(2.0,), None, (-3.0,)])  # type: ignore[arg-type]
     step = 1e-6
-    found = (track(np.array([step, 1 + step, 1.5])) - track(np.array([0.0, 1.0, 1.5 - step]))) / step
+    found = (
+        track(np.array([step, 1 + step, 1.5])) - track(np.array([0.0, 1.0, 1.5 - step]))
+    ) / step
     # The one between is found as if nothing were given.
     np.testing.assert_allclose(found[:, 0], [2.0, 2.0, -3.0], atol=1e-4)
 

@@ -147,7 +147,9 @@ def _track(
     if not said:
         return None
     row: list[Key] = [(key.at, getattr(key, values or word), key.ease) for key in said]
-    given = [getattr(key.tangent, word, None) if isinstance(key, Keyframe) else None for key in said]
+    given = [
+        getattr(key.tangent, word, None) if isinstance(key, Keyframe) else None for key in said
+    ]
     return Track.of(row, given)
 
 

@@ -1,7 +1,8 @@
 """Props: things that move only as their author says.
 
-Here along their keyframes, or by velocity or force, relative to their parents; what goes along with a parent or is
-held in a hand is put in its place when everybody has moved (see `attaching.py`).
+Here along their keyframes, or by velocity or force, relative to their parents; what goes
+along with a parent or is held in a hand is put in its place when everybody has moved (see
+`attaching.py`).
 
 Source: Sims 1987, 3.1.
 """

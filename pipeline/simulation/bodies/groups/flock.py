@@ -17,7 +17,7 @@ from pipeline.simulation.bodies.groups.rule import Setting
 from pipeline.simulation.bodies.groups.steering import Steering
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.seeds import generator
-from pipeline.simulation.spatial import Array, from_directions, rotation, turn
+from pipeline.simulation.spatial import UP, Array, from_directions, rotation, turn
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Flock
@@ -115,7 +115,8 @@ class Birds:
         for ahead in LOOKS_AHEAD:
             q = p + ahead * v
             must = np.maximum(must, (self.setting.height(q) + room - q[:, 1]) / room)
-        return np.clip(1.5 * must, 0.0, 1.0)[:, None] * np.array([0.0, 1.0, 0.0])
+        up: Array = np.clip(1.5 * must, 0.0, 1.0)[:, None] * UP
+        return up
 
     def _from_others(self, p: Array, v: Array, middles: Array, radii: Array) -> Array:
         """Return how each must turn away from those in its way, (N, 3)."""

@@ -99,7 +99,7 @@ class Blades:
         across = self.roots[:, 0] * along[1] - self.roots[:, 2] * along[0]
         gust = 0.55 + 0.3 * np.sin(2.0 * math.pi * where / GUST + 0.8 * np.sin(1.1 * across))
         gust += 0.15 * np.sin(2.0 * math.pi * where / (0.37 * GUST) + self.own)
-        blown = (LEAN * speed * gust)[:, None] * along
+        blown: Array = (LEAN * speed * gust)[:, None] * along
         shaken = min(speed, 2.0) / 2.0 * TREMBLE
         blown[:, 0] += shaken * np.sin(5.1 * time + self.own)
         blown[:, 1] += shaken * np.sin(4.3 * time + 1.7 * self.own)

@@ -19,13 +19,13 @@ AROUND = 6
 """Sides of what is round: nobody looks at one of many for long."""
 
 
-def spindle(places: Sequence[float], heights: Sequence[float], widths: Sequence[float]) -> Solid:
+def spindle(places: Array, heights: Array, widths: Array) -> Solid:
     """Return a solid along X with elliptic rings: places, half heights and half widths [m]."""
     angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     rings = np.zeros((len(places), AROUND, 3))
-    rings[..., 0] = np.array(places)[:, None]
-    rings[..., 1] = np.array(heights)[:, None] * np.cos(angle)
-    rings[..., 2] = np.array(widths)[:, None] * np.sin(angle)
+    rings[..., 0] = places[:, None]
+    rings[..., 1] = heights[:, None] * np.cos(angle)
+    rings[..., 2] = widths[:, None] * np.sin(angle)
     ends = np.array([[places[0], 0.0, 0.0], [places[-1], 0.0, 0.0]])
     return lofted(rings, ends)
 
@@ -59,7 +59,9 @@ def bird(span: float) -> Solid:
 
 def wing(span: float, side: float) -> Solid:
     """Return a wing from its hinge on; `side` is 1 on the right and -1 on the left."""
-    right = np.array([[0.11, 0.0], [-0.08, 0.0], [-0.07, 0.2], [-0.10, 0.47], [0.03, 0.34], [0.13, 0.18]])
+    right = np.array(
+        [[0.11, 0.0], [-0.08, 0.0], [-0.07, 0.2], [-0.10, 0.47], [0.03, 0.34], [0.13, 0.18]]
+    )
     outline = right * np.array([1.0, side]) * span
     return plate(outline if side > 0.0 else outline[::-1], 0.014 * span)
 
@@ -74,7 +76,7 @@ def fish(length: float) -> Solid:
 def fin(length: float) -> Solid:
     """Return the tail of a fish from its hinge on."""
     x = np.array([-0.22, -0.16, -0.08, 0.02]) * length
-    return spindle(x, np.array([0.15, 0.09, 0.045, 0.036]) * length, [0.012 * length] * 4)
+    return spindle(x, np.array([0.15, 0.09, 0.045, 0.036]) * length, np.full(4, 0.012 * length))
 
 
 def insect(length: float) -> Solid:
@@ -139,6 +141,4 @@ def inventory(
         np.tile(np.array([1.0, 0.0], dtype=np.float32), (len(follows), 1)),
     )
     part = Part(name, name, 0, material, size, (0, rows))
-    return Inventory(
-        tuple(nodes), (), (mesh,), (part,), tuple(range(len(nodes))) if scaled else ()
-    )
+    return Inventory(tuple(nodes), (), (mesh,), (part,), tuple(range(len(nodes))) if scaled else ())

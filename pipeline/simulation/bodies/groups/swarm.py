@@ -90,9 +90,7 @@ class Insects:
         self.x = x
 
 
-def oscillated(
-    root: float, damping: float, span: float, deviation: Array
-) -> tuple[Array, Array]:
+def oscillated(root: float, damping: float, span: float, deviation: Array) -> tuple[Array, Array]:
     """Return how an oscillator goes on, and a triangle of what chance adds.
 
     Args:

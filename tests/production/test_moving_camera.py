@@ -10,6 +10,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.production.camera import camera_poses
 from pipeline.production.mounting import mounts_of
+from pipeline.production.skinning import Skin
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
@@ -122,6 +123,33 @@ def test_straight_down_the_picture_still_has_a_top(take: Take) -> None:
         ahead = np.subtract(pose.p_WT, pose.p_WC)
         across = np.cross(ahead / np.linalg.norm(ahead), pose.up)
         assert np.linalg.norm(across) > 1e-3
+
+
+def test_a_group_is_in_the_picture_whole() -> None:
+    words = "{name: they, group: {rule: swarm, count: 30, size: 0.2}, at: [2, 3, 1]}"
+    scene = read_scene(f"pronk: 1\nduration: 1\ncast: [{words}]\ncamera: {{view: side}}\n")
+    take = simulate(scene)
+    skin = Skin.of(take)
+    for frame, pose in enumerate(camera_poses(take, scene.camera, 1.5), start=1):
+        eye, target = np.array(pose.p_WC), np.array(pose.p_WT)
+        ahead = (target - eye) / np.linalg.norm(target - eye)
+        right = np.cross(ahead, pose.up)
+        right /= np.linalg.norm(right)
+        offset = skin.posed(take, (frame - 1) * take.header.samples) - eye
+        wide = offset @ ahead * math.tan(math.radians(pose.fov_deg) / 2)
+        assert (np.abs(offset @ np.cross(right, ahead)) <= wide).all()
+        assert (np.abs(offset @ right) <= 1.5 * wide).all()
+
+
+def test_a_bird_may_carry_the_camera() -> None:
+    words = "{name: they, group: {rule: flock, count: 3}, at: [0, 5, 0]}"
+    text = f"pronk: 1\nduration: 1\ncast: [{words}]\ncamera: {{parent: PART, at: [0, 0.2, 0]}}\n"
+    scene = read_scene(text.replace("PART", "they.1"))
+    take = simulate(scene)
+    (node,) = mounts_of(scene, take.nodes)
+    assert take.nodes[node].name == "they.1"
+    with pytest.raises(SceneError, match=r"say which of them, as they.0"):
+        mounts_of(read_scene(text.replace("PART", "they")), take.nodes)
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,31 @@ def test_vertices_stand_where_a_slow_evaluation_puts_them(take: Take, shared: bo
                 np.testing.assert_allclose(own[vertex], slowly(take, mesh, vertex, row), atol=2e-6)
 
 
+def test_a_scale_is_along_the_axes_of_its_node(take: Take) -> None:
+    factors = np.tile([2.0, 0.5, 3.0], (len(take.positions), 1, 1))
+    scaled = replace(take, scales=factors, scaled=(1,))
+    row = 7
+    posed, skin = Skin.of(scaled).posed(scaled, row), Skin.of(take)
+    plain = skin.posed(take, row)
+    own = skin.nodes[0] == 1
+    np.testing.assert_array_equal(posed[~own], plain[~own])
+    offsets = skin.vertices[0, own] * factors[0, 0]
+    expected = [rotated(take.rotations[row, 1], offset) for offset in offsets]
+    np.testing.assert_allclose(posed[own] - take.positions[row, 1], expected, atol=2e-6)
+
+
+def test_what_is_not_alive_is_not_seen(take: Take) -> None:
+    alive = take.alive.copy()
+    alive[5, 1] = False
+    dead = replace(take, alive=alive)
+    skin = Skin.of(take)
+    own = skin.nodes[0] == 1
+    assert own.any()
+    np.testing.assert_array_equal(skin.posed(dead, 5)[own], 0.0)
+    np.testing.assert_array_equal(skin.posed(dead, 5)[~own], skin.posed(take, 5)[~own])
+    np.testing.assert_array_equal(skin.posed(dead, 4), skin.posed(take, 4))
+
+
 def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
     shooting = Shooting(tiny, take)
     skin = Skin.of(take)

@@ -17,6 +17,10 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 
 
+MOST_TEXT = 100_000
+"""Characters of all series: where they are more, half as many rows are kept."""
+
+
 @dataclass(frozen=True, slots=True)
 class Land:
     """The ground in short.
@@ -72,6 +76,11 @@ def golden_of(take: Take, scene: str) -> MotionGolden:
     nodes = tuple(node.name for node in take.nodes)
     channels = {channel.name: channel.unit for channel in take.channels}
     stride = stride_of(take)
+    series = _series(take, stride, nodes, channels)
+    while stride < len(take.positions) and _length(series) > MOST_TEXT:
+        # Particles that are born and wings that beat are hard to pack.
+        stride *= 2
+        series = _series(take, stride, nodes, channels)
     return MotionGolden(
         scene=scene,
         title=take.header.title,
@@ -81,14 +90,24 @@ def golden_of(take: Take, scene: str) -> MotionGolden:
         nodes=nodes,
         channels=channels,
         stride=stride,
-        series={
-            name: Series.of(values, _quanta(name, values, channels))
-            for name, values in kept(take, stride, nodes, list(channels)).items()
-        },
+        series=series,
         fingerprints=Fingerprints.of(take),
         marks=marks_of(take),
         land=land_of(take),
     )
+
+
+def _series(
+    take: Take, stride: int, nodes: tuple[str, ...], channels: dict[str, str]
+) -> dict[str, Series]:
+    return {
+        name: Series.of(values, _quanta(name, values, channels))
+        for name, values in kept(take, stride, nodes, list(channels)).items()
+    }
+
+
+def _length(series: dict[str, Series]) -> int:
+    return sum(len(one.packed()["packed"]) for one in series.values())
 
 
 def land_of(take: Take) -> Land:

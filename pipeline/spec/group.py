@@ -7,12 +7,14 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from pipeline.spec.faults import fault
-from pipeline.spec.values import Length, LengthOrZero, Name, Number, Place, Whole, Words
+from pipeline.spec.values import FAR, LengthOrZero, Name, Number, Place, Whole, Words
 
 Weight = Annotated[Number, Field(ge=0, le=100)]
 Wind = Annotated[Number, Field(ge=-100, le=100)]
 Whom = Annotated[str, Field(min_length=1, max_length=200)]
-Extent = tuple[Length, Length]
+Size = Annotated[Number, Field(ge=1e-4, le=FAR)]
+Pace = Annotated[Number, Field(ge=1e-3, le=100)]
+Extent = tuple[Size, Size]
 
 MOST = 5000
 """Members of one group."""
@@ -55,11 +57,9 @@ class Flock(Steered):
     """Birds."""
 
     rule: Literal["flock"] = Field(description="A flock of birds.")
-    size: Length = Field(0.5, description="Span of their wings [m].")
-    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
-        6.0, description="At which they like to fly [m/s]."
-    )
-    agility: Annotated[Number, Field(gt=0, le=1000)] = Field(
+    size: Size = Field(0.5, description="Span of their wings [m].")
+    speed: Pace = Field(6.0, description="At which they like to fly [m/s].")
+    agility: Annotated[Number, Field(ge=1e-3, le=1000)] = Field(
         12.0, description="Largest acceleration [m/s²]."
     )
     spread: LengthOrZero = Field(3.0, description="How far around `at` they begin [m].")
@@ -70,14 +70,12 @@ class School(Steered):
     """Fish in a volume of water."""
 
     rule: Literal["school"] = Field(description="A school of fish.")
-    size: Length = Field(0.2, description="Their length [m].")
-    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
-        0.7, description="At which they like to swim [m/s]."
-    )
-    agility: Annotated[Number, Field(gt=0, le=1000)] = Field(
+    size: Size = Field(0.2, description="Their length [m].")
+    speed: Pace = Field(0.7, description="At which they like to swim [m/s].")
+    agility: Annotated[Number, Field(ge=1e-3, le=1000)] = Field(
         2.5, description="Largest acceleration [m/s²]."
     )
-    volume: tuple[Length, Length, Length] = Field(
+    volume: tuple[Size, Size, Size] = Field(
         (4.0, 1.5, 4.0), description="Extent of their water along x, y and z, about `at` [m]."
     )
 
@@ -86,14 +84,12 @@ class Swarm(Many):
     """Insects around something."""
 
     rule: Literal["swarm"] = Field(description="A swarm of insects.")
-    size: Length = Field(0.03, description="Their length [m].")
+    size: Size = Field(0.03, description="Their length [m].")
     around: Whom | None = Field(
         None, description="Whom they swarm around, such as bug or bug.head; `at` if left out."
     )
-    radius: Length = Field(0.4, description="How far from it they are, as a mean square [m].")
-    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
-        1.2, description="How fast they fly, as a mean square [m/s]."
-    )
+    radius: Size = Field(0.4, description="How far from it they are, as a mean square [m].")
+    speed: Pace = Field(1.2, description="How fast they fly, as a mean square [m/s].")
 
 
 class Rain(Many):
@@ -103,12 +99,10 @@ class Rain(Many):
     count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(
         400, description="How many are in the air at once."
     )
-    size: Length = Field(0.12, description="Length of a drop as it is seen [m].")
+    size: Size = Field(0.12, description="Length of a drop as it is seen [m].")
     area: Extent = Field((6.0, 6.0), description="Where they fall, along x and z, about `at` [m].")
-    height: Length = Field(5.0, description="How far above the ground they begin [m].")
-    speed: Annotated[Number, Field(gt=0, le=100)] = Field(
-        7.0, description="At which they fall [m/s]."
-    )
+    height: Size = Field(5.0, description="How far above the ground they begin [m].")
+    speed: Pace = Field(7.0, description="At which they fall [m/s].")
     wind: tuple[Wind, Wind] = Field((0.0, 0.0), description="Along x and z [m/s].")
     splash: bool = Field(
         False, description="Whether each strikes the ground as a body does: it can be heard then."
@@ -119,10 +113,10 @@ class Fire(Many):
     """Flames that rise, shrink and die."""
 
     rule: Literal["fire"] = Field(description="Flames of a fire, or smoke.")
-    size: Length = Field(0.16, description="Of a flame at its largest [m].")
+    size: Size = Field(0.16, description="Of a flame at its largest [m].")
     radius: LengthOrZero = Field(0.2, description="Of the place they come from [m].")
-    height: Length = Field(1.0, description="How far they rise [m].")
-    life: Annotated[Number, Field(gt=0, le=1000)] = Field(
+    height: Size = Field(1.0, description="How far they rise [m].")
+    life: Annotated[Number, Field(ge=0.01, le=1000)] = Field(
         0.9, description="How long each lasts, about [s]."
     )
     wind: tuple[Wind, Wind] = Field((0.0, 0.0), description="Along x and z [m/s].")
@@ -133,7 +127,7 @@ class Grass(Many):
 
     rule: Literal["grass"] = Field(description="Grass.")
     count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(500, description="How many blades.")
-    size: Length = Field(0.3, description="Their height, about [m].")
+    size: Size = Field(0.3, description="Their height, about [m].")
     area: Extent = Field((2.0, 2.0), description="Where they stand, along x and z, about `at` [m].")
     wind: tuple[Wind, Wind] = Field((2.0, 0.0), description="Along x and z [m/s].")
     avoid: Annotated[tuple[Name, ...], Field(max_length=200)] = Field(

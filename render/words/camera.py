@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, TypeAdapter, model_validator
 
-from render.words.base import Point, Words
-from render.words.ease import HELD_EASE, TURN, Ease, Time, Turn
+from render.words.base import Words
+from render.words.ease import HELD_EASE, TURN, Ease, Place, Rate, Rates, Time, Turn
 
 View = Literal["three-quarter", "side", "front", "back", "top"]
 
@@ -26,18 +26,18 @@ FieldOfView = Annotated[float, Field(ge=1, le=150)]
 class CameraTangent(Words):
     """How fast a spline goes through a keyframe, where that is not left to the spline."""
 
-    position: Point | None = Field(None, description="[m/s].")
-    target: Point | None = Field(None, description="[m/s].")
-    rotation_deg: Point | None = Field(None, description="Of each of the three angles [degrees/s].")
-    fov_deg: float | None = Field(None, description="[degrees/s].")
+    position: Rates | None = Field(None, description="[m/s].")
+    target: Rates | None = Field(None, description="[m/s].")
+    rotation_deg: Rates | None = Field(None, description="Of each of the three angles [degrees/s].")
+    fov_deg: Rate | None = Field(None, description="[degrees/s].")
 
 
 class CameraKey(Words):
     """Where the camera is at one time and how it sees, relative to its parent or the world."""
 
     at: Time = Field(description="When, from the begin of the film [s].")
-    position: Point | None = Field(None, description="Where it is, [x, y, z] [m].")
-    target: Point | None = Field(None, description="The point it looks at, [x, y, z] [m].")
+    position: Place | None = Field(None, description="Where it is, [x, y, z] [m].")
+    target: Place | None = Field(None, description="The point it looks at, [x, y, z] [m].")
     rotation_deg: Turn | None = Field(
         None,
         description=f"How it is turned: {TURN}; at 0 it looks along +X.",
@@ -78,10 +78,10 @@ class Camera(Words):
         None, ge=-89, le=89, description="Height of the camera as an angle; that of the view."
     )
     fov_deg: FieldOfView = Field(35.0, description="Vertical field of view [degrees].")
-    at: Point | None = Field(
+    at: Place | None = Field(
         None, description="Place [x, y, z] where the camera stands, in its parent or the world."
     )
-    look_at: Point | None = Field(
+    look_at: Place | None = Field(
         None, description="Point [x, y, z] of the world at which it looks."
     )
     parent: str | None = Field(
@@ -94,7 +94,7 @@ class Camera(Words):
     keyframes: Annotated[tuple[CameraKey, ...], Field(max_length=MOST_KEYS)] = Field(
         (), description="Where it is at certain times, where it looks, and how wide it sees."
     )
-    velocity: Point | None = Field(
+    velocity: Rates | None = Field(
         None, description="How fast it goes from `at`, where it is when the cut begins [m/s]."
     )
     rotation_deg: Turn | None = Field(
@@ -102,7 +102,7 @@ class Camera(Words):
         description=f"How it is turned, instead of a point at which it looks: {TURN}; at 0 it "
         "looks along +X.",
     )
-    spin_deg: Point | None = Field(
+    spin_deg: Rates | None = Field(
         None,
         description="How it turns, about x, y and z of its parent or the world, from its "
         "rotation_deg when the cut begins [degrees/s].",

@@ -18,6 +18,12 @@ HELD_EASE = f"{EASE}, hold waits and then jumps."
 TURN = "about z, then x, then y, so that y turns it about the vertical [degrees]"
 """What the three numbers of every `turn_deg` and `rotation_deg` mean."""
 
+# Beyond 10 km a float32 vertex is no longer exact to a millimetre.
+Coordinate = Annotated[float, Field(ge=-10_000, le=10_000)]
+Place = tuple[Coordinate, Coordinate, Coordinate]
+Rate = Annotated[float, Field(ge=-36_000, le=36_000)]
+Rates = tuple[Rate, Rate, Rate]
+
 Time = Annotated[float, Field(ge=0, le=1e6)]
 Angle = Annotated[float, Field(ge=-36_000, le=36_000)]
 Turn = tuple[Angle, Angle, Angle]

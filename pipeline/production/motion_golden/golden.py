@@ -16,7 +16,6 @@ from pipeline.production.motion_golden.series import Series
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 
-
 MOST_TEXT = 100_000
 """Characters of all series: where they are more, half as many rows are kept."""
 

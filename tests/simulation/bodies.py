@@ -77,7 +77,7 @@ def still(p: Array, q: Array | None = None) -> State:
 
 def face_down(bouncing: Bouncing) -> Array:
     """Return attitudes (N, 4) in which the first facet of each body looks down."""
-    n = bouncing.bodies.normals[:, 0]
+    n = np.array([[0, -1, 0] if h is None else h.normals[0] for h in bouncing.bodies.hulls])
     # The shortest turn from n to -Y: (1 - n·y, n × -y), normalised.
     q = np.column_stack([1.0 - n[:, 1], n[:, 2], np.zeros(len(n)), -n[:, 0]])
     up = n[:, 1] > 1.0 - 1e-9

@@ -44,9 +44,8 @@ def dropped_flat(b: float, height: float, **more: Any) -> Bouncing:
     """Return balls and polyhedra at rest over flat ground, each on a facet."""
     ground = ground_of(TERRAINS["flat"])
     bouncing = thrown(FALLING, ground, bounciness=b, **more)
-    low = np.where(
-        bouncing.bodies.radius > 0, bouncing.bodies.radius, bouncing.bodies.offsets[:, 0]
-    )
+    hulls = bouncing.bodies.hulls
+    low = np.array([BALL["radius"] if hull is None else hull.offsets[0] for hull in hulls])
     p = np.column_stack([np.linspace(-8, 8, len(low)), low + height, np.zeros(len(low))])
     bouncing.state.put(np.arange(len(low)), still(p, face_down(bouncing)))
     bouncing.look()
@@ -133,9 +132,9 @@ def test_nothing_passes_through_at_fifty_metres_a_second(terrain: str) -> None:
         bouncing.advance(DT)
         assert (bouncing.depths() <= 0.01 * bouncing.bodies.size).all()
         p = bouncing.state.p
-        there = bouncing.meeting.field.inside(p[:, 0], p[:, 2])
+        there = bouncing.ground.field.inside(p[:, 0], p[:, 2])
         # Whose middle is not above the ground has gone through it.
-        assert (p[:, 1] > bouncing.meeting.field.height(p[:, 0], p[:, 2]))[there].all()
+        assert (p[:, 1] > bouncing.ground.field.height(p[:, 0], p[:, 2]))[there].all()
 
 
 def test_what_lies_is_silent_and_sleeps() -> None:
@@ -207,7 +206,7 @@ def test_bodies_alone_move_as_beside_others() -> None:
     for i in range(6):
         words_alone = drops(np.random.default_rng(5), 6, "rough")
         bodies = words_alone.bodies.some(np.array([i]))
-        alone = Bouncing(bodies, start.some(np.array([i])), words_alone.meeting.ground)
+        alone = Bouncing(bodies, start.some(np.array([i])), words_alone.ground)
         run(alone, 1.0)
         np.testing.assert_array_equal(alone.state.p[0], everyone.state.p[i])
         np.testing.assert_array_equal(alone.state.q[0], everyone.state.q[i])

@@ -185,7 +185,7 @@ def _put_down(cast: Sequence[Member], bouncing: Bouncing) -> None:
     rows = np.array([len(member.at) == 2 for _, member in cast])
     if not rows.any():
         return
-    field, reach, p = bouncing.meeting.field, bouncing.bodies.reach, bouncing.state.p
+    field, reach, p = bouncing.ground.field, bouncing.bodies.reach, bouncing.state.p
     low = np.full(len(rows), float(field.heights.min())) - reach
     high = np.full(len(rows), float(field.heights.max())) + reach
     for _ in range(HALVINGS):

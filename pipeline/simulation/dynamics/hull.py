@@ -43,6 +43,13 @@ class Hull:
     normals: Array
     edges: NDArray[np.int64]
 
+    @property
+    def offsets(self) -> Array:
+        """Distances (P,) of the facets from the origin [m]."""
+        first = np.array([facet[0] for facet in self.facets])
+        result: Array = np.sum(self.normals * self.vertices[first], axis=-1)
+        return result
+
 
 def hull_of(points: Array) -> Hull:
     """Return the convex hull of points (n, 3).

@@ -10,18 +10,30 @@ taken from the velocities at once, and what cannot pay for it stays where it is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impulses import Problem, solved
-from pipeline.simulation.dynamics.meeting import Contacts
-from pipeline.simulation.dynamics.path import in_world
-from pipeline.simulation.dynamics.rigid import FREE, Bodies, State, dot, energy, kinetic, turned
+from pipeline.simulation.dynamics.impulses import add_part, solved, speed
+from pipeline.simulation.dynamics.records import Motion
 from pipeline.simulation.dynamics.striking import REST, TOUCHING
-from pipeline.simulation.spatial import Array, cross
+from pipeline.simulation.dynamics.vectors import (
+    Rows,
+    Vector,
+    carried,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    put,
+    row,
+    rows_of,
+    times,
+    triple,
+    turned,
+    unturned,
+)
 
 HELD = 2e-4
 """Gap below which a contact holds, in sizes of the body."""
@@ -43,107 +55,107 @@ MENDED = 0.1
 """Part of a greater depth that is mended in a sub-step."""
 
 
-@dataclass(frozen=True, eq=False)
-class Forces:
-    """What the ground gave B bodies.
-
-    Attributes:
-        force: (B, K, 3) in the world [N].
-        lever: (B, K, 3) where, from the centre of mass [m].
-    """
-
-    force: Array
-    lever: Array
-
-
-def holds(bodies: Bodies, state: State, contacts: Contacts, h: Array) -> NDArray[np.bool_]:
-    """Say which contacts (B, K) are held over a sub-step: those that would come back in it."""
-    near = contacts.gap <= HELD * bodies.size[:, None]
-    w = in_world(state)
-    speed = dot(contacts.normal, state.v[:, None] + cross(w[:, None], contacts.lever))
-    back = np.sqrt(dot(FREE, FREE)) + dot(w, w) * bodies.reach
-    # What will come fast enough to bounce shall do so.
-    comes = speed**2 + 2.0 * GRAVITY * np.where(near, np.maximum(contacts.gap, 0.0), 0.0)
-    slow = (comes < REST**2) | (contacts.gap <= TOUCHING * bodies.size[:, None])
-    return near & slow & (speed < (back * h)[:, None])
+@compiled
+def holding(body: Record, now: Motion, R: Rows, h: float, parts: Records) -> int:
+    """Make parts of the contacts that would come back in a sub-step; return how many."""
+    n, w = 0, turned(R, now.w)
+    back = (GRAVITY + dot(w, w) * body.reach) * h
+    inverse = carried(R, rows_of(body.inverse))
+    for which in range(body.count):
+        gap = body.gap[which]
+        if gap > HELD * body.size:
+            break
+        u = dot(row(body.normal, which), plus(now.v, cross(w, row(body.lever, which))))
+        # What will come fast enough to bounce shall do so.
+        comes = u * u + 2.0 * GRAVITY * max(gap, 0.0)
+        if u < back and (comes < REST * REST or gap <= TOUCHING * body.size):
+            add_part(parts[n], body, which, inverse)
+            n += 1
+    return n
 
 
+@compiled
 def leant(
-    bodies: Bodies,
-    state: State,
-    contacts: Contacts,
-    acts: NDArray[np.bool_],
-    free_w: Array,
-    h: Array,
-    before: Forces,
-) -> tuple[Array, Array, Forces]:
-    """Return velocities and turning in the world (B, 3) after a sub-step, and the forces.
+    body: Record, now: Motion, R: Rows, parts: Records, n: int, free_w: Vector, h: float
+) -> tuple[Vector, Vector]:
+    """Return velocity and turning in the world after a sub-step; keep the forces.
 
     Args:
-        bodies: B of them.
-        state: how they begin.
-        contacts: of theirs.
-        acts: (B, K) which hold.
-        free_w: (B, 3) turning after the sub-step if nothing held, in the world [rad/s].
-        h: (B,) its length [s].
-        before: forces of the sub-step before.
+        body: it is held.
+        now: how it begins.
+        R: its attitude.
+        parts: its contacts that hold.
+        n: how many do.
+        free_w: turning after the sub-step if nothing held, in the world [rad/s].
+        h: its length [s].
     """
-    w = in_world(state)
-    problem = Problem.of(bodies, state.q, contacts.normal, contacts.lever, acts)
-    inward = cross(w[:, None], cross(w[:, None], contacts.lever))
-    # A ball is as near to the ground however it turns.
-    inward = np.where((bodies.radius > 0.0)[:, None, None], 0.0, inward)
-    pull = dot(problem.axes, inward[:, :, None]) * h[:, None, None]
-    target = -pull
-    size = bodies.size[:, None]
-    gap = np.where(acts, contacts.gap, 0.0)
-    gap = np.where(gap < 0.0, np.minimum(gap + SUNK * size, 0.0) * MENDED, gap)
-    target[..., 0] -= problem.speeds(state.v, w)[..., 0] + 2.0 * gap / h[:, None]
-    free_v = state.v + h[:, None] * FREE
-    guess = _guess(bodies, problem, contacts, before, h)
-    v, turn, impulses = solved(problem, free_v, free_w, target, ENOUGH, SWEEPS, guess)
-    given = (impulses[..., None] * problem.axes).sum(axis=-2) / h[:, None, None]
-    return v, _rolled(bodies, state, turn, impulses), Forces(given, contacts.lever)
+    w = turned(R, now.w)
+    for k in range(n):
+        _ask(parts[k], body, now.v, w, h)
+        _guess(parts[k], body, h)
+    free_v = (now.v[0], now.v[1] - h * GRAVITY, now.v[2])
+    v, turn = solved(parts, n, free_v, free_w, 1.0 / body.mass, body.friction, ENOUGH, SWEEPS)
+    total = 0.0
+    body.held = n
+    for k in range(n):
+        total += parts[k].impulse[0]
+        force = times(1.0 / h, unturned(rows_of(parts[k].axes), triple(parts[k].impulse)))
+        put(body.force, k, force)
+        put(body.force_lever, k, row(body.lever, parts[k].which))
+    # Rolling is resisted by a moment of lever times force.
+    momentum = length(turned(rows_of(body.inertia), now.w))
+    lost = body.rolling * total / max(momentum, 1e-300)
+    return v, times(max(1.0 - lost, 0.0), turn)
 
 
-def _guess(bodies: Bodies, problem: Problem, contacts: Contacts, before: Forces, h: Array) -> Array:
-    """Return impulses (B, K, 3) such as the contacts at the same places had before."""
-    apart = contacts.lever[:, :, None] - before.lever[:, None]
-    apart = np.where((before.force != 0.0).any(axis=-1)[:, None], dot(apart, apart), np.inf)
-    which = np.argmin(apart, axis=-1)
-    rows = np.arange(len(which))[:, None]
-    near = apart.min(axis=-1) <= (SAME_PLACE * bodies.size[:, None]) ** 2
-    force = np.where(near[..., None], before.force[rows, which], 0.0) * h[:, None, None]
-    guess = dot(problem.axes, force[:, :, None])
-    normal = np.maximum(guess[..., 0], 0.0)
-    length = np.sqrt(guess[..., 1] ** 2 + guess[..., 2] ** 2)
-    limit = problem.friction * normal
-    across = guess[..., 1:] * (limit / np.maximum(np.maximum(length, limit), 1e-300))[..., None]
-    return np.concatenate([normal[..., None], across], axis=-1)
+@compiled
+def _ask(part: Record, body: Record, v: Vector, w: Vector, h: float) -> None:
+    """Set the speeds that a contact shall have after a sub-step."""
+    if body.radius == 0.0:
+        # A ball is as near to the ground however it turns.
+        inward = times(-h, cross(w, cross(w, row(body.lever, part.which))))
+        for i in range(3):
+            part.target[i] = dot(row(part.axes, i), inward)
+    gap = body.gap[part.which]
+    gap = min(gap + SUNK * body.size, 0.0) * MENDED if gap < 0.0 else gap
+    part.target[0] -= speed(part, 0, v, w) + 2.0 * gap / h
 
 
-def _rolled(bodies: Bodies, state: State, turn: Array, impulses: Array) -> Array:
-    """Return turning (B, 3) less what rolling resists: a moment of lever times force."""
-    momentum = turned(bodies.inertia, state.w)
-    length = np.sqrt(dot(momentum, momentum))
-    force = np.zeros(len(turn))
-    for k in range(impulses.shape[1]):
-        force = force + impulses[:, k, 0]
-    lost = bodies.rolling * force / np.maximum(length, 1e-300)
-    return turn * np.maximum(1.0 - lost, 0.0)[:, None]
+@compiled
+def _guess(part: Record, body: Record, h: float) -> None:
+    """Begin with the impulse that the contact at the same place had a sub-step before."""
+    nearest, same = -1, (SAME_PLACE * body.size) * (SAME_PLACE * body.size)
+    for old in range(body.held):
+        apart = minus(row(body.force_lever, old), row(body.lever, part.which))
+        if dot(apart, apart) <= same:
+            nearest, same = old, dot(apart, apart)
+    if nearest < 0:
+        return
+    first, second, third = turned(rows_of(part.axes), times(h, row(body.force, nearest)))
+    first = max(first, 0.0)
+    limit, hold = body.friction * first, math.sqrt(second * second + third * third)
+    within = limit / hold if hold > limit else 1.0
+    part.impulse[0], part.impulse[1], part.impulse[2] = first, within * second, within * third
 
 
-def paid(bodies: Bodies, before: State, after: State) -> State:
-    """Return the state after a sub-step with no more energy than before it."""
-    gained = energy(bodies, after) - energy(bodies, before)
-    moves = kinetic(bodies, after.v, after.w)
-    share = (moves - gained) / np.maximum(moves, 1e-300)
-    slow = np.sqrt(np.clip(share, 0.0, 1.0))[:, None]
-    slow = np.where((gained > 0.0)[:, None], slow, 1.0)
-    stays = ((gained > 0.0) & (share < 0.0))[:, None]
-    return State(
-        np.where(stays, before.p, after.p),
-        np.where(stays, before.q, after.q),
-        slow * after.v,
-        slow * after.w,
-    )
+@compiled
+def paid(body: Record, before: Motion, after: Motion) -> Motion:
+    """Return how a body is after a sub-step with no more energy than before it."""
+    moves = _kinetic(body, after)
+    climbed = body.mass * GRAVITY * (after.p[1] - before.p[1])
+    gained = moves + climbed - _kinetic(body, before)
+    if gained <= 0.0:
+        return after
+    share = (moves - gained) / max(moves, 1e-300)
+    slow = math.sqrt(min(max(share, 0.0), 1.0))
+    v, w = times(slow, after.v), times(slow, after.w)
+    if share < 0.0:
+        return Motion(before.p, before.q, v, w)
+    return Motion(after.p, after.q, v, w)
+
+
+@compiled
+def _kinetic(body: Record, now: Motion) -> float:
+    turning = dot(now.w, turned(rows_of(body.inertia), now.w))
+    result: float = 0.5 * (body.mass * dot(now.v, now.v) + turning)
+    return result

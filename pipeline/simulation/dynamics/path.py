@@ -1,4 +1,4 @@
-"""Path: how bodies move over one sub-step, known at every time of it.
+"""Path: how a body moves over one sub-step, known at every time of it.
 
 In flight the acceleration is constant and the tumbling a power series. While the ground
 holds or pushes a body, its velocity and its turning go over into those after the sub-step
@@ -7,82 +7,52 @@ at a constant rate. So places are advanced exactly in both: p + v t + a t² / 2.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+from pipeline.simulation.dynamics.compiled import compiled
+from pipeline.simulation.dynamics.records import Motion
+from pipeline.simulation.dynamics.tumbling import tumbled, turned_by
+from pipeline.simulation.dynamics.vectors import (
+    Vector,
+    plus,
+    rotation,
+    times,
+    unturned,
+)
+from pipeline.simulation.spatial import Array
 
-from pipeline.simulation.dynamics.rigid import State, dot, turned, unturned
-from pipeline.simulation.dynamics.tumbling import Tumble
-from pipeline.simulation.spatial import Array, matrix
 
-
-@dataclass(frozen=True, eq=False)
-class Path:
-    """The motion of B bodies.
+class Path(NamedTuple):
+    """The motion of a body over a sub-step.
 
     Attributes:
-        start: how they begin.
-        a: (B, 3) acceleration [m/s²].
-        tumble: of those in flight.
-        driven: (B,) which ones are not.
-        turn: (B, 3) angular velocity at the begin, in the world [rad/s].
-        turn_rate: (B, 3) its change, of those that are driven [rad/s²].
+        start: how it begins.
+        a: acceleration [m/s²].
+        driven: whether the ground turns it; else it tumbles.
+        turn: angular velocity at the begin, in the world [rad/s].
+        turn_rate: its change, if driven [rad/s²].
+        order: highest power in the series.
+        series: of the tumbling.
     """
 
-    start: State
-    a: Array
-    tumble: Tumble
-    driven: NDArray[np.bool_]
-    turn: Array
-    turn_rate: Array
-
-    def at(self, time: Array) -> State:
-        """Return how they are at times (B,) of the sub-step [s]."""
-        t = time[:, None]
-        p = self.start.p + t * (self.start.v + 0.5 * t * self.a)
-        v = self.start.v + t * self.a
-        q, w = self.tumble.at(time)
-        if self.driven.any():
-            angle = t * (self.turn + 0.5 * t * self.turn_rate)
-            driven_q = turned_by(self.start.q, angle)
-            driven_w = unturned(matrix(driven_q), self.turn + t * self.turn_rate)
-            q = np.where(self.driven[:, None], driven_q, q)
-            w = np.where(self.driven[:, None], driven_w, w)
-        return State(p, q, v, w)
-
-    def some(self, which: NDArray[np.int64]) -> Path:
-        """Return the motion of some of them."""
-        return Path(
-            self.start.some(which),
-            self.a[which],
-            self.tumble.some(which),
-            self.driven[which],
-            self.turn[which],
-            self.turn_rate[which],
-        )
+    start: Motion
+    a: Vector
+    driven: bool
+    turn: Vector
+    turn_rate: Vector
+    order: int
+    series: Array
 
 
-def turned_by(q: Array, angle: Array) -> Array:
-    """Return attitudes (B, 4) turned by rotation vectors (B, 3) in the world [rad]."""
-    half = 0.5 * np.sqrt(dot(angle, angle))
-    s = 0.5 * np.sinc(half / np.pi)
-    a, (b, c, d) = np.cos(half), (s[:, None] * angle).T
-    w, x, y, z = q.T
-    result: Array = np.stack(
-        [
-            a * w - b * x - c * y - d * z,
-            a * x + b * w + c * z - d * y,
-            a * y + c * w + d * x - b * z,
-            a * z + d * w + b * y - c * x,
-        ],
-        axis=-1,
-    )
-    w, x, y, z = result.T
-    result /= np.sqrt(w * w + x * x + y * y + z * z)[:, None]
-    return result
-
-
-def in_world(state: State) -> Array:
-    """Return the angular velocities (B, 3) in the world [rad/s]."""
-    return turned(matrix(state.q), state.w)
+@compiled
+def along(path: Path, t: float) -> Motion:
+    """Return how the body is after a time t of the sub-step [s]."""
+    start = path.start
+    p = plus(start.p, times(t, plus(start.v, times(0.5 * t, path.a))))
+    v = plus(start.v, times(t, path.a))
+    if path.driven:
+        q = turned_by(start.q, times(t, plus(path.turn, times(0.5 * t, path.turn_rate))))
+        w = unturned(rotation(q), plus(path.turn, times(t, path.turn_rate)))
+    else:
+        q, w = tumbled(path.series, path.order, t)
+    return Motion(p, q, v, w)

@@ -1,4 +1,4 @@
-"""Ridges: the edges and vertices of a terrain that stand out, and bodies that meet them.
+"""Ridges: polyhedra that meet the edges and vertices of a terrain that stand out.
 
 Above the ground a convex body leaves a gap, measured straight up, that is linear between
 the lines in which edges of either are seen from above. So the least gap lies at a vertex of
@@ -11,18 +11,28 @@ A gap counts along the normal of the contact: the facet's, or that of both edges
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.bins import Bins, Numbers
-from pipeline.simulation.dynamics.rigid import Bodies, dot, turned
-from pipeline.simulation.spatial import Array, cross
-from pipeline.simulation.terrain.heightfield import HeightField
-
-STANDS_OUT = 1e-9
-"""Height by which two triangles differ from one plane, in cells: less is rounding."""
+from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.contacts import insert_new
+from pipeline.simulation.dynamics.grid import Grid, Numbers, Spans
+from pipeline.simulation.dynamics.records import Shapes
+from pipeline.simulation.dynamics.vectors import (
+    Rows,
+    Vector,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    row,
+    times,
+    turned,
+    unturned,
+)
+from pipeline.simulation.spatial import Array
 
 OVERHANG = -0.1
 """Least rise of a contact's normal from the ground."""
@@ -30,139 +40,107 @@ OVERHANG = -0.1
 PARALLEL = 1e-6
 """Sine of the angle between edges that cross nowhere in particular."""
 
+Box = tuple[Vector, Vector]
+"""Least and greatest coordinates [m]."""
 
-@dataclass(frozen=True, eq=False)
-class Found:
-    """M contacts that may be.
 
-    Attributes:
-        body: (M,) whose.
-        gap: (M,) [m].
-        normal: (M, 3) from the ground.
-        place: (M, 3) [m].
+@compiled
+def meet_ridges(
+    grid: Grid,
+    shapes: Shapes,
+    body: Record,
+    p: Vector,
+    R: Rows,
+    world: Array,
+    box: Box,
+    cells: Spans,
+    slack: float,
+) -> None:
+    """Add the contacts of a body with what stands out.
+
+    Args:
+        grid: the ground.
+        shapes: of all bodies.
+        body: the one that meets it.
+        p: its place [m].
+        R: its attitude.
+        world: (V, 3) its vertices in the world [m].
+        box: that these lie in.
+        cells: those under it.
+        slack: gaps that are larger count for nothing [m].
     """
-
-    body: Numbers
-    gap: Array
-    normal: Array
-    place: Array
-
-    def some(self, which: NDArray[np.bool_]) -> Found:
-        """Return some of them."""
-        return Found(self.body[which], self.gap[which], self.normal[which], self.place[which])
-
-    @staticmethod
-    def joined(some: list[Found]) -> Found:
-        """Put contacts one after the other."""
-        names = ("body", "gap", "normal", "place")
-        return Found(*(np.concatenate([getattr(one, name) for one in some]) for name in names))
-
-
-@dataclass(frozen=True, eq=False)
-class Ridges:
-    """What of a surface stands out.
-
-    Attributes:
-        edges: (E, 2, 3) ends of edges [m].
-        peaks: (V, 3) vertices [m].
-        edge_bins: of the edges.
-        peak_bins: of the vertices.
-    """
-
-    edges: Array
-    peaks: Array
-    edge_bins: Bins
-    peak_bins: Bins
-
-    @staticmethod
-    def of(field: HeightField) -> Ridges:
-        """Look for the edges of a surface that stand out; its border does."""
-        vertices = field.vertices
-        ends = _standing_out(vertices, field.faces.astype(np.int64), min(field.cell))
-        edges = vertices[ends]
-        peaks = vertices[np.unique(ends)]
-        return Ridges(edges, peaks, Bins.of(field, edges.mean(axis=1)), Bins.of(field, peaks))
-
-    def meet(self, bodies: Bodies, p: Array, R: Array, world: Array, slack: float) -> Found:
-        """Return the contacts of polyhedra with what stands out, farther gaps left out.
-
-        Args:
-            bodies: B of them.
-            p: (B, 3) their places [m].
-            R: (B, 3, 3) their attitudes.
-            world: (B, V, 3) their vertices in the world [m].
-            slack: gaps that are larger count for nothing [m].
-        """
-        low = world[..., 1].min(axis=1) - slack
-        normals = turned(R[:, None], bodies.normals)
-        peaks = self._peaks(bodies, p, normals, low)
-        crossings = self._crossings(bodies, p, world, low)
-        found = Found.joined([peaks, crossings])
-        return found.some(found.gap <= slack)
-
-    def _peaks(self, bodies: Bodies, p: Array, normals: Array, low: Array) -> Found:
-        """Return vertices of the ground near facets, their gaps being distances from these."""
-        body, peak = self.peak_bins.near(p, bodies.reach)
-        place = self.peaks[peak]
-        high = place[:, 1] >= low[body]
-        body, place = body[high], place[high]
-        n = normals[body]
-        away = dot(n, (place - p[body])[:, None]) - bodies.offsets[body]
-        which = np.argmax(away, axis=1)
-        rows = np.arange(len(body))
-        normal = -n[rows, which]
-        # No ground hangs over, so what lies in a facet that looks up is met by another.
-        return Found(body, away[rows, which], normal, place).some(normal[:, 1] > OVERHANG)
-
-    def _crossings(self, bodies: Bodies, p: Array, world: Array, low: Array) -> Found:
-        """Return places where edges of bodies pass over edges of the ground."""
-        body, edge = self.edge_bins.near(p, bodies.reach)
-        ends = self.edges[edge]
-        high = ends[..., 1].max(axis=1) >= low[body]
-        body, ends = body[high], ends[high]
-        corner = bodies.edges[body]
-        a = world[body[:, None], corner[..., 0]]
-        along = world[body[:, None], corner[..., 1]] - a
-        c = ends[:, None, 0]
-        ground = ends[:, None, 1] - c
-        width = _seen_from_above(along, ground)
-        safe = np.where(width == 0.0, 1.0, width)
-        s = _seen_from_above(c - a, ground) / safe
-        t = _seen_from_above(c - a, along) / safe
-        crosses = (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0) & (width != 0.0)
-        row, k = np.nonzero(crosses)
-        a, along, s = a[row, k], along[row, k], s[row, k]
-        c, ground, t = c[row, 0], ground[row, 0], t[row, k]
-        rise = (a[:, 1] + s * along[:, 1]) - (c[:, 1] + t * ground[:, 1])
-        normal = cross(along, ground)
-        length = np.sqrt(dot(normal, normal))
-        normal *= (np.sign(normal[:, 1]) / np.where(length > 0.0, length, 1.0))[:, None]
-        lengths = np.sqrt(dot(along, along) * dot(ground, ground))
-        firm = length > PARALLEL * lengths
-        place = c + t[:, None] * ground
-        return Found(body[row], rise * normal[:, 1], normal, place).some(firm)
+    i, i_last, j, j_last = cells
+    least, most = box
+    for line in range(j, j_last + 1):
+        start = line * grid.frame.n_x
+        for k in range(grid.starts[start + i], grid.starts[start + i_last + 1]):
+            one, other = grid.ridges[k, 0], grid.ridges[k, 1]
+            c, d = row(grid.vertices, one), row(grid.vertices, other)
+            apart = max(c[0], d[0]) < least[0] - slack or min(c[0], d[0]) > most[0] + slack
+            apart = apart or max(c[2], d[2]) < least[2] - slack
+            apart = apart or min(c[2], d[2]) > most[2] + slack
+            if apart or max(c[1], d[1]) < least[1] - slack:
+                continue
+            if one == other:
+                _meet_peak(shapes.facets, body, p, R, c, slack)
+            else:
+                _meet_edge(shapes.edges, body, p, world, c, d, slack)
 
 
-def _seen_from_above(a: Array, b: Array) -> Array:
-    """Return the area (...) of what vectors (..., 3) span, seen along -Y."""
-    result: Array = a[..., 0] * b[..., 2] - a[..., 2] * b[..., 0]
-    return result
+@compiled
+def _meet_peak(facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, slack: float) -> None:
+    """Add a vertex of the ground near a facet, its gap being the distance from that."""
+    lever = minus(peak, p)
+    place = unturned(R, lever)
+    most, which = -np.inf, 0
+    first, count = body.facets
+    for k in range(first, first + count):
+        away = dot(row(facets, k), place) - facets[k, 3]
+        if away > slack:
+            return
+        if away > most:
+            most, which = away, k
+    normal = times(-1.0, turned(R, row(facets, which)))
+    # No ground hangs over, so what lies in a facet that looks up is met by another.
+    if normal[1] > OVERHANG:
+        insert_new(body, most, normal, lever)
 
 
-def _standing_out(vertices: Array, faces: NDArray[np.int64], cell: float) -> NDArray[np.int64]:
-    """Return the edges (E, 2) of triangles from which both sides fall away, and the border."""
-    sides = np.concatenate([faces[:, [0, 1, 2]], faces[:, [1, 2, 0]], faces[:, [2, 0, 1]]])
-    ends = np.sort(sides[:, :2], axis=1)
-    order = np.lexsort((ends[:, 1], ends[:, 0]))
-    ends, sides = ends[order], sides[order]
-    twin = np.zeros(len(ends), dtype=bool)
-    twin[:-1] = (ends[1:] == ends[:-1]).all(axis=1)
-    first = np.flatnonzero(twin)
-    a, b, c = np.moveaxis(vertices[sides[first]], 1, 0)
-    other = vertices[sides[first + 1, 2]]
-    up = cross(b - a, c - a)
-    up /= np.sqrt(dot(up, up))[:, None]
-    falls = dot(up, other - a) < -STANDS_OUT * cell
-    alone = ~twin
-    alone[first + 1] = False
-    return np.concatenate([ends[first[falls]], ends[alone]])
+@compiled
+def _meet_edge(
+    edges: Numbers, body: Record, p: Vector, world: Array, c: Vector, d: Vector, slack: float
+) -> None:
+    """Add the places where edges of a body pass over an edge of the ground."""
+    top = max(c[1], d[1]) + slack
+    ground = minus(d, c)
+    first, count = body.edges
+    for e in range(first, first + count):
+        a, end = row(world, edges[e, 0]), row(world, edges[e, 1])
+        if min(a[1], end[1]) > top:
+            continue
+        along, between = minus(end, a), minus(c, a)
+        # Areas of what two vectors span, seen from above.
+        width = along[0] * ground[2] - along[2] * ground[0]
+        s = between[0] * ground[2] - between[2] * ground[0]
+        t = between[0] * along[2] - between[2] * along[0]
+        if width < 0.0:
+            width, s, t = -width, -s, -t
+        if width > 0.0 and s >= 0.0 and t >= 0.0 and s <= width and t <= width:
+            s, t = s / width, t / width
+            rise = a[1] + s * along[1] - (c[1] + t * ground[1])
+            lever = minus(plus(c, times(t, ground)), p)
+            _cross(body, along, ground, rise, lever, slack)
+
+
+@compiled
+def _cross(
+    body: Record, along: Vector, ground: Vector, rise: float, lever: Vector, slack: float
+) -> None:
+    """Add the contact of two edges that cross, seen from above, one above the other."""
+    normal = cross(along, ground)
+    square = dot(normal, normal)
+    if square > PARALLEL * PARALLEL * dot(along, along) * dot(ground, ground):
+        normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
+        gap = rise * normal[1]
+        if gap <= slack:
+            insert_new(body, gap, normal, lever)

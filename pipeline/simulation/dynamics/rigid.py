@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,11 +51,10 @@ class Bodies:
     """What stays of N bodies.
 
     Attributes:
+        hulls: (N,) of polyhedra, None of balls.
         mass: (N,) [kg].
         inertia: (N, 3, 3) along the axes of the body [kg m²].
         inverse: (N, 3, 3) of the same.
-        vertices: (N, V, 3) levers; the last one is repeated where a body has fewer [m].
-        normals: (N, P, 3) of the facets, outward, repeated likewise.
         offsets: (N, P) of the facets from the centre of mass [m].
         edges: (N, E, 2) vertices of the edges, repeated likewise.
         radius: (N,) of balls, 0 for polyhedra [m].
@@ -69,13 +67,10 @@ class Bodies:
         soft: (N,) [s].
     """
 
+    hulls: NDArray[np.object_]
     mass: Array
     inertia: Array
     inverse: Array
-    vertices: Array
-    normals: Array
-    offsets: Array
-    edges: NDArray[np.int64]
     radius: Array
     reach: Array
     size: Array
@@ -88,27 +83,21 @@ class Bodies:
     @staticmethod
     def of(builds: Sequence[Build]) -> Bodies:
         """Collect bodies."""
-        hulls = [b.hull for b in builds]
+        hulls = np.empty(len(builds), dtype=object)
+        hulls[:] = [b.hull for b in builds]
         levers = [np.zeros((1, 3)) if h is None else h.vertices for h in hulls]
-        normals = [np.array([[0.0, 1.0, 0.0]]) if h is None else h.normals for h in hulls]
-        offsets = [_offsets(h, b.radius) for h, b in zip(hulls, builds, strict=True)]
-        edges = [np.zeros((1, 2), dtype=np.int64) if h is None else h.edges for h in hulls]
         radius = np.array([b.radius for b in builds])
-        reach = np.array([np.linalg.norm(v, axis=-1).max() for v in levers]) + radius
         size = np.array([np.ptp(v, axis=0).max() for v in levers]) + 2.0 * radius
         inertia = np.array([b.mass.inertia for b in builds])
         return Bodies(
+            hulls=hulls,
             mass=np.array([b.mass.mass for b in builds]),
             inertia=inertia,
             inverse=np.linalg.inv(inertia),
-            vertices=_filled(levers),
-            normals=_filled(normals),
-            offsets=_filled(offsets),
-            edges=_filled(edges),
             radius=radius,
-            reach=reach,
+            reach=np.array([np.linalg.norm(v, axis=-1).max() for v in levers]) + radius,
             size=size,
-            thin=np.array([o.min() for o in offsets]),
+            thin=np.array([b.radius if b.hull is None else b.hull.offsets.min() for b in builds]),
             bounciness=np.array([b.bounciness for b in builds]),
             friction=np.array([b.friction for b in builds]),
             rolling=np.array([b.rolling for b in builds]) * size,
@@ -174,17 +163,3 @@ def turned(R: Array, v: Array) -> Array:
 def unturned(R: Array, v: Array) -> Array:
     """Return Rᵀ v (..., 3) likewise."""
     return turned(np.swapaxes(R, -1, -2), v)
-
-
-def _offsets(hull: Hull | None, radius: float) -> Array:
-    if hull is None:
-        return np.array([radius])
-    first = np.array([facet[0] for facet in hull.facets])
-    return dot(hull.normals, hull.vertices[first])
-
-
-def _filled(rows: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """Stack rows of different lengths, the last entry of each repeated."""
-    most = max(len(row) for row in rows)
-    index = [np.minimum(np.arange(most), len(row) - 1) for row in rows]
-    return np.array([row[i] for row, i in zip(rows, index, strict=True)])

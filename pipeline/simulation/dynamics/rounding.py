@@ -9,95 +9,108 @@ Source: Ericson 2005, 5.1.5 (closest point on a triangle).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-
-from pipeline.simulation.dynamics.bins import Bins
-from pipeline.simulation.dynamics.ridges import Found
-from pipeline.simulation.dynamics.rigid import dot
-from pipeline.simulation.spatial import Array, cross
-from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.contacts import insert, remove
+from pipeline.simulation.dynamics.grid import Grid, around, surface
+from pipeline.simulation.dynamics.vectors import (
+    Vector,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    row,
+    times,
+)
 
 BEHIND = 1e-7
 """Height above a plane that is none, in radii."""
 
+Triangle = tuple[Vector, Vector, Vector]
 
-@dataclass(frozen=True, eq=False)
-class Triangles:
-    """The triangles of a surface.
 
-    Attributes:
-        corners: (F, 3, 3) [m].
-        bins: of their middles.
+@compiled
+def meet_ball(grid: Grid, body: Record, p: Vector, slack: float) -> None:
+    """Add the contacts of a ball.
+
+    Args:
+        grid: the ground.
+        body: the ball.
+        p: its middle [m].
+        slack: gaps that are larger count for nothing [m].
     """
-
-    corners: Array
-    bins: Bins
-
-    @staticmethod
-    def of(field: HeightField) -> Triangles:
-        """Collect the triangles of a surface."""
-        corners = field.vertices[field.faces.astype(np.int64)]
-        return Triangles(corners, Bins.of(field, corners.mean(axis=1)))
-
-    def meet(self, p: Array, radius: Array, slack: float) -> Found:
-        """Return the contacts of balls, larger gaps than `slack` left out.
-
-        Args:
-            p: (B, 3) their middles [m].
-            radius: (B,) [m].
-            slack: [m].
-        """
-        body, number = self.bins.near(p, radius + slack)
-        corners = self.corners[number]
-        high = corners[..., 1].max(axis=1) >= p[body, 1] - radius[body] - slack
-        body, corners = body[high], corners[high]
-        place = nearest(p[body], corners)
-        away = p[body] - place
-        distance = np.sqrt(dot(away, away))
-        up = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        up /= np.sqrt(dot(up, up))[:, None]
-        # On which side of a triangle's plane a middle lies says nothing beyond its sides.
-        field = self.bins.field
-        above = (p[:, 1] > field.height(p[:, 0], p[:, 2]))[body] & (distance > 0.0)
-        normal = np.where(above[:, None], away / np.maximum(distance, 1e-300)[:, None], up)
-        gap = np.where(above, distance, -distance) - radius[body]
-        found = Found(body, gap, normal, place).some(gap <= slack)
-        return found.some(_counts(found, radius))
+    frame, vertices = grid.frame, grid.vertices
+    reach = body.radius + slack
+    i, i_last, j, j_last = around(frame, p[0], p[2], reach)
+    # On which side of a triangle's plane a middle lies says nothing beyond its sides.
+    above = p[1] > surface(frame, vertices, p[0], p[2])[0]
+    low = p[1] - reach
+    for line in range(j, j_last + 1):
+        for column in range(i, i_last + 1):
+            k = line * (frame.n_x + 1) + column
+            a, b = row(vertices, k), row(vertices, k + 1)
+            c, d = row(vertices, k + frame.n_x + 1), row(vertices, k + frame.n_x + 2)
+            if max(max(a[1], b[1]), max(c[1], d[1])) < low:
+                continue
+            if frame.quads:
+                cell = line * frame.n_x + column
+                m = row(vertices, (frame.n_x + 1) * (frame.n_z + 1) + cell)
+                for triangle in ((b, a, m), (d, b, m), (c, d, m), (a, c, m)):
+                    _meet(body, p, triangle, above, slack)
+            else:
+                for triangle in ((a, d, b), (a, c, d)):
+                    _meet(body, p, triangle, above, slack)
 
 
-def _counts(found: Found, radius: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Say which contacts are not behind the plane of a nearer one of the same ball."""
-    order = np.lexsort((found.gap, found.body))
-    counts = np.ones(len(order), dtype=bool)
-    body = found.body[order]
-    for back in range(1, int(np.bincount(body).max(initial=0))):
-        here, there = order[back:], order[:-back]
-        same = body[back:] == body[:-back]
-        over = dot(found.place[here] - found.place[there], found.normal[there])
-        counts[here] &= ~(same & (over <= BEHIND * radius[body[back:]]))
-    return counts
+@compiled
+def _meet(body: Record, p: Vector, corners: Triangle, above: bool, slack: float) -> None:
+    """Add the contact of a ball with a triangle, if it is near."""
+    place = nearest(p, corners)
+    away = minus(p, place)
+    distance = length(away)
+    if above and distance > 0.0:
+        gap, normal = distance - body.radius, times(1.0 / distance, away)
+    else:
+        a, b, c = corners
+        up = cross(minus(b, a), minus(c, a))
+        gap, normal = -distance - body.radius, times(1.0 / length(up), up)
+    if gap <= slack:
+        _insert(body, gap, normal, times(-1.0, away))
 
 
-def nearest(point: Array, corners: Array) -> Array:
-    """Return the nearest points (M, 3) of triangles (M, 3, 3) to points (M, 3)."""
-    best = np.full(len(point), np.inf)
-    result = np.empty_like(point)
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    up = cross(b - a, c - a)
-    square = dot(up, up)
-    inside = np.ones(len(point), dtype=bool)
+@compiled
+def _insert(body: Record, gap: float, normal: Vector, lever: Vector) -> None:
+    """Add a contact unless a nearer one hides it, and take away those that it hides."""
+    k, none = 0, BEHIND * body.radius
+    while k < body.count:
+        apart = minus(lever, row(body.lever, k))
+        if body.gap[k] <= gap:
+            if dot(apart, row(body.normal, k)) <= none:
+                return
+            k += 1
+        elif -dot(apart, normal) <= none:
+            remove(body, k)
+        else:
+            k += 1
+    insert(body, gap, normal, lever)
+
+
+@compiled
+def nearest(point: Vector, corners: Triangle) -> Vector:
+    """Return the nearest point of a triangle to a point."""
+    a, b, c = corners
+    up = cross(minus(b, a), minus(c, a))
+    best = 1e300
+    result = a
+    inside = True
     for start, end in ((a, b), (b, c), (c, a)):
-        side = end - start
-        t = np.clip(dot(point - start, side) / dot(side, side), 0.0, 1.0)
-        place = start + t[:, None] * side
-        away = point - place
-        distance = dot(away, away)
-        nearer = distance < best
-        best = np.where(nearer, distance, best)
-        result[nearer] = place[nearer]
-        inside &= dot(cross(side, point - start), up) >= 0.0
-    flat = point - (dot(point - a, up) / square)[:, None] * up
-    result[inside] = flat[inside]
+        side, way = minus(end, start), minus(point, start)
+        t = min(max(dot(way, side) / dot(side, side), 0.0), 1.0)
+        place = plus(start, times(t, side))
+        away = minus(point, place)
+        if dot(away, away) < best:
+            best, result = dot(away, away), place
+        inside = inside and dot(cross(side, way), up) >= 0.0
+    if inside:
+        result = minus(point, times(dot(minus(point, a), up) / dot(up, up), up))
     return result

@@ -11,16 +11,27 @@ b = |v_after| / |v_before|, and the thesis's 0.8 and 0.2 are ratios of energies.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from pipeline.simulation.dynamics.impulses import Problem, solved
-from pipeline.simulation.dynamics.meeting import Contacts
-from pipeline.simulation.dynamics.path import in_world
-from pipeline.simulation.dynamics.rigid import Bodies, State, dot, kinetic, unturned
-from pipeline.simulation.spatial import Array, matrix
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.impulses import ROUNDS, STILL, add_part, solved, speed
+from pipeline.simulation.dynamics.records import Motion
+from pipeline.simulation.dynamics.vectors import (
+    Rows,
+    Vector,
+    carried,
+    dot,
+    length,
+    minus,
+    plus,
+    rotation,
+    row,
+    rows_of,
+    times,
+    turned,
+    unturned,
+)
 
 REST = 0.05
 """Rest speed: what approaches slower does not bounce [m/s]."""
@@ -35,122 +46,132 @@ ROUNDING = 1e-12
 """Part of the energy that is rounding."""
 
 
-@dataclass(frozen=True, eq=False)
-class Strike:
-    """What an impact does to B bodies.
+class Strike(NamedTuple):
+    """What an impact does to a body.
 
     Attributes:
-        v: (B, 3) velocities after [m/s].
-        w: (B, 3) angular velocities after, in the frames of the bodies [rad/s].
-        speed: (B,) greatest approach of a contact, 0 where none struck [m/s].
-        energy: (B,) of what came at this speed [J].
-        place: (B, 3) middle of the impulses, from the centre of mass [m].
-        normal: (B, 3) of the ground there.
+        v: velocity after [m/s].
+        w: angular velocity after, in the frame of the body [rad/s].
+        speed: greatest approach of a contact, 0 where none struck [m/s].
+        energy: of what came at this speed [J].
+        place: middle of the impulses, from the centre of mass [m].
+        normal: of the ground there.
     """
 
-    v: Array
-    w: Array
-    speed: Array
-    energy: Array
-    place: Array
-    normal: Array
+    v: Vector
+    w: Vector
+    speed: float
+    energy: float
+    place: Vector
+    normal: Vector
 
 
-def strike(bodies: Bodies, state: State, contacts: Contacts) -> Strike:
-    """Return what the contacts that approach do; nothing where none does."""
-    w = in_world(state)
-    acts = contacts.gap <= TOUCHING * bodies.size[:, None]
-    problem = Problem.of(bodies, state.q, contacts.normal, contacts.lever, acts)
-    u = np.where(acts, problem.speeds(state.v, w)[..., 0], 0.0)
-    comes = acts & (u < -APPROACHES)
-    rows = np.flatnonzero(comes.any(axis=1))
-    after_v, after_w = state.v.copy(), w.copy()
-    impulses = np.zeros((*acts.shape, 3))
-    if len(rows):
-        target = np.zeros((len(rows), acts.shape[1], 3))
-        b = bodies.bounciness[rows, None]
-        target[..., 0] = np.where(u[rows] < -REST, -b * u[rows], 0.0)
-        after_v[rows], after_w[rows], impulses[rows] = _lossy(
-            bodies.some(rows), state.some(rows), w[rows], problem.some(rows), target, comes[rows]
-        )
-    normal = impulses[..., 0]
-    total = np.maximum(_total(normal), 1e-300)[:, None]
-    place = np.stack([_total(normal * contacts.lever[..., i]) for i in range(3)], axis=-1)
-    mean = np.stack([_total(normal * contacts.normal[..., i]) for i in range(3)], axis=-1)
-    length = np.maximum(np.sqrt(dot(mean, mean)), 1e-300)[:, None]
-    gone = np.where(u < -REST, 1.0 + bodies.bounciness[:, None], 1.0)
-    return Strike(
-        after_v,
-        unturned(matrix(state.q), after_w),
-        np.maximum(-u.min(axis=1), 0.0),
-        _total(0.5 * normal * np.maximum(-u, 0.0) / gone),
-        place / total,
-        mean / length,
+class Matter(NamedTuple):
+    """A body as an impact sees it: mass, inertia in the world and its inverse, friction."""
+
+    mass: float
+    inertia: Rows
+    inverse: Rows
+    friction: float
+
+
+@compiled
+def matter_of(body: Record, R: Rows) -> Matter:
+    """Return a body's matter in an attitude."""
+    return Matter(
+        body.mass,
+        carried(R, rows_of(body.inertia)),
+        carried(R, rows_of(body.inverse)),
+        body.friction,
     )
 
 
-def _lossy(
-    bodies: Bodies,
-    state: State,
-    w: Array,
-    problem: Problem,
-    target: Array,
-    comes: NDArray[np.bool_],
-) -> tuple[Array, Array, Array]:
-    """Return velocities, turning and impulses after, with no more energy than before."""
-    R = matrix(state.q)
-    before = kinetic(bodies, state.v, state.w) * (1.0 + ROUNDING)
+@compiled
+def strike(body: Record, now: Motion, parts: Records) -> Strike:
+    """Return what the contacts that approach do; nothing where none does.
 
-    def spent(v: Array, turn: Array, rows: NDArray[np.int64]) -> Array:
-        return kinetic(bodies.some(rows), v, unturned(R[rows], turn))
+    Args:
+        body: with its contacts.
+        now: how it is.
+        parts: room for contacts that act.
+    """
+    R = rotation(now.q)
+    w = turned(R, now.w)
+    matter = matter_of(body, R)
+    n, fastest = 0, 0.0
+    for k in range(body.count):
+        if body.gap[k] > TOUCHING * body.size:
+            break
+        add_part(parts[k], body, k, matter.inverse)
+        u = speed(parts[k], 0, now.v, w)
+        parts[k].target[0] = -body.bounciness * u if u < -REST else 0.0
+        fastest = min(fastest, u)
+        n = k + 1
+    nothing = (0.0, 0.0, 0.0)
+    if not fastest < -APPROACHES:
+        return Strike(now.v, now.w, 0.0, 0.0, nothing, nothing)
+    v, turn = _lossy(matter, parts, n, now.v, w)
+    total, place, normal, energy = 1e-300, nothing, nothing, 0.0
+    for k in range(n):
+        impulse, u = parts[k].impulse[0], speed(parts[k], 0, now.v, w)
+        place = plus(place, times(impulse, row(body.lever, k)))
+        normal = plus(normal, times(impulse, row(body.normal, k)))
+        total += impulse
+        energy += 0.5 * impulse * max(-u, 0.0) / (1.0 + body.bounciness if u < -REST else 1.0)
+    normal = times(1.0 / max(length(normal), 1e-300), normal)
+    return Strike(v, unturned(R, turn), -fastest, energy, times(1.0 / total, place), normal)
 
-    everyone = np.arange(len(w))
-    v, turn, impulses = solved(problem, state.v, w, target)
-    rows = everyone[spent(v, turn, everyone) > before]
-    if not len(rows):
-        return v, turn, impulses
-    smooth = _smooth(bodies, state, w, problem, target, comes, rows, before)
+
+@compiled
+def _kinetic(matter: Matter, v: Vector, w: Vector) -> float:
+    return 0.5 * (matter.mass * dot(v, v) + dot(w, turned(matter.inertia, w)))
+
+
+@compiled
+def _lossy(matter: Matter, parts: Records, n: int, v0: Vector, w0: Vector) -> tuple[Vector, Vector]:
+    """Return velocity and turning after, with no more energy than before."""
+    before = _kinetic(matter, v0, w0) * (1.0 + ROUNDING)
+    per_mass = 1.0 / matter.mass
+    v, w = solved(parts, n, v0, w0, per_mass, matter.friction, STILL, ROUNDS)
+    high = _kinetic(matter, v, w)
+    if high <= before:
+        return v, w
+    rough = parts[:n].copy()
+    smooth_v, smooth_w = _smooth(matter, parts, n, v0, w0, before)
     # T(s) = T0 + s B + s² C along the way from no friction (s = 0) to all of it (s = 1).
-    low = spent(smooth[0], smooth[1], rows)
-    high = spent(v[rows], turn[rows], rows)
-    half = spent(0.5 * (smooth[0] + v[rows]), 0.5 * (smooth[1] + turn[rows]), rows)
+    low = _kinetic(matter, smooth_v, smooth_w)
+    half = _kinetic(matter, times(0.5, plus(smooth_v, v)), times(0.5, plus(smooth_w, w)))
     C = 2.0 * (high + low) - 4.0 * half
     B = high - low - C
-    room = np.maximum(before[rows] - low, 0.0)
-    root = np.sqrt(np.maximum(B * B + 4.0 * C * room, 0.0))
-    s = np.clip(2.0 * room / np.maximum(B + root, 1e-300), 0.0, 1.0)[:, None]
-    v[rows] = smooth[0] + s * (v[rows] - smooth[0])
-    turn[rows] = smooth[1] + s * (turn[rows] - smooth[1])
-    impulses[rows] = smooth[2] + s[..., None] * (impulses[rows] - smooth[2])
-    return v, turn, impulses
+    room = max(before - low, 0.0)
+    root = math.sqrt(max(B * B + 4.0 * C * room, 0.0))
+    s = min(max(2.0 * room / max(B + root, 1e-300), 0.0), 1.0)
+    for k in range(n):
+        for i in range(3):
+            parts[k].impulse[i] += s * (rough[k].impulse[i] - parts[k].impulse[i])
+    return (
+        plus(smooth_v, times(s, minus(v, smooth_v))),
+        plus(smooth_w, times(s, minus(w, smooth_w))),
+    )
 
 
+@compiled
 def _smooth(
-    bodies: Bodies,
-    state: State,
-    w: Array,
-    problem: Problem,
-    target: Array,
-    comes: NDArray[np.bool_],
-    rows: NDArray[np.int64],
-    before: Array,
-) -> tuple[Array, Array, Array]:
+    matter: Matter, parts: Records, n: int, v0: Vector, w0: Vector, before: float
+) -> tuple[Vector, Vector]:
     """Return the same without friction; of contacts that leave anyway only if that loses."""
-    part, own = problem.some(rows).without_friction(), state.some(rows)
-    v, turn, impulses = solved(part, own.v, w[rows], target[rows])
-    after = kinetic(bodies.some(rows), v, unturned(matrix(own.q), turn))
-    gains = np.flatnonzero(after > before[rows])
-    if len(gains):
-        some = part.some(gains).only(comes[rows[gains]])
-        v[gains], turn[gains], impulses[gains] = solved(
-            some, own.v[gains], w[rows[gains]], target[rows[gains]]
-        )
-    return v, turn, impulses
+    _begin(parts, n)
+    v, w = solved(parts, n, v0, w0, 1.0 / matter.mass, 0.0, STILL, ROUNDS)
+    if _kinetic(matter, v, w) <= before:
+        return v, w
+    for k in range(n):
+        parts[k].acts = speed(parts[k], 0, v0, w0) < -APPROACHES
+    _begin(parts, n)
+    return solved(parts, n, v0, w0, 1.0 / matter.mass, 0.0, STILL, ROUNDS)
 
 
-def _total(values: Array) -> Array:
-    """Return the sums (B,) of rows (B, K), in one order whatever K is."""
-    result = np.zeros(len(values))
-    for column in values.T:
-        result = result + column
-    return result
+@compiled
+def _begin(parts: Records, n: int) -> None:
+    """Begin without impulses."""
+    for k in range(n):
+        parts[k].impulse[0] = parts[k].impulse[1] = parts[k].impulse[2] = 0.0

@@ -16,12 +16,24 @@ inertia, and (7.9) with ω in the world is R' = Rot(ω Δt) R.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeline.simulation.spatial import Array, cross
+from pipeline.simulation.dynamics.compiled import compiled, entry
+from pipeline.simulation.dynamics.vectors import (
+    Quaternion,
+    Rows,
+    Vector,
+    cross,
+    normal_quaternion,
+    plus,
+    row,
+    rows_of,
+    times,
+    turned,
+)
+from pipeline.simulation.spatial import Array
 
 ORDER = 12
 """Highest power of time in the series."""
@@ -29,66 +41,128 @@ ORDER = 12
 MOST_TURN = 0.15
 """Angle that a step may turn by, about [rad]: the terms left out are then below 1e-13."""
 
+COUNTS = 1e-17
+"""Terms that are less do not count, in parts of the first."""
 
-@dataclass(frozen=True, eq=False)
-class Tumble:
-    """The turning of B bodies over one step.
+COLUMNS = 10
+"""Of a series: attitude, angular velocity, angular momentum."""
 
-    Attributes:
-        q: (ORDER + 1, B, 4) coefficients of the attitude.
-        w: (ORDER + 1, B, 3) of the angular velocity in the body's frame.
+
+@compiled
+def tumbling(
+    q: Quaternion, w: Vector, inertia: Rows, inverse: Rows, h: float, series: Array
+) -> int:
+    """Write a series; return the highest power in it that counts.
+
+    Args:
+        q: attitude.
+        w: angular velocity in the frame of the body [rad/s].
+        inertia: along the axes of the body [kg m²].
+        inverse: of the same.
+        h: longest time that it is for [s].
+        series: (ORDER + 1, COLUMNS) coefficients of the powers of time.
     """
-
-    q: Array
-    w: Array
-
-    @staticmethod
-    def of(q: Array, w: Array, inertia: Array, inverse: Array) -> Tumble:
-        """Return the series from attitudes q (B, 4) and angular velocities w (B, 3) [rad/s].
-
-        Args:
-            q: attitudes wxyz.
-            w: in the frame of the body.
-            inertia: (B, 3, 3) [kg m²].
-            inverse: (B, 3, 3) of the same.
-        """
-        qs, ws = np.zeros((ORDER + 1, *q.shape)), np.zeros((ORDER + 1, *w.shape))
-        momenta = np.zeros_like(ws)
-        qs[0], ws[0] = q, w
-        momenta[0] = (inertia @ w[..., None])[..., 0]
-        for k in range(ORDER):
-            turning = _product(qs[: k + 1], ws[k::-1]).sum(axis=0)
-            qs[k + 1] = turning * (0.5 / (k + 1))
-            torque = cross(momenta[: k + 1], ws[k::-1]).sum(axis=0) / (k + 1)
-            ws[k + 1] = (inverse @ torque[..., None])[..., 0]
-            momenta[k + 1] = torque
-        return Tumble(qs, ws)
-
-    def at(self, time: Array) -> tuple[Array, Array]:
-        """Return attitudes (B, 4) and angular velocities (B, 3) at times (B,) of the step [s]."""
-        t = time[:, None]
-        q, w = self.q[-1], self.w[-1]
-        for k in range(ORDER - 1, -1, -1):
-            q, w = self.q[k] + t * q, self.w[k] + t * w
-        # Square by square: how a norm adds up is left to no library.
-        length = np.sqrt(q[:, 0] ** 2 + q[:, 1] ** 2 + q[:, 2] ** 2 + q[:, 3] ** 2)
-        return q / length[:, None], w
-
-    def some(self, which: NDArray[np.int64]) -> Tumble:
-        """Return the turning of some of the bodies."""
-        return Tumble(self.q[:, which], self.w[:, which])
+    _put(series, 0, q, w, turned(inertia, w))
+    rate, power = abs(w[0]) + abs(w[1]) + abs(w[2]), 1.0
+    small = 0
+    for k in range(ORDER):
+        turning, torque = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        for i in range(k + 1):
+            turning = _plus_product(turning, series, i, k - i)
+            momentum = (series[i, 7], series[i, 8], series[i, 9])
+            torque = plus(torque, cross(momentum, _rate(series, k - i)))
+        torque = times(1.0 / (k + 1), torque)
+        s = 0.5 / (k + 1)
+        q = (s * turning[0], s * turning[1], s * turning[2], s * turning[3])
+        w = turned(inverse, torque)
+        _put(series, k + 1, q, w, torque)
+        power *= h
+        most_q = power * (abs(q[0]) + abs(q[1]) + abs(q[2]) + abs(q[3]))
+        most_w = power * (abs(w[0]) + abs(w[1]) + abs(w[2]))
+        small = small + 1 if most_q <= COUNTS and most_w <= COUNTS * rate else 0
+        if small == 2:
+            return k
+    return ORDER
 
 
-def _product(q: Array, w: Array) -> Array:
-    """Return q ⊗ (0, w) (..., 4) of quaternions (..., 4) and vectors (..., 3)."""
-    a, b, c, d = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
-    x, y, z = w[..., 0], w[..., 1], w[..., 2]
-    return np.stack(
-        [
-            -b * x - c * y - d * z,
-            a * x + c * z - d * y,
-            a * y + d * x - b * z,
-            a * z + b * y - c * x,
-        ],
-        axis=-1,
+@compiled
+def tumbled(series: Array, order: int, t: float) -> tuple[Quaternion, Vector]:
+    """Return attitude and angular velocity after a time t [s]."""
+    a, b, c, d = series[order, 0], series[order, 1], series[order, 2], series[order, 3]
+    w = _rate(series, order)
+    for k in range(order - 1, -1, -1):
+        a, b = series[k, 0] + t * a, series[k, 1] + t * b
+        c, d = series[k, 2] + t * c, series[k, 3] + t * d
+        w = plus(_rate(series, k), times(t, w))
+    return normal_quaternion((a, b, c, d)), w
+
+
+@entry
+def tumble(q: Array, w: Array, inertia: Array, inverse: Array, h: float) -> None:
+    """Let N bodies tumble for a time, in place.
+
+    Args:
+        q: (N, 4) attitudes wxyz.
+        w: (N, 3) angular velocities in the frames of the bodies [rad/s].
+        inertia: (N, 3, 3) [kg m²].
+        inverse: (N, 3, 3) of the same.
+        h: the time [s]; see `MOST_TURN`.
+    """
+    series = np.empty((ORDER + 1, COLUMNS))
+    for i in range(len(q)):
+        order = tumbling(
+            (q[i, 0], q[i, 1], q[i, 2], q[i, 3]),
+            row(w, i),
+            rows_of(inertia[i]),
+            rows_of(inverse[i]),
+            h,
+            series,
+        )
+        after, rate = tumbled(series, order, h)
+        for k in range(4):
+            q[i, k] = after[k]
+        for k in range(3):
+            w[i, k] = rate[k]
+
+
+@compiled
+def turned_by(q: Quaternion, angle: Vector) -> Quaternion:
+    """Return an attitude turned by a rotation vector in the world [rad]."""
+    half = 0.5 * math.sqrt(angle[0] * angle[0] + angle[1] * angle[1] + angle[2] * angle[2])
+    s = 0.5 * (math.sin(half) / half if half > 1e-8 else 1.0 - half * half / 6.0)
+    a, b, c, d = math.cos(half), s * angle[0], s * angle[1], s * angle[2]
+    w, x, y, z = q
+    return normal_quaternion(
+        (
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y + c * w + d * x - b * z,
+            a * z + d * w + b * y - c * x,
+        )
+    )
+
+
+@compiled
+def _rate(series: Array, k: int) -> Vector:
+    return (series[k, 4], series[k, 5], series[k, 6])
+
+
+@compiled
+def _put(series: Array, k: int, q: Quaternion, w: Vector, momentum: Vector) -> None:
+    for i in range(4):
+        series[k, i] = q[i]
+    for i in range(3):
+        series[k, 4 + i], series[k, 7 + i] = w[i], momentum[i]
+
+
+@compiled
+def _plus_product(total: Quaternion, series: Array, i: int, j: int) -> Quaternion:
+    """Return a total plus q_i ⊗ (0, ω_j)."""
+    a, b, c, d = series[i, 0], series[i, 1], series[i, 2], series[i, 3]
+    x, y, z = _rate(series, j)
+    return (
+        total[0] - b * x - c * y - d * z,
+        total[1] + a * x + c * z - d * y,
+        total[2] + a * y + d * x - b * z,
+        total[3] + a * z + b * y - c * x,
     )

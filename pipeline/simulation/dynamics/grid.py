@@ -1,0 +1,187 @@
+"""Grid: the surface of a terrain for compiled code, and what of it lies under a body.
+
+The same triangles as those of the height field, see there; places are taken to the frame of
+the grid, which may be turned.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.standing_out import standing_out
+from pipeline.simulation.dynamics.vectors import Vector
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.heightfield import HeightField
+from pipeline.simulation.terrain.quadfield import QuadField
+
+TILE = 8
+"""Cells along a tile, of which the height is known as a whole."""
+
+ROUNDING = 1e-9
+"""What places of vertices may be wrong by, in sizes of the terrain."""
+
+FRAME = np.dtype(
+    [
+        # Cells along x and z; whether one is four triangles about its middle, not two.
+        ("n_x", "i8"),
+        ("n_z", "i8"),
+        ("quads", "?"),
+        # Middle and extent along x and z [m]; cosine and sine of the heading.
+        *((name, "f8") for name in ("at_x", "at_z", "size_x", "size_z", "cos", "sin")),
+    ],
+    align=True,
+)
+"""Where a grid lies."""
+
+Numbers = NDArray[np.int64]
+Spans = tuple[int, int, int, int]
+
+
+class Grid(NamedTuple):
+    """A surface.
+
+    Attributes:
+        frame: a `FRAME`.
+        vertices: (V, 3) in the world, those of the grid first, then middles of cells [m].
+        tops: (m_z, m_x) the greatest heights of tiles [m].
+        ridges: (n, 2) ends of the edges that stand out, and of these ends, which are edges
+            from a vertex to itself; cell by cell.
+        starts: (n_cells + 1,) the first ridge of each cell.
+    """
+
+    frame: Record
+    vertices: Array
+    tops: Array
+    ridges: Numbers
+    starts: Numbers
+
+
+def grid_of(field: HeightField) -> Grid:
+    """Make a height field ready."""
+    edges = standing_out(field.vertices, field.faces, min(field.cell))
+    ridges = np.concatenate([edges, np.repeat(np.unique(edges)[:, None], 2, axis=1)])
+    turn = (math.cos(field.heading), math.sin(field.heading)) if field.heading else (1.0, 0.0)
+    frame = (*field.cells, isinstance(field, QuadField), *field.at, *field.size, *turn)
+    return Grid(
+        np.array([frame], dtype=FRAME).view(np.recarray)[0],
+        np.ascontiguousarray(field.vertices),
+        _tops(field.heights),
+        *_by_cell(ridges, field),
+    )
+
+
+def _by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:
+    """Sort ridges into cells, by a middle that they end in, else by their low corner."""
+    n_x, n_z = field.cells
+    low, high = ridges.min(axis=1), ridges.max(axis=1)
+    row, column = np.divmod(low, n_x + 1)
+    cell = np.minimum(row, n_z - 1) * n_x + np.minimum(column, n_x - 1)
+    middle = high >= field.heights.size
+    cell[middle] = high[middle] - field.heights.size
+    starts = np.zeros(n_x * n_z + 1, dtype=np.int64)
+    np.cumsum(np.bincount(cell, minlength=n_x * n_z), out=starts[1:])
+    return np.ascontiguousarray(ridges[np.argsort(cell, kind="stable")]), starts
+
+
+def _tops(heights: Array) -> Array:
+    cells = np.maximum(
+        np.maximum(heights[:-1, :-1], heights[1:, :-1]),
+        np.maximum(heights[:-1, 1:], heights[1:, 1:]),
+    )
+    n_z, n_x = cells.shape
+    room = np.full((-(-n_z // TILE) * TILE, -(-n_x // TILE) * TILE), -np.inf)
+    room[:n_z, :n_x] = cells
+    tiles: Array = room.reshape(len(room) // TILE, TILE, -1, TILE).max(axis=(1, 3))
+    return np.ascontiguousarray(tiles)
+
+
+@compiled
+def to_grid(frame: Record, x: float, z: float) -> tuple[float, float]:
+    """Take a place to the frame of the grid."""
+    x, z = x - frame.at_x, z - frame.at_z
+    return frame.cos * x - frame.sin * z, frame.sin * x + frame.cos * z
+
+
+@compiled
+def inside(frame: Record, x: float, z: float) -> bool:
+    """Say whether a place lies over the grid."""
+    u, v = to_grid(frame, x, z)
+    over: bool = abs(u) <= 0.5 * frame.size_x and abs(v) <= 0.5 * frame.size_z
+    return over
+
+
+@compiled
+def surface(frame: Record, vertices: Array, x: float, z: float) -> tuple[float, Vector]:
+    """Return the height and the normal of the surface at a place, see `HeightField`."""
+    x, z = to_grid(frame, x, z)
+    u = min(max((x / frame.size_x + 0.5) * frame.n_x, 0.0), float(frame.n_x))
+    v = min(max((z / frame.size_z + 0.5) * frame.n_z, 0.0), float(frame.n_z))
+    i, j = min(int(u), frame.n_x - 1), min(int(v), frame.n_z - 1)
+    u, v = u - i, v - j
+    low = j * (frame.n_x + 1) + i
+    high = low + frame.n_x + 1
+    h00, h10, h01, h11 = (
+        vertices[low, 1],
+        vertices[low + 1, 1],
+        vertices[high, 1],
+        vertices[high + 1, 1],
+    )
+    if frame.quads:
+        rise_u, rise_v = 0.5 * (h10 - h00 + (h11 - h01)), 0.5 * (h01 - h00 + (h11 - h10))
+        if abs(v - 0.5) >= abs(u - 0.5):
+            rise_u = h10 - h00 if v < 0.5 else h11 - h01
+        else:
+            rise_v = h01 - h00 if u < 0.5 else h11 - h10
+        height = 0.25 * ((h00 + h10) + (h01 + h11)) + rise_u * (u - 0.5) + rise_v * (v - 0.5)
+    elif u >= v:
+        rise_u, rise_v = h10 - h00, h11 - h10
+        height = h00 + u * rise_u + v * rise_v
+    else:
+        rise_u, rise_v = h11 - h01, h01 - h00
+        height = h00 + v * rise_v + u * rise_u
+    return height, _normal(frame, rise_u, rise_v)
+
+
+@compiled
+def _normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
+    """Return the normal of what rises so along a cell."""
+    along_x, along_z = rise_u * frame.n_x / frame.size_x, rise_v * frame.n_z / frame.size_z
+    along_x, along_z = (
+        frame.cos * along_x + frame.sin * along_z,
+        frame.cos * along_z - frame.sin * along_x,
+    )
+    up = 1.0 / math.sqrt(along_x * along_x + 1.0 + along_z * along_z)
+    return (-along_x * up, up, -along_z * up)
+
+
+@compiled
+def span(low: float, high: float, size: float, n: int) -> tuple[int, int]:
+    """Return the first and last of n cells, of `size` together, between two places."""
+    first = math.floor((low / size + 0.5 - ROUNDING) * n)
+    last = math.floor((high / size + 0.5 + ROUNDING) * n)
+    return min(max(int(first), 0), n - 1), min(max(int(last), 0), n - 1)
+
+
+@compiled
+def around(frame: Record, x: float, z: float, reach: float) -> Spans:
+    """Return first and last column, first and last row of the cells around a place."""
+    u, v = to_grid(frame, x, z)
+    i, i_last = span(u - reach, u + reach, frame.size_x, frame.n_x)
+    j, j_last = span(v - reach, v + reach, frame.size_z, frame.n_z)
+    return i, i_last, j, j_last
+
+
+@compiled
+def highest(frame: Record, tops: Array, x: float, z: float, reach: float) -> float:
+    """Return a height that the ground is below everywhere around a place [m]."""
+    i, i_last, j, j_last = around(frame, x, z, reach)
+    top = -np.inf
+    for tile_z in range(j // TILE, j_last // TILE + 1):
+        for tile_x in range(i // TILE, i_last // TILE + 1):
+            top = max(top, tops[tile_z, tile_x])
+    return top

@@ -1,0 +1,135 @@
+"""Records: what compiled code knows of bodies, one row a body, and of their shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.rigid import Bodies, State
+from pipeline.simulation.dynamics.vectors import Quaternion, Vector, normal_quaternion, triple
+from pipeline.simulation.spatial import Array
+
+CONTACTS = 32
+"""Contacts of a body that are looked at together: the nearest."""
+
+_VECTORS = (CONTACTS, 3)
+
+BODY = np.dtype(
+    [
+        # What stays, see `Bodies`; first and number of its vertices, facets and edges.
+        ("corners", "i8", 2),
+        ("facets", "i8", 2),
+        ("edges", "i8", 2),
+        ("mass", "f8"),
+        ("inertia", "f8", (3, 3)),
+        ("inverse", "f8", (3, 3)),
+        *((name, "f8") for name in ("radius", "reach", "size", "thin")),
+        *((name, "f8") for name in ("bounciness", "friction", "rolling", "soft")),
+        # How it is, see `State`.
+        ("p", "f8", 3),
+        ("q", "f8", 4),
+        ("v", "f8", 3),
+        ("w", "f8", 3),
+        # Where it touches the ground, or is about to, the nearest first: gaps along normals
+        # [m], normals from the ground, levers from the centre of mass in the world [m].
+        ("count", "i8"),
+        ("gap", "f8", CONTACTS),
+        ("normal", "f8", _VECTORS),
+        ("lever", "f8", _VECTORS),
+        # How many contacts hold it, and what forces these gave where [N], [m].
+        ("held", "i8"),
+        ("force", "f8", _VECTORS),
+        ("force_lever", "f8", _VECTORS),
+        # How long it is quiet, and will be pushed by a soft contact [s]; what that gives it in
+        # the world [m/s²], [rad/s²]; how deep it lies in what gave way [m].
+        ("quiet", "f8"),
+        ("pushed", "f8"),
+        ("push_v", "f8", 3),
+        ("push_w", "f8", 3),
+        ("sunk", "f8"),
+        ("awake", "?"),
+    ],
+    align=True,
+)
+"""A body."""
+
+
+class Shapes(NamedTuple):
+    """The polyhedra of all bodies, one after the other.
+
+    Attributes:
+        corners: (n, 3) vertices from the centre of mass [m].
+        facets: (n, 4) outward normals, and distances from the centre of mass [m].
+        edges: (n, 2) vertices, counted from the body's first.
+    """
+
+    corners: Array
+    facets: Array
+    edges: NDArray[np.int64]
+
+
+class Motion(NamedTuple):
+    """How a body is just now; letters as in `rigid`."""
+
+    p: Vector
+    q: Quaternion
+    v: Vector
+    w: Vector
+
+
+def records_of(bodies: Bodies, state: State) -> tuple[Records, Shapes]:
+    """Return records of bodies in a state, all awake, and their shapes."""
+    records = room(len(bodies.mass), BODY)
+    for name in set(BODY.names or ()) & set(vars(bodies)):
+        records[name] = getattr(bodies, name)
+    records["p"], records["q"], records["v"], records["w"] = state.p, state.q, state.v, state.w
+    records["awake"] = True
+    # Bodies of one shape share it.
+    hulls = list({id(hull): hull for hull in bodies.hulls if hull is not None}.values())
+    spans = {id(hull): k for k, hull in enumerate(hulls)}
+    shapes = Shapes(
+        _joined([hull.vertices for hull in hulls], 3),
+        _joined([np.column_stack([hull.normals, hull.offsets]) for hull in hulls], 4),
+        _joined([hull.edges for hull in hulls], 2).astype(np.int64),
+    )
+    for name, counts in (
+        ("corners", [len(hull.vertices) for hull in hulls]),
+        ("facets", [len(hull.normals) for hull in hulls]),
+        ("edges", [len(hull.edges) for hull in hulls]),
+    ):
+        first = np.cumsum(counts) - counts
+        for i, hull in enumerate(bodies.hulls):
+            if hull is not None:
+                k = spans[id(hull)]
+                records[name][i] = first[k], counts[k]
+    return records, shapes
+
+
+def _joined(rows: Sequence[NDArray[Any]], columns: int) -> NDArray[Any]:
+    return np.concatenate([np.zeros((0, columns)), *rows])
+
+
+def room(count: int, kind: np.dtype[np.void]) -> Records:
+    """Return so many records, all zero; their values have names in plain Python too."""
+    return np.zeros(count, dtype=kind).view(np.recarray)
+
+
+@compiled
+def now(body: Record) -> Motion:
+    """Return how a body is."""
+    q = body.q
+    attitude = normal_quaternion((q[0], q[1], q[2], q[3]))
+    return Motion(triple(body.p), attitude, triple(body.v), triple(body.w))
+
+
+@compiled
+def place(body: Record, motion: Motion) -> None:
+    """Let a body be so."""
+    for i in range(3):
+        body.p[i], body.v[i], body.w[i] = motion.p[i], motion.v[i], motion.w[i]
+    for i in range(4):
+        body.q[i] = motion.q[i]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.dynamics.going import SLACK, go, look
 from pipeline.simulation.dynamics.grid import grid_of
 from pipeline.simulation.dynamics.impulses import PART
-from pipeline.simulation.dynamics.records import CONTACTS, records_of, room
+from pipeline.simulation.dynamics.records import CONTACTS, Room, records_of, zeros
 from pipeline.simulation.dynamics.rigid import Bodies, State
 from pipeline.simulation.dynamics.tumbling import COLUMNS, ORDER
 from pipeline.simulation.spatial import Array
@@ -70,21 +70,24 @@ class Bouncing:
         self._records, self._shapes = records_of(bodies, state)
         self.state = State(*(self._records[name] for name in ("p", "q", "v", "w")))
         self.awake: NDArray[np.bool_] = self._records["awake"]
-        self._parts = room(CONTACTS, PART)
-        most = int(self._records["corners"][:, 1].max())
-        self._world = np.zeros((max(most, 1), 3))
-        self._series = np.zeros((ORDER + 1, COLUMNS))
+        vertices, edges = (int(self._records[name][:, 1].max()) for name in ("corners", "edges"))
+        self._room = Room(
+            np.zeros((max(vertices, 1), 3)),
+            np.zeros((max(edges, 1), 6)),
+            np.zeros((ORDER + 1, COLUMNS)),
+            zeros(CONTACTS, PART),
+        )
         self.look()
 
     def look(self) -> None:
         """Take in that bodies were put elsewhere."""
         slack = SLACK * float(self.bodies.size.max())
-        look(self._grid, self._shapes, self._records, self._world, slack)
+        look(self._grid, self._shapes, self._records, self._room, slack)
 
     def depths(self) -> Array:
         """Return how deep each body is in the ground (N,), negative above it [m]."""
         copies, slack = self._records.copy(), float(self.bodies.size.max())
-        look(self._grid, self._shapes, copies, self._world, slack)
+        look(self._grid, self._shapes, copies, self._room, slack)
         return np.where(copies["count"] > 0, -copies["gap"][:, 0], -np.inf)
 
     def drop(self, which: Numbers) -> None:
@@ -94,9 +97,7 @@ class Bouncing:
 
     def advance(self, dt: float) -> list[Impact]:
         """Go on by `dt` [s]; return what has struck the ground, in the order of time."""
-        strikes = go(
-            self._grid, self._shapes, self._records, self._parts, self._series, self._world, dt
-        )
+        strikes = go(self._grid, self._shapes, self._records, self._room, dt)
         self._fall_asleep()
         order = np.lexsort((strikes[:, 0], strikes[:, 1]))
         return [

@@ -13,7 +13,7 @@ from pipeline.simulation.dynamics.grid import Grid, highest
 from pipeline.simulation.dynamics.leaning import HELD, holding, leant, paid
 from pipeline.simulation.dynamics.meeting import meet
 from pipeline.simulation.dynamics.path import Path, along
-from pipeline.simulation.dynamics.records import Motion, Shapes, now, place
+from pipeline.simulation.dynamics.records import Motion, Room, Shapes, now, place
 from pipeline.simulation.dynamics.striking import REST, Strike, strike
 from pipeline.simulation.dynamics.tumbling import MOST_TURN, tumbled, tumbling
 from pipeline.simulation.dynamics.vectors import (
@@ -68,9 +68,7 @@ def go(
     grid: Grid,
     shapes: Shapes,
     bodies: Records,
-    parts: Records,
-    series: Array,
-    world: Array,
+    room: Room,
     dt: float,
 ) -> Array:
     """Take bodies that are awake through a step; return their strikes (n, STRIKES).
@@ -79,9 +77,7 @@ def go(
         grid: the ground.
         shapes: of all bodies.
         bodies: N `BODY`.
-        parts: room for the contacts of one that act.
-        series: room for the tumbling of one.
-        world: (V, 3) room for the vertices of one.
+        room: for one of them at a time.
         dt: the step [s].
     """
     strikes, count = np.empty((16, STRIKES)), 0
@@ -95,23 +91,23 @@ def go(
             if left <= DONE:
                 break
             if body.pushed == 0.0 and least(body) <= HELD * body.size:
-                one = _struck(body, parts)
+                one = _struck(body, room.parts)
                 if one.speed >= REST:
                     if count == len(strikes):
                         strikes = np.concatenate((strikes, np.empty_like(strikes)))
                     _write(strikes[count], b, dt - left, triple(body.p), one)
                     count += 1
-            left -= _sub_step(grid, shapes, body, parts, series, world, left)
+            left -= _sub_step(grid, shapes, body, room, left)
     return strikes[:count]
 
 
 @entry
-def look(grid: Grid, shapes: Shapes, bodies: Records, world: Array, slack: float) -> None:
+def look(grid: Grid, shapes: Shapes, bodies: Records, room: Room, slack: float) -> None:
     """Find the contacts of bodies that were put somewhere, up to gaps of `slack` [m]."""
     for b in range(len(bodies)):
         body = bodies[b]
         motion = now(body)
-        meet(grid, shapes, body, motion.p, motion.q, slack, world)
+        meet(grid, shapes, body, motion.p, motion.q, slack, room)
 
 
 @compiled
@@ -145,9 +141,7 @@ def _sub_step(
     grid: Grid,
     shapes: Shapes,
     body: Record,
-    parts: Records,
-    series: Array,
-    world: Array,
+    room: Room,
     left: float,
 ) -> float:
     """Take a body on by a sub-step, or to where it strikes; return how long [s]."""
@@ -157,13 +151,13 @@ def _sub_step(
     R = rotation(motion.q)
     n = 0
     if not pushed and before <= HELD * body.size:
-        n = holding(body, motion, R, h, parts)
-    path = _path(body, motion, R, parts, n, h, series)
+        n = holding(body, motion, R, h, room.parts)
+    path = _path(body, motion, R, n, h, room)
     # What lies deeper from the begin may stay so, but not go deeper.
     deep = (DEEP_HELD if n > 0 else DEEP) * body.size
     limit = -np.inf if pushed else min(before, 0.0) - deep
     slack = SLACK * body.size + (speed + GRAVITY * h) * h
-    h, end = _located(grid, shapes, body, path, h, limit, before, deep, slack, world)
+    h, end = _located(grid, shapes, body, path, h, limit, before, deep, slack, room)
     place(body, paid(body, motion, end) if n > 0 else end)
     _after(body, h, pushed)
     return h
@@ -189,23 +183,21 @@ def _length(
 
 
 @compiled
-def _path(
-    body: Record, motion: Motion, R: Rows, parts: Records, n: int, h: float, series: Array
-) -> Path:
+def _path(body: Record, motion: Motion, R: Rows, n: int, h: float, room: Room) -> Path:
     """Return the motion over a sub-step, of a body that n contacts hold."""
     turn, nothing = turned(R, motion.w), (0.0, 0.0, 0.0)
     if body.pushed > 0.0:
         body.held = 0
-        return Path(motion, triple(body.push_v), True, turn, triple(body.push_w), 0, series)
+        return Path(motion, triple(body.push_v), True, turn, triple(body.push_w), 0, room.series)
     inertia, inverse = rows_of(body.inertia), rows_of(body.inverse)
-    order = tumbling(motion.q, motion.w, inertia, inverse, h, series)
+    order = tumbling(motion.q, motion.w, inertia, inverse, h, room.series)
     if n == 0:
         body.held = 0
-        return Path(motion, (0.0, -GRAVITY, 0.0), False, turn, nothing, order, series)
-    q, w = tumbled(series, order, h)
-    v, after = leant(body, motion, R, parts, n, turned(rotation(q), w), h)
+        return Path(motion, (0.0, -GRAVITY, 0.0), False, turn, nothing, order, room.series)
+    q, w = tumbled(room.series, order, h)
+    v, after = leant(body, motion, R, room.parts, n, turned(rotation(q), w), h)
     a, turn_rate = times(1.0 / h, minus(v, motion.v)), times(1.0 / h, minus(after, turn))
-    return Path(motion, a, True, turn, turn_rate, order, series)
+    return Path(motion, a, True, turn, turn_rate, order, room.series)
 
 
 @compiled
@@ -219,7 +211,7 @@ def _located(
     before: float,
     deep: float,
     slack: float,
-    world: Array,
+    room: Room,
 ) -> tuple[float, Motion]:
     """Cut a path where a body gets below its limit; return its length and end.
 
@@ -229,7 +221,7 @@ def _located(
     aim = limit + 0.5 * deep
     for i in range(LOCATING):
         end = along(path, cut)
-        meet(grid, shapes, body, end.p, end.q, slack, world)
+        meet(grid, shapes, body, end.p, end.q, slack, room)
         for k in range(body.count):
             body.gap[k] += body.sunk
         lowest = least(body)

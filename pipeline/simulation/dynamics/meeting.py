@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.contacts import insert
 from pipeline.simulation.dynamics.grid import Grid, Spans, highest, inside, span, surface, to_grid
-from pipeline.simulation.dynamics.records import Shapes
+from pipeline.simulation.dynamics.records import Room, Shapes
 from pipeline.simulation.dynamics.ridges import Box, meet_ridges
 from pipeline.simulation.dynamics.rounding import meet_ball
 from pipeline.simulation.dynamics.vectors import (
@@ -37,7 +37,7 @@ def meet(
     p: Vector,
     q: Quaternion,
     slack: float,
-    world: Array,
+    room: Room,
 ) -> None:
     """Find the contacts of a body.
 
@@ -48,7 +48,7 @@ def meet(
         p: where it is meant to be [m].
         q: in which attitude.
         slack: gaps that are larger need not be told [m].
-        world: (V, 3) room for its vertices.
+        room: to work in.
     """
     body.count = 0
     if not inside(grid.frame, p[0], p[2]):
@@ -60,10 +60,10 @@ def meet(
         meet_ball(grid, body, p, slack)
         return
     R = rotation(q)
-    box, over = _placed(grid.frame, shapes.corners, body, p, R, slack, world)
+    box, over = _placed(grid.frame, shapes.corners, body, p, R, slack, room.world)
     if box[0][1] <= top:
-        _meet_corners(grid, body, p, world, slack)
-        meet_ridges(grid, shapes, body, p, R, world, box, over, slack)
+        _meet_corners(grid, body, p, room.world, slack)
+        meet_ridges(grid, shapes, body, p, R, room, box, over, slack)
 
 
 @compiled

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.hull import Hull
 from pipeline.simulation.dynamics.rigid import Bodies, State
 from pipeline.simulation.dynamics.vectors import Quaternion, Vector, normal_quaternion, triple
 from pipeline.simulation.spatial import Array
@@ -64,12 +66,28 @@ class Shapes(NamedTuple):
     Attributes:
         corners: (n, 3) vertices from the centre of mass [m].
         facets: (n, 4) outward normals, and distances from the centre of mass [m].
-        edges: (n, 2) vertices, counted from the body's first.
+        edges: (n, 4) vertices and the facets beside, counted from the body's first.
     """
 
     corners: Array
     facets: Array
     edges: NDArray[np.int64]
+
+
+class Room(NamedTuple):
+    """Room for what is worked out of one body at a time.
+
+    Attributes:
+        world: (V, 3) its vertices in the world [m].
+        edges: (E, 6) edges of it, beginnings and extents [m].
+        series: of its tumbling.
+        parts: (CONTACTS,) its contacts that act.
+    """
+
+    world: Array
+    edges: Array
+    series: Array
+    parts: Records
 
 
 class Motion(NamedTuple):
@@ -83,7 +101,7 @@ class Motion(NamedTuple):
 
 def records_of(bodies: Bodies, state: State) -> tuple[Records, Shapes]:
     """Return records of bodies in a state, all awake, and their shapes."""
-    records = room(len(bodies.mass), BODY)
+    records = zeros(len(bodies.mass), BODY)
     for name in set(BODY.names or ()) & set(vars(bodies)):
         records[name] = getattr(bodies, name)
     records["p"], records["q"], records["v"], records["w"] = state.p, state.q, state.v, state.w
@@ -94,7 +112,7 @@ def records_of(bodies: Bodies, state: State) -> tuple[Records, Shapes]:
     shapes = Shapes(
         _joined([hull.vertices for hull in hulls], 3),
         _joined([np.column_stack([hull.normals, hull.offsets]) for hull in hulls], 4),
-        _joined([hull.edges for hull in hulls], 2).astype(np.int64),
+        _joined([_edges(hull) for hull in hulls], 4).astype(np.int64),
     )
     for name, counts in (
         ("corners", [len(hull.vertices) for hull in hulls]),
@@ -113,7 +131,16 @@ def _joined(rows: Sequence[NDArray[Any]], columns: int) -> NDArray[Any]:
     return np.concatenate([np.zeros((0, columns)), *rows])
 
 
-def room(count: int, kind: np.dtype[np.void]) -> Records:
+def _edges(hull: Hull) -> NDArray[np.int64]:
+    """Return the edges (E, 4) of a hull: vertices and the facets beside."""
+    beside = {}
+    for f, facet in enumerate(hull.facets):
+        for edge in pairwise((*facet, facet[0])):
+            beside[edge] = f
+    return np.array([(a, b, beside[a, b], beside[b, a]) for a, b in hull.edges.tolist()])
+
+
+def zeros(count: int, kind: np.dtype[np.void]) -> Records:
     """Return so many records, all zero; their values have names in plain Python too."""
     return np.zeros(count, dtype=kind).view(np.recarray)
 

@@ -17,8 +17,8 @@ import numpy as np
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.contacts import insert_new
-from pipeline.simulation.dynamics.grid import Grid, Numbers, Spans
-from pipeline.simulation.dynamics.records import Shapes
+from pipeline.simulation.dynamics.grid import Grid, Spans
+from pipeline.simulation.dynamics.records import Room, Shapes
 from pipeline.simulation.dynamics.vectors import (
     Rows,
     Vector,
@@ -40,6 +40,9 @@ OVERHANG = -0.1
 PARALLEL = 1e-6
 """Sine of the angle between edges that cross nowhere in particular."""
 
+UP = 1e-3
+"""Rise of the normal of a facet that nothing below can touch."""
+
 Box = tuple[Vector, Vector]
 """Least and greatest coordinates [m]."""
 
@@ -51,7 +54,7 @@ def meet_ridges(
     body: Record,
     p: Vector,
     R: Rows,
-    world: Array,
+    room: Room,
     box: Box,
     cells: Spans,
     slack: float,
@@ -64,18 +67,22 @@ def meet_ridges(
         body: the one that meets it.
         p: its place [m].
         R: its attitude.
-        world: (V, 3) its vertices in the world [m].
+        room: in it, its vertices in the world [m].
         box: that these lie in.
         cells: those under it.
         slack: gaps that are larger count for nothing [m].
     """
+    vertices, ridges, starts = grid.vertices, grid.ridges, grid.starts
     i, i_last, j, j_last = cells
     least, most = box
+    # The first ridge that is near asks for them.
+    edges = -1
     for line in range(j, j_last + 1):
         start = line * grid.frame.n_x
-        for k in range(grid.starts[start + i], grid.starts[start + i_last + 1]):
-            one, other = grid.ridges[k, 0], grid.ridges[k, 1]
-            c, d = row(grid.vertices, one), row(grid.vertices, other)
+        for k in range(starts[start + i], starts[start + i_last + 1]):
+            one, other = ridges[k, 0], ridges[k, 1]
+            c = (vertices[one, 0], vertices[one, 1], vertices[one, 2])
+            d = (vertices[other, 0], vertices[other, 1], vertices[other, 2])
             apart = max(c[0], d[0]) < least[0] - slack or min(c[0], d[0]) > most[0] + slack
             apart = apart or max(c[2], d[2]) < least[2] - slack
             apart = apart or min(c[2], d[2]) > most[2] + slack
@@ -84,7 +91,27 @@ def meet_ridges(
             if one == other:
                 _meet_peak(shapes.facets, body, p, R, c, slack)
             else:
-                _meet_edge(shapes.edges, body, p, world, c, d, slack)
+                if edges < 0:
+                    edges = _lower_edges(shapes, body, R, room)
+                _meet_edge(room.edges, edges, body, p, c, minus(d, c), slack)
+
+
+@compiled
+def _lower_edges(shapes: Shapes, body: Record, R: Rows, room: Room) -> int:
+    """Write beginnings and extents of edges that something below can touch; return how many."""
+    n, edges, world = 0, room.edges, room.world
+    first, count = body.edges
+    facet = body.facets[0]
+    for e in range(first, first + count):
+        start, end = shapes.edges[e, 0], shapes.edges[e, 1]
+        one = dot(R[1], row(shapes.facets, facet + shapes.edges[e, 2]))
+        other = dot(R[1], row(shapes.facets, facet + shapes.edges[e, 3]))
+        if min(one, other) < UP:
+            for i in range(3):
+                edges[n, i] = world[start, i]
+                edges[n, 3 + i] = world[end, i] - world[start, i]
+            n += 1
+    return n
 
 
 @compiled
@@ -108,26 +135,22 @@ def _meet_peak(facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, sl
 
 @compiled
 def _meet_edge(
-    edges: Numbers, body: Record, p: Vector, world: Array, c: Vector, d: Vector, slack: float
+    edges: Array, n: int, body: Record, p: Vector, c: Vector, ground: Vector, slack: float
 ) -> None:
-    """Add the places where edges of a body pass over an edge of the ground."""
-    top = max(c[1], d[1]) + slack
-    ground = minus(d, c)
-    first, count = body.edges
-    for e in range(first, first + count):
-        a, end = row(world, edges[e, 0]), row(world, edges[e, 1])
-        if min(a[1], end[1]) > top:
-            continue
-        along, between = minus(end, a), minus(c, a)
+    """Add the places where n edges of a body pass over an edge of the ground, from c."""
+    for e in range(n):
+        x, z = edges[e, 3], edges[e, 5]
+        between_x, between_z = c[0] - edges[e, 0], c[2] - edges[e, 2]
         # Areas of what two vectors span, seen from above.
-        width = along[0] * ground[2] - along[2] * ground[0]
-        s = between[0] * ground[2] - between[2] * ground[0]
-        t = between[0] * along[2] - between[2] * along[0]
+        width = x * ground[2] - z * ground[0]
+        s = between_x * ground[2] - between_z * ground[0]
+        t = between_x * z - between_z * x
         if width < 0.0:
             width, s, t = -width, -s, -t
-        if width > 0.0 and s >= 0.0 and t >= 0.0 and s <= width and t <= width:
+        if s >= 0.0 and t >= 0.0 and s <= width and t <= width and width > 0.0:
             s, t = s / width, t / width
-            rise = a[1] + s * along[1] - (c[1] + t * ground[1])
+            along = (x, edges[e, 4], z)
+            rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
             lever = minus(plus(c, times(t, ground)), p)
             _cross(body, along, ground, rise, lever, slack)
 

@@ -23,7 +23,11 @@ class Rub:
     level: float
 
 
-RUBS: dict[str, Rub] = {"scuff": Rub("guitar fret noise", 0.14, -12.0)}
+RUBS: dict[str, Rub] = {
+    "scuff": Rub("guitar fret noise", 0.14, -12.0),
+    "slide": Rub("breath noise", 0.3, -12.0),
+    "roll": Rub("seashore", 0.3, -18.0),
+}
 
 
 def rub_of(cause: str) -> Rub | None:

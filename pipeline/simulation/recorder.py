@@ -154,9 +154,9 @@ class Recorder:
                 self.ground.forbidden,
                 self.ground.material,
             ),
-            # Those of groups come when their rows are written; all others are in order.
-            contacts=tuple(sorted(self.contacts, key=lambda c: c.step)),
-            events=tuple(sorted(self.events, key=lambda e: e.step)),
+            # What rolls or slides is known when it has ended, what groups do when it is written.
+            contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
+            events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self._notes.values()),
         )
 

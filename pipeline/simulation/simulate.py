@@ -17,7 +17,6 @@ from pipeline.errors import Problem, SceneError, SimulationError
 from pipeline.simulation.attaching import bonds_of
 from pipeline.simulation.bodies.groups.groups import Groups
 from pipeline.simulation.bodies.props import Props
-from pipeline.simulation.bodies.tumblers import Tumblers
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect import DETECTORS
 from pipeline.simulation.figures.figure import Figure, build_figure
@@ -194,6 +193,9 @@ def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Tro
         troupes.append(Props(props, world, [member.material or THING for member in props]))
     bodies = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Body)]
     if bodies:
+        # Bodies need a compiler, whose loading others need not wait for.
+        from pipeline.simulation.bodies.tumblers import Tumblers
+
         troupes.append(Tumblers(bodies, world, [member.material or THING for _, member in bodies]))
     groups = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Group)]
     if groups:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 FORMAT = 1
 """Version of the take's layout."""
 
-ContactKind = Literal["touch", "scuff", "hit"]
+ContactKind = Literal["touch", "scuff", "hit", "roll", "slide"]
 
 TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes")
 """What a take has rows of that are no numbers alone."""
@@ -149,13 +149,14 @@ class Contact:
         other: what was touched, such as "terrain".
         place: where [m].
         normal: of the surface touched.
-        speed: of approach along the normal; of a scuff along the surface [m/s].
+        speed: of approach along the normal; of what rubs along the surface, at most [m/s].
         energy: of what goes at this speed [J].
         material: of the part.
         surface: material of the other.
         size: characteristic length of the part [m].
         kind: "touch" if the part comes to rest, "scuff" if it brushes over the other, "hit" if
-            what moves freely strikes it.
+            what moves freely strikes it, "roll" and "slide" if it does so over the other.
+        until: of what rolls or slides, the last step at which it does.
     """
 
     step: int
@@ -171,6 +172,7 @@ class Contact:
     surface: str
     size: float
     kind: ContactKind = "touch"
+    until: int = -1
 
 
 @dataclass(frozen=True, slots=True)

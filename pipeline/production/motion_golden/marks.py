@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pipeline.simulation.take import Contact, Note, SoundEvent, Take
 
-DOES = {"touch": "touches", "scuff": "scuffs", "hit": "hits"}
+DOES = {"touch": "touches", "scuff": "scuffs", "hit": "hits", "roll": "rolls", "slide": "slides"}
 """What a part does in each kind of contact."""
 
 

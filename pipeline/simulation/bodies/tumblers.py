@@ -15,9 +15,10 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.bevelled import bevelled
 from pipeline.simulation.bodies.pips import MATERIAL, pips
 from pipeline.simulation.bodies.polyhedra import hull_of_words
+from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
 from pipeline.simulation.dynamics.bouncing import Bouncing, Impact
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
-from pipeline.simulation.dynamics.rigid import Bodies, Build, State, unturned
+from pipeline.simulation.dynamics.rigid import Bodies, Build, State, dot, unturned
 from pipeline.simulation.figures.solids import Solid, ball
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading, matrix, quaternion
@@ -58,6 +59,11 @@ class Tumblers:
         self.inventory = _inventory(cast, builds, materials, world.clock.rows)
         self._floor = float(world.ground.field.heights.min()) - FALL
         self.alive = np.ones(len(cast), dtype=bool)
+        dt = world.clock.dt
+        self._rolls, self._slides = (
+            Rubbing("roll", len(cast), dt),
+            Rubbing("slide", len(cast), dt),
+        )
         self._contacts: tuple[Contact, ...] = ()
         self._notes: tuple[Note, ...] = ()
         self._kept: list[tuple[Array, Array, Array]] = []
@@ -68,7 +74,11 @@ class Tumblers:
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         impacts = self.bouncing.advance(self.world.clock.dt)
-        self._contacts = tuple(self._contact(step, impact) for impact in impacts)
+        rubs = self._rubs(step + 1)
+        self._contacts = (
+            *(self._contact(step, impact) for impact in impacts),
+            *(self._rubbed(rub) for rub in rubs),
+        )
         lost = np.flatnonzero(self.alive & (self.bouncing.state.p[:, 1] < self._floor))
         self.alive[lost] = False
         self.bouncing.drop(lost)
@@ -91,6 +101,38 @@ class Tumblers:
     def facts(self) -> Facts:
         """Return what struck the ground in the last step, and what was lost."""
         return Facts(self._contacts, self._notes)
+
+    def _rubs(self, step: int) -> list[Rub]:
+        """Return what has ended to roll or to slide."""
+        touches, place, normal, v, slip = self.bouncing.touching()
+        final = step == self.world.clock.last_step
+        speeds = [np.sqrt(dot(u, u)) for u in (v - dot(v, normal)[:, None] * normal, slip)]
+        ball = self.bouncing.bodies.radius > 0.0
+        rolls = ball & (speeds[1] <= SLIPS * speeds[0])
+        where = place, normal, final
+        return [
+            *self._rolls.look(step, touches & rolls, speeds[0], *where),
+            *self._slides.look(step, touches & ~rolls, speeds[1], *where),
+        ]
+
+    def _rubbed(self, rub: Rub) -> Contact:
+        i, bodies = rub.body, self.bouncing.bodies
+        return Contact(
+            step=rub.first,
+            fraction=0.0,
+            performer=self.names[i],
+            part="",
+            other="terrain",
+            place=rub.place,
+            normal=rub.normal,
+            speed=rub.speed,
+            energy=0.5 * float(bodies.mass[i]) * rub.speed**2,
+            material=self.materials[i],
+            surface=self.world.ground.material,
+            size=float(bodies.size[i]),
+            kind=rub.kind,
+            until=rub.last,
+        )
 
     def _contact(self, step: int, impact: Impact) -> Contact:
         i = impact.body

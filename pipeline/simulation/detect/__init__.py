@@ -5,7 +5,8 @@ A new cause is a file here and a line in `DETECTORS`.
 
 from pipeline.simulation.detect.collisions import collisions
 from pipeline.simulation.detect.footfalls import footfalls
+from pipeline.simulation.detect.rubs import rubs
 from pipeline.simulation.detect.scuffs import scuffs
 
-DETECTORS = (footfalls, scuffs, collisions)
+DETECTORS = (footfalls, scuffs, collisions, rubs)
 """Functions (contacts of one step, clock) -> sound events."""

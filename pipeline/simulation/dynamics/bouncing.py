@@ -18,16 +18,10 @@ from pipeline.simulation.dynamics.going import SLACK, go, look
 from pipeline.simulation.dynamics.grid import grid_of
 from pipeline.simulation.dynamics.impulses import PART
 from pipeline.simulation.dynamics.records import CONTACTS, Room, records_of, zeros
-from pipeline.simulation.dynamics.rigid import Bodies, State
+from pipeline.simulation.dynamics.rigid import Bodies, State, dot, turned
 from pipeline.simulation.dynamics.tumbling import COLUMNS, ORDER
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, cross, matrix
 from pipeline.simulation.terrain import Ground
-
-QUIET_TIME = 0.4
-"""How long a body is quiet until it sleeps [s]."""
-
-PROPPED, PROPPED_TIME = 3, 1.5
-"""Contacts that let a body lie safely; one with fewer sleeps after this time [s]."""
 
 Numbers = NDArray[np.int64]
 
@@ -90,6 +84,21 @@ class Bouncing:
         look(self._grid, self._shapes, copies, self._room, slack)
         return np.where(copies["count"] > 0, -copies["gap"][:, 0], -np.inf)
 
+    def touching(self) -> tuple[NDArray[np.bool_], Array, Array, Array, Array]:
+        """Return how bodies move that the ground holds, by the nearest contact of each.
+
+        Returns:
+            Which bodies it holds (N,), and of all bodies, meaningless of others, the places of
+            contacts (N, 3) [m], normals of the ground (N, 3), velocities (N, 3) [m/s], and
+            velocities of the contacts along the ground (N, 3) [m/s].
+        """
+        held = self.awake & (self._records["held"] > 0) & (self._records["count"] > 0)
+        lever, normal = self._records["lever"][:, 0], self._records["normal"][:, 0]
+        turning = turned(matrix(self.state.q), self.state.w)
+        u = self.state.v + cross(turning, lever)
+        slip = u - dot(u, normal)[:, None] * normal
+        return held, self.state.p + lever, normal, self.state.v, slip
+
     def drop(self, which: Numbers) -> None:
         """Take bodies out of the world: they no longer move."""
         self.awake[which] = False
@@ -98,15 +107,8 @@ class Bouncing:
     def advance(self, dt: float) -> list[Impact]:
         """Go on by `dt` [s]; return what has struck the ground, in the order of time."""
         strikes = go(self._grid, self._shapes, self._records, self._room, dt)
-        self._fall_asleep()
-        order = np.lexsort((strikes[:, 0], strikes[:, 1]))
-        return [
+        impacts = [
             Impact(int(body), time, (x, y, z), (n_x, n_y, n_z), speed, energy)
-            for body, time, x, y, z, n_x, n_y, n_z, speed, energy in strikes[order].tolist()
+            for body, time, x, y, z, n_x, n_y, n_z, speed, energy in strikes.tolist()
         ]
-
-    def _fall_asleep(self) -> None:
-        """Let bodies sleep that have long been quiet."""
-        propped = (self._records["held"] >= PROPPED) | (self.bodies.radius > 0.0)
-        long = np.where(propped, QUIET_TIME, PROPPED_TIME)
-        self.drop(np.flatnonzero(self.awake & (self._records["quiet"] >= long)))
+        return sorted(impacts, key=lambda one: (one.time, one.body))

@@ -50,11 +50,20 @@ SLACK = 0.02
 LOCATING = 60
 """Most times that a path is cut to find an impact."""
 
+AT_ONCE = 1e-12
+"""Time in which what happens happens at once [s]."""
+
 MOST_ROUNDS = 400
 """Sub-steps of one step; what needs more is stuck, and loses the rest of its step."""
 
 QUIET = 0.01
 """Speed of any point below which a body is quiet [m/s]."""
+
+QUIET_TIME = 0.4
+"""How long a body is quiet until it sleeps [s]."""
+
+PROPPED, PROPPED_TIME = 3, 1.5
+"""Contacts that let a body lie safely; one with fewer sleeps after this time [s]."""
 
 DONE = 1e-12
 """What is left of a step when it is over [s]."""
@@ -98,6 +107,7 @@ def go(
                     _write(strikes[count], b, dt - left, triple(body.p), one)
                     count += 1
             left -= _sub_step(grid, shapes, body, room, left)
+        _fall_asleep(body)
     return strikes[:count]
 
 
@@ -219,26 +229,41 @@ def _located(
     """
     cut, low, high, f_low, f_high = h, 0.0, h, 0.0, 0.0
     aim = limit + 0.5 * deep
+    end = _moved(grid, shapes, body, path, cut, slack, room)
+    f = least(body) - aim
+    if f + 0.5 * deep >= 0.0:
+        return cut, end
+    # A contact that is just leaving is as near as nothing: it must not draw the search.
+    f_high, f_low = f, min(max(before - aim, -f), -1e3 * f)
     for i in range(LOCATING):
-        end = along(path, cut)
-        meet(grid, shapes, body, end.p, end.q, slack, room)
-        for k in range(body.count):
-            body.gap[k] += body.sunk
-        lowest = least(body)
-        f = lowest - aim
-        if (i == 0 and lowest >= limit) or (i > 0 and abs(f) <= 0.45 * deep):
-            break
-        if i == 0:
-            # A contact that is just leaving is as near as nothing: it must not draw the search.
-            f_high, f_low = f, min(max(before - aim, -f), -1e3 * f)
-        elif f < 0.0:
-            high, f_high, f_low = cut, f, 0.5 * f_low
-        else:
-            low, f_low, f_high = cut, f, 0.5 * f_high
         cut = 0.5 * (low + high)
         if i % 4 != 3:
             cut = high - f_high * (high - low) / (f_high - f_low)
-    return cut, end
+        end = _moved(grid, shapes, body, path, cut, slack, room)
+        f = least(body) - aim
+        if abs(f) <= 0.45 * deep:
+            return cut, end
+        if f < 0.0:
+            high, f_high, f_low = cut, f, 0.5 * f_low
+        else:
+            low, f_low, f_high = cut, f, 0.5 * f_high
+        if high - low <= AT_ONCE:
+            break
+    # A contact that is deep at once, as in a corner of the ground that an edge slides into:
+    # it is there at the end of the search alone.
+    return high, _moved(grid, shapes, body, path, high, slack, room)
+
+
+@compiled
+def _moved(
+    grid: Grid, shapes: Shapes, body: Record, path: Path, t: float, slack: float, room: Room
+) -> Motion:
+    """Return how a body is after a time t, its contacts there having been found."""
+    end = along(path, t)
+    meet(grid, shapes, body, end.p, end.q, slack, room)
+    for k in range(body.count):
+        body.gap[k] += body.sunk
+    return end
 
 
 @compiled
@@ -256,3 +281,13 @@ def _after(body: Record, h: float, pushed: bool) -> None:
     speed = length(triple(body.v)) + length(triple(body.w)) * body.reach
     if speed > QUIET or body.held == 0:
         body.quiet = 0.0
+
+
+@compiled
+def _fall_asleep(body: Record) -> None:
+    """Let a body sleep that has long been quiet."""
+    propped = body.held >= PROPPED or body.radius > 0.0
+    if body.quiet >= (QUIET_TIME if propped else PROPPED_TIME):
+        body.awake = False
+        for i in range(3):
+            body.v[i] = body.w[i] = 0.0

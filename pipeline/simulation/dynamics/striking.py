@@ -21,6 +21,7 @@ from pipeline.simulation.dynamics.vectors import (
     Rows,
     Vector,
     carried,
+    cross,
     dot,
     length,
     minus,
@@ -97,19 +98,22 @@ def strike(body: Record, now: Motion, parts: Records) -> Strike:
     """
     R = rotation(now.q)
     w = turned(R, now.w)
-    matter = matter_of(body, R)
     n, fastest = 0, 0.0
     for k in range(body.count):
         if body.gap[k] > TOUCHING * body.size:
             break
-        add_part(parts[k], body, k, matter.inverse)
-        u = speed(parts[k], 0, now.v, w)
-        parts[k].target[0] = -body.bounciness * u if u < -REST else 0.0
+        u = dot(row(body.normal, k), plus(now.v, cross(w, row(body.lever, k))))
         fastest = min(fastest, u)
         n = k + 1
     nothing = (0.0, 0.0, 0.0)
+    # What lies comes here sub-step by sub-step, and needs no more.
     if not fastest < -APPROACHES:
         return Strike(now.v, now.w, 0.0, 0.0, nothing, nothing)
+    matter = matter_of(body, R)
+    for k in range(n):
+        add_part(parts[k], body, k, matter.inverse)
+        u = speed(parts[k], 0, now.v, w)
+        parts[k].target[0] = -body.bounciness * u if u < -REST else 0.0
     v, turn = _lossy(matter, parts, n, now.v, w)
     total, place, normal, energy = 1e-300, nothing, nothing, 0.0
     for k in range(n):

@@ -1,0 +1,113 @@
+"""Rubbing: bodies that roll or slide over the ground for a while, with a begin and an end.
+
+What touches slides if its contact moves along the ground; a ball rolls if its middle does and
+the contact hardly. (A polyhedron that rolls strikes with edge after edge.) It begins when it
+has been quick for a while and ends when it has been slow, or in the air, for a while: so a
+rattle is one rub, and what settles or shivers is none. Begin and end are those of the motion,
+not of the whiles.
+
+Source: Sims 1987, 13.1.2, sounds from motion.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array
+
+QUICK, SLOW = 0.1, 0.05
+"""Speeds along the ground that begin a rub, and below which it ends [m/s]."""
+
+BEGINS, ENDS = 0.05, 0.1
+"""For how long these have to last [s]."""
+
+PAUSE = 2
+"""Steps without it that take a rub back which has not yet lasted."""
+
+SLIPS = 0.2
+"""Part of a ball's speed that its contact has at most while it rolls."""
+
+Kind = Literal["roll", "slide"]
+
+
+@dataclass(frozen=True, slots=True)
+class Rub:
+    """A body has rolled or slid.
+
+    Attributes:
+        body: its number.
+        kind: which.
+        first: the first step at which it did.
+        last: the last one.
+        place: (3,) where it began [m].
+        normal: (3,) of the ground there.
+        speed: the greatest along the ground [m/s].
+    """
+
+    body: int
+    kind: Kind
+    first: int
+    last: int
+    place: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    speed: float
+
+
+class Rubbing:
+    """One way in which N bodies rub.
+
+    Attributes:
+        kind: which.
+    """
+
+    def __init__(self, kind: Kind, count: int, dt: float) -> None:
+        self.kind = kind
+        self._begins, self._ends = max(round(BEGINS / dt), 1), max(round(ENDS / dt), 1)
+        self._first = np.full(count, -1)
+        self._last = np.full(count, -1)
+        self._on = np.zeros(count, dtype=bool)
+        self._speed = np.zeros(count)
+        self._place, self._normal = np.zeros((count, 3)), np.zeros((count, 3))
+
+    def look(
+        self,
+        step: int,
+        touches: NDArray[np.bool_],
+        speed: Array,
+        place: Array,
+        normal: Array,
+        final: bool,
+    ) -> list[Rub]:
+        """Take in how bodies move at a step; return the rubs that have ended.
+
+        Args:
+            step: the number of it, counted on by one.
+            touches: (N,) who may rub.
+            speed: (N,) along the ground [m/s].
+            place: (N, 3) of the contacts [m].
+            normal: (N, 3) of the ground there.
+            final: whether no step follows.
+        """
+        goes = touches & (speed > np.where(self._first >= 0, SLOW, QUICK))
+        new = goes & (self._first < 0)
+        self._first[new], self._speed[new] = step, 0.0
+        self._place[new], self._normal[new] = place[new], normal[new]
+        self._last[goes] = step
+        self._speed[goes] = np.maximum(self._speed, speed)[goes]
+        self._on |= goes & (step - self._first >= self._begins)
+        # Before it has begun a pause takes it back; after that only a long one ends it.
+        rest = np.where(self._on, self._ends, PAUSE)
+        over = (self._first >= 0) & ((step - self._last >= rest) | final)
+        ended = [self._rub(int(i)) for i in np.flatnonzero(over & self._on)]
+        self._first[over], self._on[over] = -1, False
+        return ended
+
+    def _rub(self, i: int) -> Rub:
+        x, y, z = self._place[i].tolist()
+        a, b, c = self._normal[i].tolist()
+        first, last = int(self._first[i]), int(self._last[i])
+        return Rub(i, self.kind, first, last, (x, y, z), (a, b, c), float(self._speed[i]))

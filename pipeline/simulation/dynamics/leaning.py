@@ -103,9 +103,22 @@ def leant(
         put(body.force, k, force)
         put(body.force_lever, k, row(body.lever, parts[k].which))
     # Rolling is resisted by a moment of lever times force.
-    momentum = length(turned(rows_of(body.inertia), now.w))
+    momentum = length(turned(rows_of(body.inertia), unturned(R, turn)))
     lost = body.rolling * total / max(momentum, 1e-300)
-    return v, times(max(1.0 - lost, 0.0), turn)
+    if lost < 1.0:
+        return v, times(1.0 - lost, turn)
+    return (_blocked(body, now.v, parts, n, h) if body.radius > 0.0 else v), (0.0, 0.0, 0.0)
+
+
+@compiled
+def _blocked(body: Record, v: Vector, parts: Records, n: int, h: float) -> Vector:
+    """Return the velocity of a ball after a sub-step in which it cannot turn."""
+    nothing = (0.0, 0.0, 0.0)
+    for k in range(n):
+        add_part(parts[k], body, parts[k].which, (nothing, nothing, nothing))
+        _ask(parts[k], body, v, nothing, h)
+    free = (v[0], v[1] - h * GRAVITY, v[2])
+    return solved(parts, n, free, nothing, 1.0 / body.mass, body.friction, ENOUGH, SWEEPS)[0]
 
 
 @compiled

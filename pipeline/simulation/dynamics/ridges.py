@@ -40,6 +40,9 @@ OVERHANG = -0.1
 PARALLEL = 1e-6
 """Sine of the angle between edges that cross nowhere in particular."""
 
+AMISS = 1e-3
+"""Depth of crossing edges from which facets are asked as well, in sizes of the body."""
+
 UP = 1e-3
 """Rise of the normal of a facet that nothing below can touch."""
 
@@ -93,7 +96,7 @@ def meet_ridges(
             else:
                 if edges < 0:
                     edges = _lower_edges(shapes, body, R, room)
-                _meet_edge(room.edges, edges, body, p, c, minus(d, c), slack)
+                _meet_edge(shapes.facets, room.edges, edges, body, p, R, c, minus(d, c), slack)
 
 
 @compiled
@@ -118,24 +121,41 @@ def _lower_edges(shapes: Shapes, body: Record, R: Rows, room: Room) -> int:
 def _meet_peak(facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, slack: float) -> None:
     """Add a vertex of the ground near a facet, its gap being the distance from that."""
     lever = minus(peak, p)
+    gap, normal = _out(facets, body, R, lever, slack)
+    # No ground hangs over, so what lies in a facet that looks up is met by another.
+    if gap <= slack and normal[1] > OVERHANG:
+        insert_new(body, gap, normal, lever)
+
+
+@compiled
+def _out(facets: Array, body: Record, R: Rows, lever: Vector, slack: float) -> tuple[float, Vector]:
+    """Return how far a place is outside the nearest facet, and the normal into that.
+
+    Beyond `slack` whichever facet comes first is told.
+    """
     place = unturned(R, lever)
     most, which = -np.inf, 0
     first, count = body.facets
     for k in range(first, first + count):
         away = dot(row(facets, k), place) - facets[k, 3]
-        if away > slack:
-            return
         if away > most:
             most, which = away, k
-    normal = times(-1.0, turned(R, row(facets, which)))
-    # No ground hangs over, so what lies in a facet that looks up is met by another.
-    if normal[1] > OVERHANG:
-        insert_new(body, most, normal, lever)
+            if away > slack:
+                break
+    return most, times(-1.0, turned(R, row(facets, which)))
 
 
 @compiled
 def _meet_edge(
-    edges: Array, n: int, body: Record, p: Vector, c: Vector, ground: Vector, slack: float
+    facets: Array,
+    edges: Array,
+    n: int,
+    body: Record,
+    p: Vector,
+    R: Rows,
+    c: Vector,
+    ground: Vector,
+    slack: float,
 ) -> None:
     """Add the places where n edges of a body pass over an edge of the ground, from c."""
     for e in range(n):
@@ -152,12 +172,19 @@ def _meet_edge(
             along = (x, edges[e, 4], z)
             rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
             lever = minus(plus(c, times(t, ground)), p)
-            _cross(body, along, ground, rise, lever, slack)
+            _cross(facets, body, R, along, ground, rise, lever, slack)
 
 
 @compiled
 def _cross(
-    body: Record, along: Vector, ground: Vector, rise: float, lever: Vector, slack: float
+    facets: Array,
+    body: Record,
+    R: Rows,
+    along: Vector,
+    ground: Vector,
+    rise: float,
+    lever: Vector,
+    slack: float,
 ) -> None:
     """Add the contact of two edges that cross, seen from above, one above the other."""
     normal = cross(along, ground)
@@ -165,5 +192,10 @@ def _cross(
     if square > PARALLEL * PARALLEL * dot(along, along) * dot(ground, ground):
         normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
         gap = rise * normal[1]
+        if gap < -AMISS * body.size:
+            # Beside a wall this is deep below the edge, and yet hardly inside.
+            away, out = _out(facets, body, R, lever, slack)
+            if away > gap and out[1] > OVERHANG:
+                gap, normal = away, out
         if gap <= slack:
             insert_new(body, gap, normal, lever)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 FALL = """
@@ -36,7 +37,11 @@ def told(code: str, **environment: str) -> str:
 
 @pytest.mark.slow
 def test_machine_code_does_what_python_does() -> None:
-    assert told(FALL) == told(FALL, NUMBA_DISABLE_JIT="1")
+    compiled, plain = (
+        np.frombuffer(bytes.fromhex(told(FALL, NUMBA_DISABLE_JIT=word))) for word in ("0", "1")
+    )
+    # Sines and quotients may differ in their last bits, which impacts make larger.
+    np.testing.assert_allclose(compiled, plain, rtol=0, atol=1e-9)
 
 
 ENTRY = """

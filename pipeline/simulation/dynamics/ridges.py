@@ -172,7 +172,8 @@ def _meet_edge(
             along = (x, edges[e, 4], z)
             rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
             lever = minus(plus(c, times(t, ground)), p)
-            _cross(facets, body, R, along, ground, rise, lever, slack)
+            start = (-between_x, edges[e, 1] - c[1], -between_z)
+            _cross(facets, body, R, along, ground, start, rise, lever, slack)
 
 
 @compiled
@@ -182,6 +183,7 @@ def _cross(
     R: Rows,
     along: Vector,
     ground: Vector,
+    start: Vector,
     rise: float,
     lever: Vector,
     slack: float,
@@ -192,10 +194,27 @@ def _cross(
     if square > PARALLEL * PARALLEL * dot(along, along) * dot(ground, ground):
         normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
         gap = rise * normal[1]
-        if gap < -AMISS * body.size:
-            # Beside a wall this is deep below the edge, and yet hardly inside.
+        if gap < -AMISS * body.size and not _nearest_within(along, ground, start):
+            # Beside a wall this is deep below the edge, and yet others are nearer.
             away, out = _out(facets, body, R, lever, slack)
-            if away > gap and out[1] > OVERHANG:
-                gap, normal = away, out
+            if away < gap or out[1] <= OVERHANG:
+                return
+            gap, normal = away, out
         if gap <= slack:
             insert_new(body, gap, normal, lever)
+
+
+@compiled
+def _nearest_within(along: Vector, ground: Vector, start: Vector) -> bool:
+    """Say whether edges come nearest to one another between their ends.
+
+    Args:
+        along: extent of the one [m].
+        ground: of the other [m].
+        start: from the begin of the other to that of the one [m].
+    """
+    a, b, c = dot(along, along), dot(along, ground), dot(ground, ground)
+    d, e = dot(along, start), dot(ground, start)
+    inside = a * c - b * b
+    s, t = b * e - c * d, a * e - b * d
+    return s >= 0.0 and t >= 0.0 and s <= inside and t <= inside

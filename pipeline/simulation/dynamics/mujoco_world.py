@@ -1,0 +1,441 @@
+"""MuJoCo world: rigid bodies that meet one another, the terrain and what pushes them.
+
+The only module that imports `mujoco`, when the first such world is built. MuJoCo finds the
+contacts, solves them all together with friction, and lets islands of bodies sleep; how hard
+contacts push is the impact law's, set in every step before MuJoCo works out its forces.
+
+World and bodies keep their axes, gravity points down Y; only the height field, which
+MuJoCo stands on its local Z, is turned: its X is our Z, its Y our X, so that its cells are
+cut along our diagonal.
+
+Letters as in `rigid`: p, q, v in the world, w in the body; what MuJoCo calls a free joint
+has the same ones, in this order.
+
+Source: Todorov 2014 (MuJoCo's contacts).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.impact_law import STIFFNESS, ImpactLaw, Touching
+from pipeline.simulation.dynamics.pushing import Pushed, Pushers
+from pipeline.simulation.dynamics.rigid import Build, State
+from pipeline.simulation.dynamics.substeps import Substeps
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.heightfield import HeightField
+
+TERRAIN = -1
+"""Number of the terrain among things: bodies are counted from 0, then those who push."""
+
+BASE = 5.0
+"""Thickness of the ground [m]."""
+
+FINER = 4
+"""Cells that one cell of quadrilaterals becomes, along each side: MuJoCo has triangles."""
+
+STILL = 2e-3
+"""Speed below which an island of bodies may fall asleep [m/s]."""
+
+NEARLY = 0.999
+"""MuJoCo's contacts give way a little; so much of the force asked for is there."""
+
+HEAVIER = 1e6
+"""Mass of who pushes, in that of the heaviest body."""
+
+
+@dataclass(frozen=True, slots=True)
+class Collider:
+    """A body as MuJoCo needs it.
+
+    Attributes:
+        build: mass, hull and matter.
+        half: half its extent along its axes if it is a box [m], else None.
+    """
+
+    build: Build
+    half: Array | None
+
+
+@dataclass(frozen=True, slots=True)
+class Strike:
+    """The begin of an impact.
+
+    Attributes:
+        one: number of a body.
+        other: of another body, of one who pushes, or the terrain.
+        time: after the begin of the advance [s].
+        place: where [m].
+        normal: from the other to the one.
+        speed: of approach [m/s].
+        energy: of what came at this speed [J].
+    """
+
+    one: int
+    other: int
+    time: float
+    place: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    speed: float
+    energy: float
+
+
+@dataclass(frozen=True, slots=True)
+class Overlap:
+    """Two things that are in one another by `depth` [m]; see `Strike`."""
+
+    one: int
+    other: int
+    depth: float
+
+
+class MujocoWorld:
+    """Bodies, terrain and pushers in one MuJoCo model.
+
+    Args:
+        colliders: N bodies.
+        state: how they begin.
+        field: the terrain.
+        pushers: corners (V, 3) of P convex solids that push, each in its own frame [m].
+        step: that will be advanced by [s].
+    """
+
+    def __init__(
+        self,
+        colliders: Sequence[Collider],
+        state: State,
+        field: HeightField,
+        pushers: Sequence[Array],
+        step: float,
+    ) -> None:
+        self.count = len(colliders)
+        self.step = step
+        builds = [c.build for c in colliders]
+        self.substeps = Substeps(builds, pushers, field, step)
+        self.pushers = Pushers(len(pushers), step)
+        self.model, self.data, self._mujoco = _build(colliders, field, pushers)
+        self.law = ImpactLaw()
+        # Of the ground and of who pushes nothing is known: the body's own bounciness holds.
+        own = np.array([b.bounciness for b in builds])
+        self._bounciness = np.r_[np.inf, own, np.full(len(pushers), np.inf)]
+        self._inverse_mass = np.r_[0.0, [1.0 / b.mass.mass for b in builds], [0.0] * len(pushers)]
+        self._inverse = [np.linalg.inv(b.mass.inertia) for b in builds]
+        self._gone = np.zeros(self.count, dtype=bool)
+        self._began = 0.0
+        self._strikes: list[Strike] = []
+        self._put(state)
+
+    # --- state --------------------------------------------------------------------
+
+    @property
+    def state(self) -> State:
+        """How the bodies are just now, as copies."""
+        qpos, qvel = self._qpos[: self.count], self._qvel[: self.count]
+        return State(
+            qpos[:, :3].copy(), qpos[:, 3:].copy(), qvel[:, :3].copy(), qvel[:, 3:].copy()
+        )
+
+    @property
+    def asleep(self) -> NDArray[np.bool_]:
+        """(N,) which bodies sleep."""
+        result: NDArray[np.bool_] = self.data.tree_awake[: self.count] == 0
+        return result
+
+    @property
+    def _qpos(self) -> Array:
+        qpos: Array = self.data.qpos.reshape(-1, 7)
+        return qpos
+
+    @property
+    def _qvel(self) -> Array:
+        qvel: Array = self.data.qvel.reshape(-1, 6)
+        return qvel
+
+    def _put(self, state: State) -> None:
+        n = self.count
+        self._qpos[:n, :3], self._qpos[:n, 3:] = state.p, state.q
+        self._qvel[:n, :3], self._qvel[:n, 3:] = state.v, state.w
+
+    def lift(self, p: Array) -> None:
+        """Put the bodies at other places (N, 3) [m]."""
+        self._qpos[: self.count, :3] = p
+
+    def drop(self, which: NDArray[np.int64]) -> None:
+        """Take bodies out of the world."""
+        self._gone[which] = True
+        geoms = which + 1
+        self.model.geom_contype[geoms] = self.model.geom_conaffinity[geoms] = 0
+        self._qvel[which] = 0.0
+
+    # --- what the world is asked --------------------------------------------------
+
+    def overlaps(self) -> list[Overlap]:
+        """Return what is in one another."""
+        self._mujoco.mj_kinematics(self.model, self.data)
+        self._mujoco.mj_comPos(self.model, self.data)
+        self._mujoco.mj_collision(self.model, self.data)
+        deepest = dict[tuple[int, int], float]()
+        contact = self.data.contact
+        for (a, b), dist in zip(contact.geom.tolist(), contact.dist.tolist(), strict=True):
+            one, other = sorted((a - 1, b - 1), key=_bodies_first(self.count))
+            deepest[one, other] = max(deepest.get((one, other), 0.0), -dist)
+        return [Overlap(*pair, depth) for pair, depth in deepest.items()]
+
+    def advance(self, poses: Pushed | None = None) -> list[Strike]:
+        """Go on by one step.
+
+        Args:
+            poses: of those who push at the end of it, None if there are none.
+
+        Returns:
+            The impacts that began, in the order of time.
+        """
+        self._strikes = []
+        motion = self.pushers.motion(poses)
+        n = self.substeps.count(self.state, ~(self._gone | self.asleep), self.pushers)
+        self.model.opt.timestep = self.step / n
+        self._began = self.data.time
+        pushing = slice(self.count, None)
+        if len(motion):
+            self._qpos[pushing] = self.pushers.begin
+        if self._gone.any():
+            self._qvel[: self.count][self._gone] = 0.0
+        model, data, step = self.model, self.data, self._mujoco.mj_step
+        before = self._mujoco.get_mjcb_passive()
+        self._mujoco.set_mjcb_passive(self._push)
+        try:
+            for _ in range(n):
+                if len(motion):
+                    self._qvel[pushing] = motion
+                step(model, data)
+        finally:
+            self._mujoco.set_mjcb_passive(before)
+        return self._strikes
+
+    # --- contacts -------------------------------------------------------------------
+
+    def _push(self, model: Any, data: Any) -> None:
+        """Set how hard contacts push; MuJoCo calls it between finding and solving them."""
+        if not data.ncon:
+            return
+        contact = data.contact
+        row = contact.efc_address
+        geom, normal, place = contact.geom, contact.frame[:, :3], contact.pos
+        one, other = geom[:, 0], geom[:, 1]
+        h = model.opt.timestep
+        touching = Touching(
+            pair=one.astype(np.int64) * model.ngeom + other,
+            bounciness=np.minimum(self._bounciness[one], self._bounciness[other]),
+            depth=np.maximum(-contact.dist, 0.0),
+            speed=_parting(data, one, other, normal, place),
+        )
+        response = self.law.respond(touching, data.time, h)
+        springs = data.efc_KBIP
+        # Friction stops what slides as fast as a critical damper.
+        springs[:, 1] = 2.0 * STIFFNESS / h
+        rows = row >= 0
+        springs[row[rows], 0] = response.stiffness[rows] / NEARLY
+        springs[row[rows], 1] = response.damping[rows]
+        for i in response.struck.tolist():
+            self._struck(int(one[i]), int(other[i]), touching, i, normal[i], place[i])
+
+    def _struck(
+        self, a: int, b: int, touching: Touching, i: int, normal: Array, place: Array
+    ) -> None:
+        """Keep an impact between two geoms; the normal points from `a` to `b`."""
+        pair = sorted((a - 1, b - 1), key=_bodies_first(self.count))
+        towards = normal if pair[0] == b - 1 else -normal
+        speed = -float(touching.speed[i])
+        # It was found a little after it began.
+        time = self.data.time - self._began - float(touching.depth[i]) / speed
+        mass = 1.0 / (self._yields(a, normal, place) + self._yields(b, normal, place))
+        self._strikes.append(
+            Strike(
+                one=pair[0],
+                other=pair[1],
+                time=min(max(time, 0.0), math.nextafter(self.step, 0.0)),
+                place=(float(place[0]), float(place[1]), float(place[2])),
+                normal=(float(towards[0]), float(towards[1]), float(towards[2])),
+                speed=speed,
+                energy=0.5 * mass * speed * speed,
+            )
+        )
+
+    def _yields(self, geom: int, normal: Array, place: Array) -> float:
+        """Return the speed that a unit of impulse gives a body at a place [1/kg]."""
+        if not 1 <= geom <= self.count:
+            return 0.0
+        R = self.data.xmat[geom].reshape(3, 3)
+        turning = R.T @ np.cross(place - self.data.xpos[geom], normal)
+        return float(self._inverse_mass[geom] + turning @ self._inverse[geom - 1] @ turning)
+
+
+def _bodies_first(count: int) -> Any:
+    """Return a key by which bodies come in order, before terrain and those who push."""
+    return lambda number: (not 0 <= number < count, number)
+
+
+def _parting(
+    data: Any, one: NDArray[np.int32], other: NDArray[np.int32], normal: Array, place: Array
+) -> Array:
+    """Return the speeds (n,) along the normals at which geoms part [m/s]."""
+    # Geoms and bodies have the same numbers; a body's velocity is told at its own centre.
+    velocity, centre = data.cvel, data.xipos
+    speed = np.zeros(len(one))
+    for geom, sign in ((other, 1.0), (one, -1.0)):
+        w, v = velocity[geom, :3], velocity[geom, 3:]
+        arm = place - centre[geom]
+        # n · (v + w × r), written out: no product of matrices, and no temporary of any size.
+        v = v + w[:, [1, 2, 0]] * arm[:, [2, 0, 1]] - w[:, [2, 0, 1]] * arm[:, [1, 2, 0]]
+        along = v[:, 0] * normal[:, 0] + v[:, 1] * normal[:, 1] + v[:, 2] * normal[:, 2]
+        speed += sign * along
+    return speed
+
+
+# --- the model --------------------------------------------------------------------------
+
+BODY, FIXED = 1, 2
+"""Bits of what can be met: bodies meet one another and what does not give way."""
+
+
+def _build(
+    colliders: Sequence[Collider], field: HeightField, pushers: Sequence[Array]
+) -> tuple[Any, Any, Any]:
+    """Return model, data and module: the terrain first, then bodies, then pushers."""
+    import mujoco
+
+    spec = mujoco.MjSpec()
+    _set_options(spec, mujoco, not _is_level(field))
+    _add_terrain(spec, mujoco, field)
+    for i, collider in enumerate(colliders):
+        _add_body(spec, mujoco, f"body {i}", collider)
+    heaviest = max(c.build.mass.mass for c in colliders)
+    for k, corners in enumerate(pushers):
+        _add_pusher(spec, mujoco, f"pusher {k}", corners, HEAVIER * heaviest)
+    model = spec.compile()
+    return model, mujoco.MjData(model), mujoco
+
+
+def _set_options(spec: Any, mujoco: Any, is_uneven: bool) -> None:
+    option = spec.option
+    option.gravity = [0.0, -GRAVITY, 0.0]
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+    option.sleep_tolerance = STILL
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
+    if is_uneven:
+        # A height field is prisms side by side, and the way out of one can be through its
+        # side. This algorithm looks along the line from inside a prism, which is upward;
+        # with the other boxes were thrown about at 1 m/s and more.
+        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)
+
+
+def _matter(friction: float, rolling: float) -> dict[str, Any]:
+    # Of two frictions MuJoCo takes the greater; what does not give way has none of its own.
+    return {
+        "friction": [friction, 0.0, rolling],
+        "condim": 6 if rolling > 0.0 else 3,
+        "solref": [-1.0, -1.0],
+        "solimp": [NEARLY, NEARLY, 0.001, 0.5, 2.0],
+    }
+
+
+def _is_level(field: HeightField) -> bool:
+    return float(np.ptp(field.heights)) == 0.0
+
+
+def _add_terrain(spec: Any, mujoco: Any, field: HeightField) -> None:
+    low, high = float(field.heights.min()), float(field.heights.max())
+    turned = np.array([math.cos(0.5 * field.heading), 0.0, math.sin(0.5 * field.heading), 0.0])
+    common = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
+    x, z = field.size[0] / 2.0, field.size[1] / 2.0
+    if _is_level(field):
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[x, BASE, z],
+            pos=[field.at[0], low - BASE, field.at[1]],
+            quat=turned,
+            **common,
+        )
+        return
+    heights = _triangulated(field)
+    rows, columns = heights.T.shape
+    spec.add_hfield(
+        name="terrain",
+        nrow=rows,
+        ncol=columns,
+        size=[z, x, high - low, BASE],
+        userdata=heights.T.ravel().tolist(),
+    )
+    # Local X to Z, Y to X and Z to Y, then the heading.
+    upright = np.array([0.5, -0.5, -0.5, -0.5])
+    quat = np.zeros(4)
+    mujoco.mju_mulQuat(quat, turned, upright)
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_HFIELD,
+        hfieldname="terrain",
+        pos=[field.at[0], low, field.at[1]],
+        quat=quat,
+        **common,
+    )
+
+
+def _triangulated(field: HeightField) -> Array:
+    """Return heights whose cells, cut from the low corner to the high one, are the surface.
+
+    Of quadrilaterals the finer grid misses what is left of a crease that runs the other
+    way: a thirty-second of how far its corners are from one plane.
+    """
+    if type(field) is HeightField:
+        return field.heights
+    n_x, n_z = FINER * field.cells[0], FINER * field.cells[1]
+    x = np.linspace(-field.size[0] / 2.0, field.size[0] / 2.0, n_x + 1)
+    z = np.linspace(-field.size[1] / 2.0, field.size[1] / 2.0, n_z + 1)
+    return field.height(*field.to_world(*np.meshgrid(x, z)))
+
+
+def _add_body(spec: Any, mujoco: Any, name: str, collider: Collider) -> None:
+    build = collider.build
+    body = _free(spec, name, build.mass.mass, build.mass.inertia)
+    common = {
+        "contype": BODY,
+        "conaffinity": BODY | FIXED,
+        **_matter(build.friction, build.rolling * 2.0 * build.radius),
+    }
+    geom = mujoco.mjtGeom
+    if build.hull is None:
+        body.add_geom(type=geom.mjGEOM_SPHERE, size=[build.radius, 0.0, 0.0], **common)
+    elif collider.half is not None:
+        body.add_geom(type=geom.mjGEOM_BOX, size=collider.half, **common)
+    else:
+        spec.add_mesh(name=name, uservert=build.hull.vertices.ravel().tolist())
+        body.add_geom(type=geom.mjGEOM_MESH, meshname=name, **common)
+
+
+def _add_pusher(spec: Any, mujoco: Any, name: str, corners: Array, mass: float) -> None:
+    size = float(np.ptp(corners, axis=0).max())
+    body = _free(spec, name, mass, mass * size * size * np.eye(3))
+    body.gravcomp = 1.0
+    body.sleep = mujoco.mjtSleepPolicy.mjSLEEP_NEVER
+    spec.add_mesh(name=name, uservert=corners.ravel().tolist())
+    common = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, **common)
+
+
+def _free(spec: Any, name: str, mass: float, inertia: Array) -> Any:
+    """Add a body that moves freely about its centre of mass, its own mass properties given."""
+    body = spec.worldbody.add_body(name=name)
+    body.add_freejoint()
+    body.explicitinertial = True
+    body.mass = mass
+    body.ipos = [0.0, 0.0, 0.0]
+    i = inertia
+    body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
+    return body

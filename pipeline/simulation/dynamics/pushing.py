@@ -1,0 +1,76 @@
+"""Pushing: solids that move as somebody else says, from one step to the next.
+
+Letters as in `rigid`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.spatial import Array, quaternion
+
+LEAP = 100.0
+"""Speed above which a solid was put elsewhere and pushes nothing on its way [m/s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pushed:
+    """Where P solids are.
+
+    Attributes:
+        p: (P, 3) their origins [m].
+        R: (P, 3, 3).
+    """
+
+    p: Array
+    R: Array
+
+
+class Pushers:
+    """P solids, and how they move within a step.
+
+    Attributes:
+        begin: (P, 7) p and q at the begin of the step.
+        speed: (P,) of their origins in it [m/s].
+    """
+
+    def __init__(self, count: int, step: float) -> None:
+        self.step = step
+        self.speed = np.zeros(count)
+        self.begin = np.zeros((count, 7))
+        self._now: Pushed | None = None
+
+    def put(self, poses: Pushed) -> Array:
+        """Put them at places without moving them there; return p and q (P, 7)."""
+        self._now = poses
+        self.begin = np.concatenate([poses.p, quaternion(poses.R)], axis=1)
+        return self.begin
+
+    def motion(self, poses: Pushed | None) -> Array:
+        """Return the velocities (P, 6), v and w, that lead to `poses` at the end of the step."""
+        before = self._now
+        if poses is None or before is None:
+            return np.zeros((0, 6))
+        self.begin = np.concatenate([before.p, quaternion(before.R)], axis=1)
+        self._now = poses
+        v = (poses.p - before.p) / self.step
+        w = _rotation_vector(np.swapaxes(before.R, -1, -2) @ poses.R) / self.step
+        self.speed = np.sqrt((v * v).sum(axis=1))
+        leaps = self.speed > LEAP
+        if leaps.any():
+            self.begin[leaps] = np.concatenate([poses.p, quaternion(poses.R)], axis=1)[leaps]
+            v[leaps] = w[leaps] = self.speed[leaps] = 0.0
+        return np.concatenate([v, w], axis=1)
+
+
+def _rotation_vector(R: Array) -> Array:
+    """Return the vectors (P, 3), axis times angle, of rotations (P, 3, 3)."""
+    q = quaternion(R)
+    q = np.where(q[:, :1] < 0.0, -q, q)
+    sine = np.sqrt((q[:, 1:] ** 2).sum(axis=1))
+    angle = 2.0 * np.arctan2(sine, q[:, 0])
+    scale = np.where(sine > 1e-12, angle / np.maximum(sine, 1e-12), 2.0)
+    result: Array = q[:, 1:] * scale[:, None]
+    return result

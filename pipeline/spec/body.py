@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.values import Length, LengthOrZero, Number, Place, Whole, Words
 
 AROUND_IT = "Diameter of the sphere around it [m]."
@@ -26,8 +27,10 @@ class Matter(Words):
     rolling: Annotated[Number, Field(ge=0, le=1)] = Field(
         0.01, description="How far before its middle the ground bears what rolls, in its size."
     )
-    collide: Literal["terrain"] = Field(
-        "terrain", description="What it meets: terrain is the ground alone."
+    collide: Literal["terrain", "all"] = Field(
+        "terrain",
+        description="What it meets: terrain is the ground alone; all is the ground, creatures, "
+        "props, and other bodies of which this is said.",
     )
     inertia: Literal["tensor", "scalar"] = Field(
         "tensor",
@@ -39,6 +42,13 @@ class Matter(Words):
         description="How long the ground pushes it back at an impact, while it sinks in [s]; 0 "
         "is rigid.",
     )
+
+    @model_validator(mode="after")
+    def _meets_as_it_can(self) -> Self:
+        if self.collide == "all" and self.soft > 0.0:
+            message = "goes with collide: terrain; what meets all is rigid, take this away"
+            refuse([Fault(("soft",), message, at_key=True)])
+        return self
 
 
 class Box(Matter):

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import Problem
+from pipeline.spec.faults import Step
 from pipeline.spec.terrain.files import content_digest
 from pipeline.spec.tree import Leaf, Row, Table, Tree
 
@@ -29,12 +30,25 @@ def bodies_named_in_full(scene: Table, folder: Path | None) -> tuple[Table, list
 
 
 def _named(member: Tree, folder: Path | None, i: int, problems: list[Problem]) -> Tree:
-    body = member.get("body") if isinstance(member, Table) else None
+    many = member.get("many") if isinstance(member, Table) else None
+    if isinstance(member, Table) and isinstance(many, Table):
+        whole = _whole(many, "of", folder, ("cast", i, "many"), problems)
+        return member.having("many", member.entries["many"].key, whole)
+    if not isinstance(member, Table):
+        return member
+    return _whole(member, "body", folder, ("cast", i), problems)
+
+
+def _whole(
+    around: Table, key: str, folder: Path | None, path: tuple[Step, ...], problems: list[Problem]
+) -> Table:
+    """Return the table around a body's words with its file, if it has one, named in full."""
+    body = around.get(key)
     file = body.get("file") if isinstance(body, Table) else None
-    if not (isinstance(member, Table) and isinstance(body, Table) and isinstance(file, Leaf)):
-        return member
+    if not (isinstance(body, Table) and isinstance(file, Leaf)):
+        return around
     if not (isinstance(file.value, str) and file.value):
-        return member
+        return around
     whole = ((folder or Path()) / file.value).absolute()
     try:
         there = whole.is_file()
@@ -42,16 +56,23 @@ def _named(member: Tree, folder: Path | None, i: int, problems: list[Problem]) -
         there = False
     if not there:
         said = f"'{file.value}' is no file in {whole.parent}"
-        problems.append(file.place.problem(("cast", i, "body", "file"), said))
+        problems.append(file.place.problem((*path, key, "file"), said))
     named = body.having("file", body.entries["file"].key, Leaf(file.place, str(whole)))
-    return member.having("body", member.entries["body"].key, named)
+    return around.having(key, around.entries[key].key, named)
 
 
 def cast_simulated(cast: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Return what the simulation reads of a cast's words: of files, what they hold."""
     return [
-        member | {"body": member["body"] | {"file": content_digest(member["body"]["file"])}}
-        if "file" in (member.get("body") or {})
-        else member
+        member | {"many": _held(member["many"], "of")}
+        if "many" in member
+        else _held(member, "body")
         for member in cast
     ]
+
+
+def _held(around: dict[str, Any], key: str) -> dict[str, Any]:
+    body = around.get(key) or {}
+    if "file" not in body:
+        return around
+    return around | {key: body | {"file": content_digest(body["file"])}}

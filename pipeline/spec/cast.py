@@ -19,6 +19,7 @@ from pipeline.spec.keyframes import (
     faults_of_order,
     faults_of_tangents,
 )
+from pipeline.spec.many import ManyWords
 from pipeline.spec.mood import MoodMix
 from pipeline.spec.pose import PoseKey
 from pipeline.spec.prop import Hold, Shape
@@ -237,21 +238,47 @@ class Group(Performer):
         return self.group.rule
 
 
+class Many(Performer):
+    """Bodies of one kind that begin in some order and meet whatever there is."""
+
+    many: ManyWords = Field(description="Of what, how many, and how they stand.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="The middle of the ground that they stand on, or where their row begins, "
+        "[x, z]; [x, y, z] with the height that they stand at [m].",
+    )
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
+
+    @model_validator(mode="after")
+    def _moves_by_itself(self) -> Self:
+        if self.parent is not None:
+            message = "bodies move by themselves; take parent away"
+            refuse([Fault(("parent",), message, at_key=True)])
+        return self
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name."""
+        return self.many.layout
+
+
+BLOCKS = {"figure": "Creature", "prop": "Prop", "body": "Body", "group": "Group", "many": "Many"}
+"""What a member is, by the block that it has."""
+
+
 def _what(words: Any) -> str:
     """Return what a member is by the block that it has."""
     if not isinstance(words, Mapping):
         return type(words).__name__
-    if "figure" in words:
-        return "Creature"
-    kinds = {"prop": "Prop", "body": "Body", "group": "Group"}
-    return next((kind for key, kind in kinds.items() if key in words), "Creature")
+    return next((kind for block, kind in BLOCKS.items() if block in words), "Creature")
 
 
 Member = Annotated[
     Annotated[Creature, Tag("Creature")]
     | Annotated[Prop, Tag("Prop")]
     | Annotated[Body, Tag("Body")]
-    | Annotated[Group, Tag("Group")],
+    | Annotated[Group, Tag("Group")]
+    | Annotated[Many, Tag("Many")],
     Discriminator(_what),
 ]
 
@@ -279,13 +306,15 @@ def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
 
 def called(member: object) -> tuple[str, str]:
     """Return the own name and the kind of a member, which may be still raw and perhaps wrong."""
-    if isinstance(member, Creature | Prop | Body | Group):
+    if isinstance(member, Creature | Prop | Body | Group | Many):
         return member.name, member.called
     if not isinstance(member, Mapping):
         return "", ""
-    shape = member.get("prop") or member.get("body")
+    shape, many = member.get("prop") or member.get("body"), member.get("many")
     kind = shape.get("shape") if isinstance(shape, Mapping) else member.get("figure")
     if isinstance(group := member.get("group"), Mapping):
         kind = group.get("rule")
+    if isinstance(many, Mapping):
+        kind = many.get("layout", "wall")
     name = member.get("name")
     return (name if isinstance(name, str) else ""), (kind if isinstance(kind, str) else "")

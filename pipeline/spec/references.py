@@ -67,10 +67,13 @@ def _repeated_names(scene: object) -> Iterator[Fault]:
 
 def _materials(scene: object) -> Iterator[Fault]:
     known = _keys(_get(scene, "materials")) | MATERIALS.keys()
-    for place, name in _named_materials(scene):
+    named = [((*place, "material"), name) for place, name in _named_materials(scene)]
+    for i, member in _items(_get(scene, "cast")):
+        listed = _items(_get(_get(member, "many"), "materials"))
+        named += [(("cast", i, "many", "materials", k), name) for k, name in listed]
+    for place, name in named:
         if isinstance(name, str) and name not in known:
-            message = f"no material is called '{name}', {hint(name, known)}"
-            yield Fault((*place, "material"), message)
+            yield Fault(place, f"no material is called '{name}', {hint(name, known)}")
 
 
 def _named_materials(scene: object) -> Iterator[tuple[Place, Any]]:
@@ -137,7 +140,7 @@ def _scripted(scene: object) -> Iterator[Fault]:
             member = dict(_items(_get(scene, "cast")))[names.index(name)]
             if _get(member, "prop") is not None:
                 yield Fault(("script", i, *place), f"'{name}' is a prop, which no script moves")
-            elif _get(member, "body") is not None:
+            elif _thing(member) == "body":
                 yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
             elif (group := _get(member, "group")) is not None:
                 yield from _directed(group, name, instruction, ("script", i), place)
@@ -194,9 +197,8 @@ def _seen(scene: object) -> Iterator[Fault]:
 
 def _thing(member: object) -> str | None:
     """Return what a member is that is no creature."""
-    return next(
-        (word for word in ("prop", "body", "group") if _get(member, word) is not None), None
-    )
+    things = {"prop": "prop", "body": "body", "group": "group", "many": "body"}
+    return next((things[word] for word in things if _get(member, word) is not None), None)
 
 
 def _names(scene: object) -> list[str]:

@@ -138,9 +138,7 @@ class MujocoWorld:
     def state(self) -> State:
         """How the bodies are just now, as copies."""
         qpos, qvel = self._qpos[: self.count], self._qvel[: self.count]
-        return State(
-            qpos[:, :3].copy(), qpos[:, 3:].copy(), qvel[:, :3].copy(), qvel[:, 3:].copy()
-        )
+        return State(qpos[:, :3].copy(), qpos[:, 3:].copy(), qvel[:, :3].copy(), qvel[:, 3:].copy())
 
     @property
     def asleep(self) -> NDArray[np.bool_]:

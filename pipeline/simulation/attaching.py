@@ -89,6 +89,24 @@ class Bond:
         R[own], p[own] = X_WB[:3, :3], X_WB[:3, 3]
 
 
+def split(bonds: Sequence[Bond], late: Sequence[int]) -> tuple[list[Bond], list[Bond]]:
+    """Return the bonds, parents first, that have nothing to do with some nodes, and the rest.
+
+    Args:
+        bonds: parents first.
+        late: nodes whose poses are known later than others'.
+    """
+    waiting = set(late)
+    early, rest = list[Bond](), list[Bond]()
+    for bond in bonds:
+        if waiting.isdisjoint([bond.parent, *(grip.node for grip in bond.grips)]):
+            early.append(bond)
+        else:
+            waiting.update(bond.nodes.tolist())
+            rest.append(bond)
+    return early, rest
+
+
 def _pose(R: Array, p: Array, node: int) -> Array:
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = R[node], p[node]

@@ -14,7 +14,8 @@ import numpy as np
 
 import pipeline
 from pipeline.errors import Problem, SceneError, SimulationError
-from pipeline.simulation.attaching import bonds_of
+from pipeline.simulation.attaching import Bond, bonds_of, split
+from pipeline.simulation.bodies.colliders import Colliders
 from pipeline.simulation.bodies.groups.groups import Groups
 from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.clock import Clock
@@ -23,12 +24,13 @@ from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.locomotion.inching.chain import is_chain
 from pipeline.simulation.locomotion.inching.worms import Inchworms
 from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Script
 from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
 from pipeline.simulation.terrain import build_ground, level_ground
 from pipeline.simulation.troupe import Troupe, World
-from pipeline.spec.cast import Body, Creature, Group, Prop
+from pipeline.spec.cast import Body, Creature, Group, Many, Prop
 from pipeline.spec.scene import VERSION, Scene
 
 Performer = tuple[int, Creature, Figure]
@@ -76,7 +78,18 @@ class Simulation:
         self._kept = self._written = 0
         room = POSES_AT_ONCE // max(len(self.recorder.nodes), 1)
         self._at_once = min(max(room, ROWS_AT_ONCE // 6), ROWS_AT_ONCE)
-        self._keep()
+        self.colliders = next((t for t in self.troupes if isinstance(t, Colliders)), None)
+        self._early: list[Bond] = []
+        self._late = self.bonds
+        if self.colliders is not None:
+            # Where those who push are has to be known row by row; bodies are the last nodes.
+            self._at_once, nodes = 1, len(self.recorder.nodes)
+            own = range(nodes - len(self.colliders.inventory.nodes), nodes)
+            self._early, self._late = split(self.bonds, own)
+        try:
+            self._keep()
+        except SceneError as error:
+            raise scene.places.located(error) from None
         contacts, notes = self._facts()
         self.recorder.happened(contacts, [], notes)
 
@@ -122,8 +135,11 @@ class Simulation:
 
     def _write(self, which: slice) -> None:
         for troupe, rows in zip(self.troupes, self.recorder.rows(which), strict=True):
+            if troupe is self.colliders:
+                R, p = self.recorder.attached(which, self._early)
+                self.colliders.meet(self.step_number, p[-1], R[-1])
             troupe.write(rows)
-        R, p = self.recorder.attached(which, self.bonds)
+        R, p = self.recorder.attached(which, self._late)
         for groups in self._groups:
             # Nobody depends on them, so they see everybody in place.
             contacts = groups.follow(R, p)
@@ -143,7 +159,7 @@ class Simulation:
         contacts = [contact for fact in facts for contact in fact.contacts]
         notes = [note for fact in facts for note in fact.notes]
         self._arrived = tuple(name for fact in facts for name in fact.arrived)
-        return sorted(contacts, key=lambda c: (c.fraction, c.part)), notes
+        return sorted(contacts, key=lambda c: (c.step, c.fraction, c.part)), notes
 
     def _detect(self, contacts: list[Contact]) -> list[SoundEvent]:
         clock = self.world.clock
@@ -192,11 +208,23 @@ def _troupes(scene: Scene, figures: dict[str, Figure], world: World) -> list[Tro
     if props:
         troupes.append(Props(props, world, [member.material or THING for member in props]))
     bodies = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Body)]
-    if bodies:
+    alone = [one for one in bodies if one[1].body.collide == "terrain"]
+    if alone:
         # Bodies need a compiler, whose loading others need not wait for.
         from pipeline.simulation.bodies.tumblers import Tumblers
 
-        troupes.append(Tumblers(bodies, world, [member.material or THING for _, member in bodies]))
+        troupes.append(Tumblers(alone, world, [member.material or THING for _, member in alone]))
+    meeting = [
+        (i, member)
+        for i, member in enumerate(scene.cast)
+        if isinstance(member, Many) or (isinstance(member, Body) and member.body.collide == "all")
+    ]
+    if meeting:
+        # Bodies that meet nobody push nobody.
+        solids = [t.inventory for t in troupes]
+        pushing = [o for o in obstacles_of(solids) if o.performer not in {m.name for _, m in alone}]
+        made_of = [member.material or THING for _, member in meeting]
+        troupes.append(Colliders(meeting, world, made_of, pushing))
     groups = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Group)]
     if groups:
         troupes.append(Groups(groups, world))

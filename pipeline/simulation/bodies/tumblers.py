@@ -7,25 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.bodies.bevelled import bevelled
-from pipeline.simulation.bodies.pips import MATERIAL, pips
-from pipeline.simulation.bodies.polyhedra import hull_of_words
+from pipeline.simulation.bodies.building import build_of, mesh_of, seen_of
 from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
 from pipeline.simulation.dynamics.bouncing import Bouncing, Impact
-from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.dynamics.rigid import Bodies, Build, State, dot, unturned
-from pipeline.simulation.figures.solids import Solid, ball
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading, matrix, quaternion
 from pipeline.simulation.take import Contact, Mesh, Node, Note, Part
 from pipeline.simulation.tracks import turned
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World
-from pipeline.spec.body import Sphere
 from pipeline.spec.cast import Body
 
 FALL = 10.0
@@ -163,49 +157,12 @@ def _builds(cast: Sequence[Member]) -> list[Build]:
     builds, problems = list[Build](), list[Problem]()
     for i, member in cast:
         try:
-            builds.append(_build(member, f"cast[{i}].body"))
+            builds.append(build_of(member.body, f"cast[{i}].body"))
         except SceneError as error:
             problems += error.problems
     if problems:
         raise SceneError(problems)
     return builds
-
-
-def _build(member: Body, path: str) -> Build:
-    words = member.body
-    if isinstance(words, Sphere):
-        mass = words.density * 4.0 / 3.0 * math.pi * words.radius**3
-        moment = 0.4 * mass * words.radius**2
-        own, hull, radius = (
-            MassProperties(mass, np.zeros(3), moment * np.eye(3)),
-            None,
-            words.radius,
-        )
-    else:
-        hull = hull_of_words(words, path)
-        own, radius = mass_of_solid(hull.vertices, hull.faces, words.density), 0.0
-        hull = replace(hull, vertices=hull.vertices - own.centre)
-    if words.inertia == "scalar":
-        own = _isotropic(own)
-    return Build(
-        mass=own,
-        hull=hull,
-        radius=radius,
-        bounciness=words.bounciness,
-        friction=words.friction,
-        rolling=words.rolling if words.friction > 0.0 else 0.0,
-        soft=words.soft,
-    )
-
-
-def _isotropic(mass: MassProperties) -> MassProperties:
-    """Return mass properties with the mean moment of inertia about every axis.
-
-    Source: Sims 1987, 7.1.1: "approximated to be a constant, independent of the axis". A
-    moment that is taken anew for each torque's axis, as in (7.10), gives a body more energy
-    than it was given.
-    """
-    return replace(mass, inertia=np.trace(mass.inertia) / 3.0 * np.eye(3))
 
 
 def _start(cast: Sequence[Member]) -> State:
@@ -264,29 +221,9 @@ def _inventory(
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     for i, ((_, member), build, material) in enumerate(zip(cast, builds, materials, strict=True)):
         nodes.append(Node(member.name, member.name, -1, (0.0, 0.0, 0.0)))
-        for suffix, solid, made_of in _solids(member, build, material):
+        for suffix, solid, made_of in seen_of(member.body, build, material):
             size = float(np.ptp(solid.vertices, axis=0).max())
             name = member.name + suffix
             parts.append(Part(name, member.name, len(meshes), made_of, size, (0, rows)))
-            meshes.append(_mesh(solid, i))
+            meshes.append(mesh_of(solid, i))
     return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts))
-
-
-def _solids(member: Body, build: Build, material: str) -> list[tuple[str, Solid, str]]:
-    """Return what is seen of a body: names after its own, solids and materials."""
-    if build.hull is None:
-        return [("", ball(np.zeros(3), build.radius), material)]
-    seen = [("", bevelled(build.hull), material)]
-    if member.body.shape == "die":
-        seen.append((".pips", pips(member.body.size), MATERIAL))
-    return seen
-
-
-def _mesh(solid: Solid, node: int) -> Mesh:
-    count = len(solid.vertices)
-    return Mesh(
-        solid.vertices.astype(np.float32),
-        solid.faces,
-        np.full((count, 2), node, dtype=np.int32),
-        np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
-    )

@@ -165,6 +165,10 @@ class MujocoWorld:
         """Put the bodies at other places (N, 3) [m]."""
         self._qpos[: self.count, :3] = p
 
+    def place_pushers(self, poses: Pushed) -> None:
+        """Put those who push at their first places."""
+        self._qpos[self.count :] = self.pushers.put(poses)
+
     def drop(self, which: NDArray[np.int64]) -> None:
         """Take bodies out of the world."""
         self._gone[which] = True

@@ -1,0 +1,126 @@
+"""Arranging: where the bodies of a wall, a stack, a row, a pyramid or a heap begin.
+
+A new arrangement is a model in `pipeline/spec/many.py`, a function here and a line in
+`LAYOUTS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.simulation.spatial import Array, heading, matrix
+from pipeline.simulation.tracks import Track
+from pipeline.spec.many import Heap, Pyramid, Row, Stack, Wall
+
+
+@dataclass(frozen=True, eq=False)
+class Spots:
+    """Where n bodies begin, relative to the place and the heading of the whole.
+
+    Attributes:
+        p: (n, 3) middles of the boxes around them; y from the ground [m].
+        R: (n, 3, 3).
+        on_ground: whether each is put on the ground below it, y left aside.
+    """
+
+    p: Array
+    R: Array
+    on_ground: bool = False
+
+
+Extent = Array
+"""(3,) of one body along its axes [m]."""
+
+FINE = 64
+"""Places on a smooth line for each that it was drawn through."""
+
+APART = 1.05
+"""Between bodies in a heap, in their greatest extent."""
+
+
+def wall(words: Wall, extent: Extent, chance: np.random.Generator) -> Spots:
+    """Return the places of a wall."""
+    rows, columns = np.divmod(np.arange(words.rows * words.columns), words.columns)
+    middle = 0.5 * (words.columns - 1) + 0.25 * (words.rows > 1)
+    return _rows(rows, columns + 0.5 * (rows % 2) - middle, words.gap, extent)
+
+
+def pyramid(words: Pyramid, extent: Extent, chance: np.random.Generator) -> Spots:
+    """Return the places of a pyramid that is one body deep."""
+    lengths = np.arange(words.rows, 0, -1)
+    rows = np.repeat(np.arange(words.rows), lengths)
+    columns = np.concatenate([np.arange(n) - 0.5 * (n - 1) for n in lengths])
+    return _rows(rows, columns, words.gap, extent)
+
+
+def stack(words: Stack, extent: Extent, chance: np.random.Generator) -> Spots:
+    """Return the places of a stack."""
+    rows = np.arange(words.count)
+    return _rows(rows, np.zeros(words.count), 0.0, extent)
+
+
+def _rows(rows: Any, columns: Any, gap: float, extent: Extent) -> Spots:
+    p = np.zeros((len(rows), 3))
+    p[:, 0] = columns * (extent[0] + gap)
+    p[:, 1] = (rows + 0.5) * extent[1]
+    return Spots(p, np.tile(np.eye(3), (len(p), 1, 1)))
+
+
+def row(words: Row, extent: Extent, chance: np.random.Generator) -> Spots:
+    """Return the places of a row, each looking along it."""
+    way = _way(np.array([(0.0, 0.0), *words.along]))
+    gone = np.r_[0.0, np.cumsum(np.hypot(*np.diff(way, axis=0).T))]
+    at = np.arange(words.count) * words.spacing
+    x, z = (np.interp(at, gone, way[:, k]) for k in (0, 1))
+    ahead = (way[-1] - way[-2]) / np.hypot(*(way[-1] - way[-2]))
+    beyond = np.maximum(at - gone[-1], 0.0)
+    p = np.stack([x + beyond * ahead[0], np.zeros(len(at)), z + beyond * ahead[1]], axis=1)
+    part = np.clip(np.searchsorted(gone, at, side="right") - 1, 0, len(way) - 2)
+    run = np.diff(way, axis=0)[part]
+    return Spots(p, heading(np.arctan2(-run[:, 1], run[:, 0])), on_ground=True)
+
+
+def _way(points: Array) -> Array:
+    """Return many places (m, 2) along a smooth line through places (n, 2), none twice."""
+    if len(points) == 1:
+        return np.array([(0.0, 0.0), (1.0, 0.0)])
+    gone = np.r_[0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T))]
+    track = Track.of([(t, p, "spline") for t, p in zip(gone, points.tolist(), strict=True)])
+    return track(np.linspace(0.0, gone[-1], FINE * len(points)))
+
+
+def heap(words: Heap, extent: Extent, chance: np.random.Generator) -> Spots:
+    """Return places in a column of air, layer upon layer, and chance attitudes."""
+    cell = APART * float(np.sqrt((extent * extent).sum()))
+    side = np.arange(-(words.radius // cell), words.radius // cell + 1.0) * cell
+    x, z = (values.ravel() for values in np.meshgrid(side, side))
+    inside = np.hypot(x, z) <= words.radius
+    x, z = x[inside], z[inside]
+    layer, place = np.divmod(np.arange(words.count), len(x))
+    p = np.stack([x[place], words.above + (layer + 0.5) * cell, z[place]], axis=1)
+    q = chance.normal(size=(words.count, 4))
+    return Spots(p, matrix(q / np.sqrt((q * q).sum(axis=1, keepdims=True))))
+
+
+LAYOUTS: dict[type[Any], Callable[[Any, Extent, np.random.Generator], Spots]] = {
+    Wall: wall,
+    Pyramid: pyramid,
+    Stack: stack,
+    Row: row,
+    Heap: heap,
+}
+
+
+def spots_of(words: Any, extent: Extent, chance: np.random.Generator) -> Spots:
+    """Return where the bodies of an arrangement begin.
+
+    Args:
+        words: of the arrangement.
+        extent: of one body.
+        chance: whence heaps have their attitudes.
+    """
+    return LAYOUTS[type(words)](words, extent, chance)

@@ -1,0 +1,213 @@
+"""Colliders: the troupe of bodies that meet one another, the terrain and creatures.
+
+They advance last, from row to row, when all who push have written where they are at the end
+of it: creatures go where they are told and feel no bodies, so nothing lags behind.
+
+Source: Sims 1987, 7.1 and 13.1.1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.bodies.gathering import Block, appearance, blocks_of, start_of
+from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
+from pipeline.simulation.dynamics.pushing import Pushed
+from pipeline.simulation.obstacles import Obstacle
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array, matrix
+from pipeline.simulation.take import Contact, Note
+from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.spec.cast import Body, Many
+
+FALL = 10.0
+"""Depth below the lowest ground at which what has left the terrain is dropped [m]."""
+
+OVERLAP = 1e-3
+"""Depth in something else at the begin that is refused, in sizes of the body."""
+
+HALVINGS = 48
+
+QUIET = 0.04
+"""Two bodies are not heard to strike one another again sooner than this [s]."""
+
+
+class Colliders:
+    """All bodies of a scene that meet one another.
+
+    Args:
+        cast: places in the cast, and words.
+        world: what every troupe is shown.
+        materials: of each member that names none.
+        obstacles: what pushes them.
+
+    Raises:
+        SceneError: a shape is no solid, or two bodies begin in one another or in the ground.
+    """
+
+    def __init__(
+        self,
+        cast: Sequence[tuple[int, Body | Many]],
+        world: World,
+        materials: Sequence[str],
+        obstacles: Sequence[Obstacle],
+    ) -> None:
+        self.world = world
+        self.obstacles = obstacles
+        clock = world.clock
+        self.row_steps = clock.steps // clock.samples
+        self.blocks = blocks_of(cast, world, materials)
+        state, on_ground = start_of(self.blocks, world.ground)
+        self.solver = MujocoWorld(
+            [block.collider for block in self.blocks],
+            state,
+            world.ground.field,
+            [one.corners for one in obstacles],
+            clock.dt * self.row_steps,
+        )
+        self._put_down(state.p, np.array(on_ground))
+        self.inventory = appearance(self.blocks, clock.rows)
+        self._floor = float(world.ground.field.heights.min()) - FALL
+        self.alive = np.ones(len(self.blocks), dtype=bool)
+        self.step = 0
+        self._heard: dict[tuple[int, int], float] = {}
+        self._contacts: tuple[Contact, ...] = ()
+        self._notes: tuple[Note, ...] = ()
+
+    # --- the passes of the step -----------------------------------------------------
+
+    def read(self, orders: Orders) -> None:
+        """Take in nothing: no script moves a body."""
+
+    def advance(self, step: int) -> None:
+        """Wait for those who push; see `meet`."""
+        self._contacts, self._notes = (), ()
+
+    def keep(self) -> None:
+        """Keep nothing: every row is written at once."""
+
+    def meet(self, step: int, p: Array, R: Array) -> None:
+        """Go on to the row at `step`.
+
+        Args:
+            step: 0 for the first row.
+            p: (J, 3) positions of all nodes that are none of the bodies', at that row [m].
+            R: (J, 3, 3) their rotations.
+
+        Raises:
+            SceneError: something is in something else at the begin.
+        """
+        nodes = [one.node for one in self.obstacles]
+        poses = Pushed(p[nodes], R[nodes]) if nodes else None
+        if step == 0:
+            if poses is not None:
+                self.solver.place_pushers(poses)
+            self._refuse_overlap()
+            return
+        strikes = self.solver.advance(poses)
+        self._contacts = tuple(
+            self._contact(strike) for strike in strikes if self._is_heard(strike)
+        )
+        self.step = step
+        below = self.alive & (self.solver.state.p[:, 1] < self._floor)
+        lost = np.flatnonzero(below)
+        if len(lost):
+            self.alive[lost] = False
+            self.solver.drop(lost)
+        text = f"left the terrain, and was dropped {FALL:g} m below it"
+        self._notes = tuple(Note("dropped", step, self.blocks[i].name, text) for i in lost)
+
+    def write(self, rows: Rows) -> None:
+        """Write the present row."""
+        state = self.solver.state
+        rows.positions[-1] = state.p
+        rows.rotations[-1] = matrix(state.q)
+        rows.alive[-1] = self.alive
+
+    def facts(self) -> Facts:
+        """Return what struck what on the way to the last row, and what was lost."""
+        return Facts(self._contacts, self._notes)
+
+    # --- begin ------------------------------------------------------------------------
+
+    def _put_down(self, p: Array, rows: Array) -> None:
+        """Put bodies whose height is not given on the ground, by halving what is between."""
+        if not rows.any():
+            return
+        reach = self.solver.substeps.reach
+        heights = self.world.ground.field.heights
+        low, high = float(heights.min()) - reach, float(heights.max()) + reach
+        for _ in range(HALVINGS):
+            p[rows, 1] = 0.5 * (low + high)[rows]
+            self.solver.lift(p)
+            deep = np.zeros(len(p), dtype=bool)
+            deep[[o.one for o in self.solver.overlaps() if o.other == TERRAIN]] = True
+            low, high = np.where(deep, p[:, 1], low), np.where(deep, high, p[:, 1])
+        p[rows, 1] = high[rows]
+        self.solver.lift(p)
+
+    def _refuse_overlap(self) -> None:
+        problems = []
+        for overlap in self.solver.overlaps():
+            block = self.blocks[overlap.one]
+            if overlap.depth > OVERLAP * block.size:
+                problems.append(Problem(block.path, self._too_deep(block, overlap)))
+        if problems:
+            raise SceneError(problems)
+
+    def _too_deep(self, block: Block, overlap: Overlap) -> str:
+        name = self._name(overlap.other)
+        what = "the terrain" if overlap.other == TERRAIN else f"'{name}'"
+        told = f"'{block.name}' begins {overlap.depth:.3g} m deep in {what}"
+        advice = "raise it, or give [x, z]" if overlap.other == TERRAIN else "move one of them"
+        return f"{told}; {advice}"
+
+    # --- contacts ---------------------------------------------------------------------
+
+    def _name(self, number: int) -> str:
+        if number == TERRAIN:
+            return "terrain"
+        if number < len(self.blocks):
+            return self.blocks[number].name
+        return self.obstacles[number - len(self.blocks)].name
+
+    def _material(self, number: int) -> str:
+        if number == TERRAIN:
+            return self.world.ground.material
+        if number < len(self.blocks):
+            return self.blocks[number].material
+        return self.obstacles[number - len(self.blocks)].material
+
+    def _is_heard(self, strike: Strike) -> bool:
+        """Tell whether two have not struck one another just before."""
+        now = self.step * self.world.clock.dt + strike.time
+        pair = (strike.one, strike.other)
+        quiet = now - self._heard.get(pair, -math.inf) >= QUIET
+        self._heard[pair] = now
+        return quiet
+
+    def _contact(self, strike: Strike) -> Contact:
+        block = self.blocks[strike.one]
+        whole, fraction = divmod(strike.time / self.world.clock.dt, 1.0)
+        last = self.row_steps - 1
+        if whole > last:
+            whole, fraction = last, math.nextafter(1.0, 0.0)
+        return Contact(
+            step=self.step + int(whole),
+            fraction=float(fraction),
+            performer=block.performer,
+            part=block.part,
+            other=self._name(strike.other),
+            place=strike.place,
+            normal=strike.normal,
+            speed=strike.speed,
+            energy=strike.energy,
+            material=block.material,
+            surface=self._material(strike.other),
+            size=block.size,
+            kind="hit",
+        )

@@ -1,0 +1,208 @@
+"""Gathering: words of bodies that meet one another -> blocks, one for each body.
+
+Those who are alike share one build.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.bodies.arranging import Spots, spots_of
+from pipeline.simulation.bodies.building import build_of, mesh_of, seen_of
+from pipeline.simulation.dynamics.mujoco_world import Collider
+from pipeline.simulation.dynamics.rigid import Build, State, unturned
+from pipeline.simulation.seeds import generator
+from pipeline.simulation.spatial import Array, heading, quaternion, turn
+from pipeline.simulation.take import Mesh, Node, Part
+from pipeline.simulation.terrain import Ground
+from pipeline.simulation.tracks import turned
+from pipeline.simulation.troupe import Inventory, World
+from pipeline.spec.body import Box, Brick, Cube
+from pipeline.spec.cast import Body, Many
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """One body and how it begins.
+
+    Attributes:
+        name: of its node.
+        performer: whose it is.
+        part: its name among the performer's, empty if it is all there is.
+        path: where it stands in the scene.
+        words: of the body.
+        material: by name.
+        collider: its mass and shape.
+        size: characteristic length [m].
+        p: (3,) where its centre of mass begins; y is from the ground below the whole if
+            `is_relative` [m].
+        R: (3, 3).
+        v: (3,) [m/s].
+        w: (3,) in the world [rad/s].
+        on_ground: whether it is put on the ground below it.
+        is_relative: see `p`.
+    """
+
+    name: str
+    performer: str
+    part: str
+    path: str
+    words: Any
+    material: str
+    collider: Collider
+    size: float
+    p: Array
+    R: Array
+    v: Array
+    w: Array
+    on_ground: bool
+    is_relative: bool = False
+
+
+def blocks_of(
+    cast: Sequence[tuple[int, Body | Many]], world: World, materials: Sequence[str]
+) -> list[Block]:
+    """Return all bodies.
+
+    Raises:
+        SceneError: shapes are no solids, or a name is taken.
+    """
+    blocks, problems = list[Block](), list[Problem]()
+    for (i, member), material in zip(cast, materials, strict=True):
+        try:
+            blocks += _blocks(i, member, world, material)
+        except SceneError as error:
+            problems += error.problems
+    if problems:
+        raise SceneError(problems)
+    return blocks
+
+
+def _blocks(i: int, member: Body | Many, world: World, material: str) -> list[Block]:
+    if isinstance(member, Body):
+        words, path = member.body, f"cast[{i}].body"
+    else:
+        words, path = member.many.of, f"cast[{i}].many.of"
+    build = _build_of(words, path)
+    half = _half(words)
+    block = Block(
+        name=member.name,
+        performer=member.name,
+        part="",
+        path=f"cast[{i}].at",
+        words=words,
+        material=material,
+        collider=Collider(build, half),
+        size=_size(build),
+        p=np.array([member.at[0], member.at[1] if len(member.at) == 3 else 0.0, member.at[-1]]),
+        R=heading(math.radians(member.heading_deg)),
+        v=np.array(member.velocity, dtype=float),
+        w=np.zeros(3),
+        on_ground=len(member.at) == 2,
+    )
+    if isinstance(member, Body):
+        look = turned(np.radians(np.array([member.rotation_deg])))[0]
+        w = np.radians(np.array(member.spin_deg, dtype=float))
+        return [replace(block, R=block.R @ look, w=w)]
+    return _many(member, block, world)
+
+
+def _many(member: Many, block: Block, world: World) -> list[Block]:
+    """Return the bodies of an arrangement, of which `block` has what they share."""
+    chance = generator(world.seed, member.name)
+    low, high = _bounds(block.collider.build)
+    spots = spots_of(member.many, high - low, chance)
+    picked = chance.integers(0, max(len(member.many.materials), 1), len(spots.p))
+    places = _places(member, block, spots, 0.5 * (low + high), world.ground)
+    return [
+        replace(
+            block,
+            name=f"{member.name}_{k + 1}",
+            part=f"{member.name}_{k + 1}",
+            material=member.many.materials[picked[k]] if member.many.materials else block.material,
+            p=places[k],
+            R=block.R @ spots.R[k],
+            on_ground=spots.on_ground,
+        )
+        for k in range(len(places))
+    ]
+
+
+def _places(member: Many, block: Block, spots: Spots, middle: Array, ground: Ground) -> Array:
+    """Return where the centres of mass (n, 3) of an arrangement begin [m].
+
+    Args:
+        member: the arrangement.
+        block: what its bodies share.
+        spots: where they stand.
+        middle: of the box around one, from its centre of mass [m].
+        ground: that they stand on.
+    """
+    p: Array = block.p + turn(block.R, spots.p) - turn(block.R @ spots.R, middle)
+    if not spots.on_ground and len(member.at) == 2:
+        # A wall is level, and stands on the highest ground below it.
+        radius = float(np.sqrt((middle * middle).sum())) + 0.5 * block.size
+        lowest = spots.p[:, 1] <= spots.p[:, 1].min() + 1e-9
+        around = radius * np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+        dx, dz = (values.ravel() for values in np.meshgrid(around, around))
+        x, z = p[lowest, 0][:, None] + dx, p[lowest, 2][:, None] + dz
+        p[:, 1] += ground.height(x, z).max()
+    return p
+
+
+@cache
+def _build_of(words: Any, path: str) -> Build:
+    """Return the build of a body; what is alike is built once."""
+    return build_of(words, path)
+
+
+def _half(words: Any) -> Array | None:
+    """Return half the extent of a box, None of what is none [m]."""
+    if isinstance(words, Box | Brick):
+        return 0.5 * np.array(words.size)
+    return np.full(3, 0.5 * words.size) if isinstance(words, Cube) else None
+
+
+def _bounds(build: Build) -> tuple[Array, Array]:
+    """Return the corners (3,) of the box around a body [m]."""
+    if build.hull is None:
+        return np.full(3, -build.radius), np.full(3, build.radius)
+    return build.hull.vertices.min(axis=0), build.hull.vertices.max(axis=0)
+
+
+def _size(build: Build) -> float:
+    low, high = _bounds(build)
+    return float((high - low).max())
+
+
+def start_of(blocks: Sequence[Block], ground: Ground) -> tuple[State, list[bool]]:
+    """Return how bodies begin, and which are yet to be put on the ground."""
+    R = np.array([block.R for block in blocks])
+    state = State(
+        np.array([block.p for block in blocks]),
+        quaternion(R),
+        np.array([block.v for block in blocks]),
+        unturned(R, np.array([block.w for block in blocks])),
+    )
+    return state, [block.on_ground for block in blocks]
+
+
+def appearance(blocks: Sequence[Block], rows: int) -> Inventory:
+    """Return what bodies add to the take."""
+    nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
+    seen = cache(seen_of)
+    for i, block in enumerate(blocks):
+        nodes.append(Node(block.name, block.performer, -1, (0.0, 0.0, 0.0)))
+        for suffix, solid, material in seen(block.words, block.collider.build, block.material):
+            size = float(np.ptp(solid.vertices, axis=0).max())
+            name = block.name + suffix
+            parts.append(Part(name, block.performer, len(meshes), material, size, (0, rows)))
+            meshes.append(mesh_of(solid, i))
+    return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts))

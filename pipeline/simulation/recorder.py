@@ -154,7 +154,7 @@ class Recorder:
                 self.ground.forbidden,
                 self.ground.material,
             ),
-            # What rolls or slides is known when it has ended, what groups do when it is written.
+            # Some are told of later than they happen: what rolls, when it has ended.
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self._notes.values()),

@@ -42,6 +42,9 @@ SKIN, THING = "brown chitin", "wood"
 ROWS_AT_ONCE = 96
 """Rows are worked out and written together: as arrays they cost a tenth."""
 
+ROWS_BEFORE_BODIES = 24
+"""Likewise where bodies follow, which go from row to row."""
+
 POSES_AT_ONCE = 65_536
 """Nodes times rows that are, about: so many stay in memory that is at hand."""
 
@@ -82,8 +85,9 @@ class Simulation:
         self._early: list[Bond] = []
         self._late = self.bonds
         if self.colliders is not None:
-            # Where those who push are has to be known row by row; bodies are the last nodes.
-            self._at_once, nodes = 1, len(self.recorder.nodes)
+            # Their nodes are the last ones. What they meet should not be told much later.
+            self._at_once = min(self._at_once, ROWS_BEFORE_BODIES)
+            nodes = len(self.recorder.nodes)
             own = range(nodes - len(self.colliders.inventory.nodes), nodes)
             self._early, self._late = split(self.bonds, own)
         try:
@@ -129,7 +133,8 @@ class Simulation:
         for troupe in self.troupes:
             troupe.keep()
         self._kept += 1
-        if self._kept - self._written == self._at_once or self.finished:
+        begins = self._kept == 1 and self.colliders is not None
+        if begins or self._kept - self._written == self._at_once or self.finished:
             self._write(slice(self._written, self._kept))
             self._written = self._kept
 
@@ -137,7 +142,9 @@ class Simulation:
         for troupe, rows in zip(self.troupes, self.recorder.rows(which), strict=True):
             if troupe is self.colliders:
                 R, p = self.recorder.attached(which, self._early)
-                self.colliders.meet(self.step_number, p[-1], R[-1])
+                for k, row in enumerate(range(which.start, which.stop)):
+                    step = row * self.world.clock.steps // self.world.clock.samples
+                    self.colliders.meet(step, p[k], R[k])
             troupe.write(rows)
         R, p = self.recorder.attached(which, self._late)
         for groups in self._groups:

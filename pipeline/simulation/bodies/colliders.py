@@ -1,7 +1,8 @@
 """Colliders: the troupe of bodies that meet one another, the terrain and creatures.
 
 They advance last, from row to row, when all who push have written where they are at the end
-of it: creatures go where they are told and feel no bodies, so nothing lags behind.
+of it: creatures go where they are told and feel no bodies, so nothing lags behind. Rows are
+written by the dozen, so what bodies have met is told as late, at its own step and fraction.
 
 Source: Sims 1987, 7.1 and 13.1.1.
 """
@@ -75,8 +76,9 @@ class Colliders:
         self.alive = np.ones(len(self.blocks), dtype=bool)
         self.step = 0
         self._heard: dict[tuple[int, int], float] = {}
-        self._contacts: tuple[Contact, ...] = ()
-        self._notes: tuple[Note, ...] = ()
+        self._contacts: list[Contact] = []
+        self._notes: list[Note] = []
+        self._rows: list[tuple[Array, Array, Array]] = []
 
     # --- the passes of the step -----------------------------------------------------
 
@@ -85,10 +87,9 @@ class Colliders:
 
     def advance(self, step: int) -> None:
         """Wait for those who push; see `meet`."""
-        self._contacts, self._notes = (), ()
 
     def keep(self) -> None:
-        """Keep nothing: every row is written at once."""
+        """Keep nothing yet; see `meet`."""
 
     def meet(self, step: int, p: Array, R: Array) -> None:
         """Go on to the row at `step`.
@@ -103,34 +104,39 @@ class Colliders:
         """
         nodes = [one.node for one in self.obstacles]
         poses = Pushed(p[nodes], R[nodes]) if nodes else None
-        if step == 0:
+        if step > 0:
+            self._go_on(step, poses)
+        else:
             if poses is not None:
                 self.solver.place_pushers(poses)
             self._refuse_overlap()
-            return
-        strikes = self.solver.advance(poses)
-        self._contacts = tuple(
-            self._contact(strike) for strike in strikes if self._is_heard(strike)
-        )
+        state = self.solver.state
+        self._rows.append((state.p, matrix(state.q), self.alive.copy()))
+
+    def _go_on(self, step: int, poses: Pushed | None) -> None:
+        for strike in self.solver.advance(poses):
+            if self._is_heard(strike):
+                self._contacts.append(self._contact(strike))
         self.step = step
-        below = self.alive & (self.solver.state.p[:, 1] < self._floor)
-        lost = np.flatnonzero(below)
+        lost = np.flatnonzero(self.alive & (self.solver.state.p[:, 1] < self._floor))
         if len(lost):
             self.alive[lost] = False
             self.solver.drop(lost)
         text = f"left the terrain, and was dropped {FALL:g} m below it"
-        self._notes = tuple(Note("dropped", step, self.blocks[i].name, text) for i in lost)
+        self._notes += [Note("dropped", step, self.blocks[i].name, text) for i in lost]
 
     def write(self, rows: Rows) -> None:
-        """Write the present row."""
-        state = self.solver.state
-        rows.positions[-1] = state.p
-        rows.rotations[-1] = matrix(state.q)
-        rows.alive[-1] = self.alive
+        """Write the rows that were gone through since the last call."""
+        for k, (p, R, alive) in enumerate(self._rows):
+            rows.positions[k], rows.rotations[k], rows.alive[k] = p, R, alive
+        self._rows.clear()
 
     def facts(self) -> Facts:
-        """Return what struck what on the way to the last row, and what was lost."""
-        return Facts(self._contacts, self._notes)
+        """Return what struck what since the last call, and what was lost."""
+        facts = Facts(tuple(self._contacts), tuple(self._notes))
+        self._contacts.clear()
+        self._notes.clear()
+        return facts
 
     # --- begin ------------------------------------------------------------------------
 

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.compiled import compiled, entry
 from pipeline.simulation.spatial import Array
 
 STIFFNESS = 0.25
@@ -55,34 +56,26 @@ to 6 m/s and touch anywhere within a step; `benchmarks/bounciness.py` measures i
 
 @dataclass(frozen=True, slots=True)
 class Touching:
-    """All places at which things touch at one moment.
+    """All n places at which things touch at one moment, those of one pair in a row.
 
     Attributes:
-        pair: (n,) numbers of the pairs of things, equal for places of one pair.
-        bounciness: (n,) of the pairs.
-        depth: (n,) how far one is in the other [m].
-        speed: (n,) at which they part, negative while they approach [m/s].
+        things: (n, 2) numbers of the two.
+        normal: (n, 9) the first three from the first to the second.
+        place: (n, 3) [m].
+        distance: (n,) negative where one is in the other [m].
+        velocity: (m, 6) angular and linear velocities of all things in the world, at their
+            centres [rad/s, m/s].
+        centre: (m, 3) of all things [m].
+        bounciness: (m,) of all things; of two the lower one holds.
     """
 
-    pair: NDArray[np.int64]
+    things: NDArray[np.int32]
+    normal: Array
+    place: Array
+    distance: Array
+    velocity: Array
+    centre: Array
     bounciness: Array
-    depth: Array
-    speed: Array
-
-
-@dataclass(frozen=True, slots=True)
-class Response:
-    """What the springs do: an acceleration of stiffness × depth - damping × speed.
-
-    Attributes:
-        stiffness: (n,) [1/s²].
-        damping: (n,) [1/s].
-        struck: places, one a pair, at which a bounce begins.
-    """
-
-    stiffness: Array
-    damping: Array
-    struck: NDArray[np.int64]
 
 
 class ImpactLaw:
@@ -92,43 +85,137 @@ class ImpactLaw:
         self._pairs = np.zeros(0, dtype=np.int64)
         self._onset = np.zeros(0)
 
-    def respond(self, touching: Touching, time: float, h: float) -> Response:
-        """Return what the springs do in a step of `h` [s] from `time` [s] on."""
-        w = STIFFNESS / h
-        b, v = touching.bounciness, touching.speed
-        bounces, struck = self._bouncing(touching, time, w)
-        push = w * w * touching.depth
-        approaches = v < 0.0
-        turns = approaches & (v + push * h > 0.0)
-        back = b * b
-        springs = bounces & (approaches | (b >= DULL))
-        damping = np.where(turns, (1.0 - back) / h, 0.0)
-        return Response(
-            stiffness=w * w * np.where(springs & (turns | ~approaches), back, 1.0),
-            damping=np.where(springs, damping, 2.0 * w),
-            struck=struck,
-        )
+    def press(
+        self, touching: Touching, time: float, h: float, rows: NDArray[np.int32], springs: Array
+    ) -> tuple[NDArray[np.int64], Array]:
+        """Set the springs for a step of `h` [s] from `time` [s] on.
 
-    def _bouncing(
-        self, touching: Touching, time: float, w: float
-    ) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
-        """Return which places (n,) bounce, and the places of bounces that begin."""
-        order = np.lexsort((touching.speed, touching.pair))
-        pairs = touching.pair[order]
-        first = np.flatnonzero(np.r_[True, pairs[1:] != pairs[:-1]])
-        # Of each pair the place that approaches fastest stands first.
-        quickest, pairs = order[first], pairs[first]
-        where = np.minimum(np.searchsorted(self._pairs, pairs), max(len(self._pairs) - 1, 0))
-        known = self._pairs[where] == pairs if len(self._pairs) else np.zeros(len(pairs), bool)
-        onset = np.full(len(pairs), -np.inf)
-        onset[known] = self._onset[where[known]]
-        lasts = LONGER * 0.5 * np.pi / w
-        b = touching.bounciness[quickest]
-        lasts = lasts * (1.0 + 1.0 / np.maximum(b, DULL))
-        bounces = time - onset < lasts
-        least = np.where(known, SLAM_SPEED, REST_SPEED)
-        begins = ~bounces & (-touching.speed[quickest] > least)
-        onset[begins] = time
-        self._pairs, self._onset = pairs, onset
-        each = np.searchsorted(pairs, touching.pair)
-        return (bounces | begins)[each], quickest[begins]
+        Args:
+            touching: where.
+            time: now.
+            h: of the step.
+            rows: (n,) first row that each place has in `springs`, negative for none.
+            springs: (k, 4) whose first two columns become stiffness [1/s²] and damping [1/s];
+                rows that are none of the above are friction's.
+
+        Returns:
+            The places (s,) at which a bounce begins, one a pair, and the speeds (n,) at which
+            all part, negative while they approach [m/s].
+        """
+        t = touching
+        speed = _parting(t.things, t.normal, t.place, t.velocity, t.centre)
+        self._pairs, self._onset, bounces, struck = _bouncing(
+            t.things, t.bounciness, speed, time, h, self._pairs, self._onset
+        )
+        _set_springs(t.things, t.bounciness, t.distance, speed, bounces, h, rows, springs)
+        return struck, speed
+
+
+@entry
+def _parting(
+    things: NDArray[np.int32], normal: Array, place: Array, velocity: Array, centre: Array
+) -> Array:
+    """Return the speeds (n,) along the normals at which things part [m/s]."""
+    speed = np.empty(len(things))
+    for i in range(len(things)):
+        speed[i] = _along(velocity[things[i, 1]], centre[things[i, 1]], normal[i], place[i])
+        speed[i] -= _along(velocity[things[i, 0]], centre[things[i, 0]], normal[i], place[i])
+    return speed
+
+
+@compiled
+def _along(velocity: Array, centre: Array, n: Array, place: Array) -> float:
+    """Return n · (v + w × r) of one place of one thing."""
+    x, y, z = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
+    v_x = velocity[3] + velocity[1] * z - velocity[2] * y
+    v_y = velocity[4] + velocity[2] * x - velocity[0] * z
+    v_z = velocity[5] + velocity[0] * y - velocity[1] * x
+    result: float = n[0] * v_x + n[1] * v_y + n[2] * v_z
+    return result
+
+
+@compiled
+def _lasts(b: float, h: float) -> float:
+    """Return how long a bounce may last [s]."""
+    return LONGER * 0.5 * np.pi * h / STIFFNESS * (1.0 + 1.0 / max(b, DULL))
+
+
+@entry
+def _bouncing(
+    things: NDArray[np.int32],
+    bounciness: Array,
+    speed: Array,
+    time: float,
+    h: float,
+    known: NDArray[np.int64],
+    onset: Array,
+) -> tuple[NDArray[np.int64], Array, NDArray[np.bool_], NDArray[np.int64]]:
+    """Return pairs, in order, and since when they bounce; which places do; where it began.
+
+    Args:
+        things: as in `Touching`, and so on.
+        bounciness: of all things.
+        speed: (n,) see above.
+        time: now [s].
+        h: of the step [s].
+        known: pairs that touched in the step before, in order.
+        onset: when their last bounce began [s].
+    """
+    n = len(things)
+    key = np.empty(n, dtype=np.int64)
+    for i in range(n):
+        key[i] = things[i, 0] * np.int64(len(bounciness)) + things[i, 1]
+    order = np.argsort(key, kind="mergesort")
+    pairs, since = np.empty(n, dtype=np.int64), np.empty(n)
+    bounces, struck = np.zeros(n, dtype=np.bool_), np.empty(n, dtype=np.int64)
+    count, hits, i, k = 0, 0, 0, 0
+    while i < n:
+        pair, first, quickest = key[order[i]], i, order[i]
+        while i < n and key[order[i]] == pair:
+            if speed[order[i]] < speed[quickest]:
+                quickest = order[i]
+            i += 1
+        while k < len(known) and known[k] < pair:
+            k += 1
+        touched = k < len(known) and known[k] == pair
+        begun = onset[k] if touched else -np.inf
+        b = min(bounciness[things[quickest, 0]], bounciness[things[quickest, 1]])
+        lasts = time - begun < _lasts(b, h)
+        if not lasts and -speed[quickest] > (SLAM_SPEED if touched else REST_SPEED):
+            begun, lasts = time, True
+            struck[hits] = quickest
+            hits += 1
+        for j in range(first, i):
+            bounces[order[j]] = lasts
+        pairs[count], since[count] = pair, begun
+        count += 1
+    return pairs[:count], since[:count], bounces, struck[:hits]
+
+
+@entry
+def _set_springs(
+    things: NDArray[np.int32],
+    bounciness: Array,
+    distance: Array,
+    speed: Array,
+    bounces: NDArray[np.bool_],
+    h: float,
+    rows: NDArray[np.int32],
+    springs: Array,
+) -> None:
+    """Set stiffness and damping of all places and of all friction; see `ImpactLaw.press`."""
+    w = STIFFNESS / h
+    for r in range(len(springs)):
+        springs[r, 1] = 2.0 * w
+    for i in range(len(rows)):
+        if rows[i] < 0:
+            continue
+        b = min(bounciness[things[i, 0]], bounciness[things[i, 1]])
+        stiffness, damping, v = w * w, 2.0 * w, speed[i]
+        if bounces[i] and (v < 0.0 or b >= DULL):
+            damping = 0.0
+            if v < 0.0 and v + w * w * max(-distance[i], 0.0) * h > 0.0:
+                stiffness, damping = b * b * stiffness, (1.0 - b * b) / h
+            elif v >= 0.0:
+                stiffness = b * b * stiffness
+        springs[rows[i], 0], springs[rows[i], 1] = stiffness, damping

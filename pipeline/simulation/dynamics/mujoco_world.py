@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import STIFFNESS, ImpactLaw, Touching
+from pipeline.simulation.dynamics.impact_law import ImpactLaw, Touching
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.rigid import Build, State
 from pipeline.simulation.dynamics.substeps import Substeps
@@ -228,35 +228,30 @@ class MujocoWorld:
         if not data.ncon:
             return
         contact = data.contact
-        row = contact.efc_address
-        geom, normal, place = contact.geom, contact.frame[:, :3], contact.pos
-        one, other = geom[:, 0], geom[:, 1]
-        h = model.opt.timestep
         touching = Touching(
-            pair=one.astype(np.int64) * model.ngeom + other,
-            bounciness=np.minimum(self._bounciness[one], self._bounciness[other]),
-            depth=np.maximum(-contact.dist, 0.0),
-            speed=_parting(data, one, other, normal, place),
+            things=contact.geom,
+            normal=contact.frame,
+            place=contact.pos,
+            distance=contact.dist,
+            # Geoms and bodies have the same numbers.
+            velocity=data.cvel,
+            centre=data.xipos,
+            bounciness=self._bounciness,
         )
-        response = self.law.respond(touching, data.time, h)
-        springs = data.efc_KBIP
-        # Friction stops what slides as fast as a critical damper.
-        springs[:, 1] = 2.0 * STIFFNESS / h
-        rows = row >= 0
-        springs[row[rows], 0] = response.stiffness[rows] / NEARLY
-        springs[row[rows], 1] = response.damping[rows]
-        for i in response.struck.tolist():
-            self._struck(int(one[i]), int(other[i]), touching, i, normal[i], place[i])
+        rows, springs = contact.efc_address, data.efc_KBIP
+        struck, speed = self.law.press(touching, data.time, model.opt.timestep, rows, springs)
+        for i in struck.tolist():
+            self._struck(touching, i, float(-speed[i]))
 
-    def _struck(
-        self, a: int, b: int, touching: Touching, i: int, normal: Array, place: Array
-    ) -> None:
-        """Keep an impact between two geoms; the normal points from `a` to `b`."""
+    def _struck(self, touching: Touching, i: int, speed: float) -> None:
+        """Keep the impact that begins at place `i`."""
+        a, b = (int(thing) for thing in touching.things[i])
+        normal, place = touching.normal[i, :3], touching.place[i]
         pair = sorted((a - 1, b - 1), key=_bodies_first(self.count))
         towards = normal if pair[0] == b - 1 else -normal
-        speed = -float(touching.speed[i])
         # It was found a little after it began.
-        time = self.data.time - self._began - float(touching.depth[i]) / speed
+        depth = max(-float(touching.distance[i]), 0.0)
+        time = self.data.time - self._began - depth / speed
         mass = 1.0 / (self._yields(a, normal, place) + self._yields(b, normal, place))
         self._strikes.append(
             Strike(
@@ -282,23 +277,6 @@ class MujocoWorld:
 def _bodies_first(count: int) -> Any:
     """Return a key by which bodies come in order, before terrain and those who push."""
     return lambda number: (not 0 <= number < count, number)
-
-
-def _parting(
-    data: Any, one: NDArray[np.int32], other: NDArray[np.int32], normal: Array, place: Array
-) -> Array:
-    """Return the speeds (n,) along the normals at which geoms part [m/s]."""
-    # Geoms and bodies have the same numbers; a body's velocity is told at its own centre.
-    velocity, centre = data.cvel, data.xipos
-    speed = np.zeros(len(one))
-    for geom, sign in ((other, 1.0), (one, -1.0)):
-        w, v = velocity[geom, :3], velocity[geom, 3:]
-        arm = place - centre[geom]
-        # n · (v + w × r), written out: no product of matrices, and no temporary of any size.
-        v = v + w[:, [1, 2, 0]] * arm[:, [2, 0, 1]] - w[:, [2, 0, 1]] * arm[:, [1, 2, 0]]
-        along = v[:, 0] * normal[:, 0] + v[:, 1] * normal[:, 1] + v[:, 2] * normal[:, 2]
-        speed += sign * along
-    return speed
 
 
 # --- the model --------------------------------------------------------------------------

@@ -38,8 +38,17 @@ SLAM_SPEED = 0.2
 DULL = 0.05
 """Bounciness below which nothing is given back."""
 
+STOPPED = 0.1
+"""Speed that is none, in that which the spring gives in one step."""
+
 LONGER = 1.5
 """How long a bounce may last, in its own length by the formula."""
+
+ALIKE = 0.999
+"""Cosine between normals of one plane."""
+
+RIM = 0.02
+"""Height above a plane that is none, in radii of the ball."""
 
 MEASURED = {
     0.0: (0.0, 0.0),
@@ -212,10 +221,54 @@ def _set_springs(
             continue
         b = min(bounciness[things[i, 0]], bounciness[things[i, 1]])
         stiffness, damping, v = w * w, 2.0 * w, speed[i]
-        if bounces[i] and (v < 0.0 or b >= DULL):
+        push = w * w * max(-distance[i], 0.0) * h
+        # What is not to come back has stopped when little of its approach is left.
+        if bounces[i] and (v < -STOPPED * push or b >= DULL):
             damping = 0.0
-            if v < 0.0 and v + w * w * max(-distance[i], 0.0) * h > 0.0:
+            if v < 0.0 and v + push > 0.0:
                 stiffness, damping = b * b * stiffness, (1.0 - b * b) / h
             elif v >= 0.0:
                 stiffness = b * b * stiffness
         springs[rows[i], 0], springs[rows[i], 1] = stiffness, damping
+
+
+@entry
+def beside(
+    things: NDArray[np.int32], normal: Array, place: Array, distance: Array, rounds: Array
+) -> NDArray[np.bool_]:
+    """Return the places (n,) where a ball touches nothing but the rim of a triangle it is not over.
+
+    MuJoCo looks at each prism of a height field alone, so a ball that has sunk into one is
+    pushed aside by its neighbours, though their surfaces lie in one plane: 0.95 m/s after an
+    impact at 6 m/s. A place counts if it lies above the plane of the deepest one, or has the
+    same normal.
+
+    Args:
+        things: as in `Touching`, and so on; the terrain is number 0 and comes first.
+        normal: upward from the terrain.
+        place: in the middle between both surfaces.
+        distance: see there.
+        rounds: (m,) radii of balls, 0 of what is none [m].
+    """
+    n = len(things)
+    ghosts = np.zeros(n, dtype=np.bool_)
+    i = 0
+    while i < n:
+        first, deepest = i, i
+        while i < n and things[i, 0] == things[first, 0] and things[i, 1] == things[first, 1]:
+            if distance[i] < distance[deepest]:
+                deepest = i
+            i += 1
+        radius = rounds[things[first, 1]]
+        if things[first, 0] != 0 or radius == 0.0 or i - first == 1:
+            continue
+        for j in range(first, i):
+            alike, above = 0.0, 0.0
+            for k in range(3):
+                m = normal[deepest, k]
+                surface = place[j, k] - 0.5 * distance[j] * normal[j, k]
+                ground = place[deepest, k] - 0.5 * distance[deepest] * m
+                alike += m * normal[j, k]
+                above += m * (surface - ground)
+            ghosts[j] = alike < ALIKE and above < RIM * radius
+    return ghosts

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import ImpactLaw, Touching
+from pipeline.simulation.dynamics.impact_law import ImpactLaw, Touching, beside
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.rigid import Build, State
 from pipeline.simulation.dynamics.substeps import Substeps
@@ -46,6 +46,9 @@ STILL = 2e-3
 
 NEARLY = 0.99
 """MuJoCo's contacts give way a little; so much of the force asked for is there."""
+
+YIELDING = 1e6
+"""Acceleration towards one another that is asked of what is not to push [m/s²]."""
 
 HEAVIER = 1e6
 """Mass of who pushes, in that of the heaviest body."""
@@ -126,6 +129,8 @@ class MujocoWorld:
         own = np.array([b.bounciness for b in builds])
         self._bounciness = np.r_[np.inf, own, np.full(len(pushers), np.inf)]
         self._inverse_mass = np.r_[0.0, [1.0 / b.mass.mass for b in builds], [0.0] * len(pushers)]
+        self._is_uneven = not _is_level(field)
+        self._rounds = np.r_[0.0, [b.radius for b in builds], [0.0] * len(pushers)]
         self._inverse = [np.linalg.inv(b.mass.inertia) for b in builds]
         self._gone = np.zeros(self.count, dtype=bool)
         self._began = 0.0
@@ -240,6 +245,12 @@ class MujocoWorld:
         )
         rows, springs = contact.efc_address, data.efc_KBIP
         struck, speed = self.law.press(touching, data.time, model.opt.timestep, rows, springs)
+        if self._is_uneven:
+            geom, place = contact.geom, contact.pos
+            ghosts = beside(geom, contact.frame, place, contact.dist, self._rounds)
+            own = rows[ghosts & (rows >= 0)]
+            # So much is asked to fall in that nothing pushes.
+            springs[own, 0], springs[own, 1], data.efc_pos[own] = -YIELDING, 0.0, -1.0
         for i in struck.tolist():
             self._struck(touching, i, float(-speed[i]))
 
@@ -371,7 +382,7 @@ def _triangulated(field: HeightField) -> Array:
     """Return heights whose cells, cut from the low corner to the high one, are the surface.
 
     Of quadrilaterals the finer grid misses what is left of a crease that runs the other
-    way: a thirty-second of how far its corners are from one plane.
+    way: up to a twenty-fourth of how far its corners are from one plane.
     """
     if type(field) is HeightField:
         return field.heights

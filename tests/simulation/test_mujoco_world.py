@@ -104,7 +104,7 @@ def test_sliding_ball_is_spun_by_its_friction_times_the_impact(b: float) -> None
     world = world_of([ball(0.1, b, 0.2)], [[0, 0.3, 0]], [[6.0, 0, 0]])
     run(world, 0.25)
     impulse = (1.0 + b) * np.sqrt(2.0 * GRAVITY * 0.2)
-    assert world.state.w[0, 2] == pytest.approx(-0.2 * impulse / (0.4 * 0.1), rel=0.03)
+    assert world.state.w[0, 2] == pytest.approx(-0.2 * impulse / (0.4 * 0.1), rel=0.05)
 
 
 def test_stack_of_ten_stands_for_a_minute_and_sleeps() -> None:
@@ -172,7 +172,7 @@ def test_bodies_bounce_straight_up_from_a_level_height_field(shape: str) -> None
     strikes = run(world, 1.0)
     # A box does not fall quite flat the second time.
     np.testing.assert_allclose(ratios(strikes, 0)[: 1 if shape == "box" else 4], 0.5, atol=0.02)
-    assert np.abs(world.state.p[0, [0, 2]] - [0.03, 0.01]).max() < 0.005
+    assert np.abs(world.state.p[0, [0, 2]] - [0.03, 0.01]).max() < 0.01
 
 
 def test_box_slides_down_a_slope_as_galilei_says() -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.tracks import Track
@@ -44,17 +45,20 @@ APART = 1.05
 
 def wall(words: Wall, extent: Extent, chance: np.random.Generator) -> Spots:
     """Return the places of a wall."""
-    rows, columns = np.divmod(np.arange(words.rows * words.columns), words.columns)
-    middle = 0.5 * (words.columns - 1) + 0.25 * (words.rows > 1)
-    return _rows(rows, columns + 0.5 * (rows % 2) - middle, words.gap, extent)
+    lengths = words.columns - np.arange(words.rows) % 2
+    return _centred(lengths, words.gap, extent)
 
 
 def pyramid(words: Pyramid, extent: Extent, chance: np.random.Generator) -> Spots:
     """Return the places of a pyramid that is one body deep."""
-    lengths = np.arange(words.rows, 0, -1)
-    rows = np.repeat(np.arange(words.rows), lengths)
+    return _centred(np.arange(words.rows, 0, -1), words.gap, extent)
+
+
+def _centred(lengths: NDArray[np.int64], gap: float, extent: Extent) -> Spots:
+    """Return rows of such lengths, each in the middle of the one below."""
+    rows = np.repeat(np.arange(len(lengths)), lengths)
     columns = np.concatenate([np.arange(n) - 0.5 * (n - 1) for n in lengths])
-    return _rows(rows, columns, words.gap, extent)
+    return _rows(rows, columns, gap, extent)
 
 
 def stack(words: Stack, extent: Extent, chance: np.random.Generator) -> Spots:

@@ -18,12 +18,14 @@ Source: Walton and Braun 1986 for springs that are softer on the way back.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import compiled, entry
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.spatial import Array
 
 STIFFNESS = 0.25
@@ -38,8 +40,11 @@ SLAM_SPEED = 0.2
 DULL = 0.05
 """Bounciness below which nothing is given back."""
 
-STOPPED = 0.1
-"""Speed that is none, in that which the spring gives in one step."""
+ROLLING = 10.0
+"""Rate at which spin and rolling come to rest where friction can do it [1/s]."""
+
+SPARE = 4.0
+"""Weights that a contact may carry beyond its own."""
 
 LONGER = 1.5
 """How long a bounce may last, in its own length by the formula."""
@@ -63,8 +68,7 @@ MEASURED = {
 to 6 m/s and touch anywhere within a step; `benchmarks/bounciness.py` measures it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Touching:
+class Touching(NamedTuple):
     """All n places at which things touch at one moment, those of one pair in a row.
 
     Attributes:
@@ -72,25 +76,46 @@ class Touching:
         normal: (n, 9) the first three from the first to the second.
         place: (n, 3) [m].
         distance: (n,) negative where one is in the other [m].
+        friction: (n, 5) the first is Coulomb's coefficient.
+        size: (n,) rows of each: normal, two of sliding, more of spin and rolling.
         velocity: (m, 6) angular and linear velocities of all things in the world, at their
             centres [rad/s, m/s].
         centre: (m, 3) of all things [m].
-        bounciness: (m,) of all things; of two the lower one holds.
+        attitude: (m, 9) rotation matrices of all things.
     """
 
     things: NDArray[np.int32]
     normal: Array
     place: Array
     distance: Array
+    friction: Array
+    size: NDArray[np.int32]
     velocity: Array
     centre: Array
+    attitude: Array
+
+
+class Things(NamedTuple):
+    """What stays of m things.
+
+    Attributes:
+        bounciness: (m,); of two the lower one holds.
+        inverse_mass: (m,) 0 of what does not give way [1/kg].
+        inverse_inertia: (m, 3, 3) in their own frames, likewise [1/(kg m²)].
+        radius: (m,) of balls, 0 of what is none [m].
+    """
+
     bounciness: Array
+    inverse_mass: Array
+    inverse_inertia: Array
+    radius: Array
 
 
 class ImpactLaw:
     """Which pairs bounce at the moment, and which rest."""
 
-    def __init__(self) -> None:
+    def __init__(self, things: Things) -> None:
+        self.things = things
         self._pairs = np.zeros(0, dtype=np.int64)
         self._onset = np.zeros(0)
 
@@ -104,19 +129,18 @@ class ImpactLaw:
             time: now.
             h: of the step.
             rows: (n,) first row that each place has in `springs`, negative for none.
-            springs: (k, 4) whose first two columns become stiffness [1/s²] and damping [1/s];
-                rows that are none of the above are friction's.
+            springs: (k, 4) whose first two columns become stiffness [1/s²] and damping [1/s].
 
         Returns:
             The places (s,) at which a bounce begins, one a pair, and the speeds (n,) at which
             all part, negative while they approach [m/s].
         """
-        t = touching
+        t, bounciness = touching, self.things.bounciness
         speed = _parting(t.things, t.normal, t.place, t.velocity, t.centre)
         self._pairs, self._onset, bounces, struck = _bouncing(
-            t.things, t.bounciness, speed, time, h, self._pairs, self._onset
+            t.things, bounciness, speed, time, h, self._pairs, self._onset
         )
-        _set_springs(t.things, t.bounciness, t.distance, speed, bounces, h, rows, springs)
+        _set_springs(t, self.things, speed, bounces, h, rows, springs)
         return struck, speed
 
 
@@ -134,13 +158,21 @@ def _parting(
 
 @compiled
 def _along(velocity: Array, centre: Array, n: Array, place: Array) -> float:
-    """Return n · (v + w × r) of one place of one thing."""
-    x, y, z = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
-    v_x = velocity[3] + velocity[1] * z - velocity[2] * y
-    v_y = velocity[4] + velocity[2] * x - velocity[0] * z
-    v_z = velocity[5] + velocity[0] * y - velocity[1] * x
-    result: float = n[0] * v_x + n[1] * v_y + n[2] * v_z
+    """Return how fast a place of a thing goes along `n` [m/s]."""
+    x, y, z = _velocity(velocity, centre, place)
+    result: float = n[0] * x + n[1] * y + n[2] * z
     return result
+
+
+@compiled
+def _velocity(velocity: Array, centre: Array, place: Array) -> tuple[float, float, float]:
+    """Return v + w × r of a place of a thing [m/s]."""
+    x, y, z = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
+    return (
+        velocity[3] + velocity[1] * z - velocity[2] * y,
+        velocity[4] + velocity[2] * x - velocity[0] * z,
+        velocity[5] + velocity[0] * y - velocity[1] * x,
+    )
 
 
 @compiled
@@ -203,9 +235,8 @@ def _bouncing(
 
 @entry
 def _set_springs(
-    things: NDArray[np.int32],
-    bounciness: Array,
-    distance: Array,
+    t: Touching,
+    things: Things,
     speed: Array,
     bounces: NDArray[np.bool_],
     h: float,
@@ -213,23 +244,87 @@ def _set_springs(
     springs: Array,
 ) -> None:
     """Set stiffness and damping of all places and of all friction; see `ImpactLaw.press`."""
-    w = STIFFNESS / h
-    for r in range(len(springs)):
-        springs[r, 1] = 2.0 * w
+    w, distance, bounciness = STIFFNESS / h, t.distance, things.bounciness
     for i in range(len(rows)):
         if rows[i] < 0:
             continue
-        b = min(bounciness[things[i, 0]], bounciness[things[i, 1]])
+        b = min(bounciness[t.things[i, 0]], bounciness[t.things[i, 1]])
         stiffness, damping, v = w * w, 2.0 * w, speed[i]
-        push = w * w * max(-distance[i], 0.0) * h
-        # What is not to come back has stopped when little of its approach is left.
-        if bounces[i] and (v < -STOPPED * push or b >= DULL):
+        depth = max(-distance[i], 0.0)
+        if bounces[i] and b >= DULL:
             damping = 0.0
-            if v < 0.0 and v + push > 0.0:
+            if v < 0.0 and v + w * w * depth * h > 0.0:
                 stiffness, damping = b * b * stiffness, (1.0 - b * b) / h
             elif v >= 0.0:
                 stiffness = b * b * stiffness
+        elif bounces[i] and v < -REST_SPEED:
+            stiffness, damping = 0.0, 1.0 / h
+        elif w * depth > 2.0 * REST_SPEED:
+            # A spring cannot pull: what it pushed out faster would hop.
+            stiffness *= 2.0 * REST_SPEED / (w * depth)
         springs[rows[i], 0], springs[rows[i], 1] = stiffness, damping
+        _set_friction(t, things, i, stiffness * depth - damping * v, w, rows[i], springs)
+
+
+@compiled
+def _set_friction(
+    t: Touching, things: Things, i: int, pushed: float, w: float, row: int, springs: Array
+) -> None:
+    """Set the damping of what slides and rolls at place `i`, which is `pushed` apart [m/s²].
+
+    MuJoCo solves for friction and for the push together and weighs one against the other: a
+    contact that is asked to stop what slides, faster than Coulomb's friction can, lifts it
+    off instead. A ball of bounciness 0.5 that came at 6 m/s aslant left with 0.74 of its
+    speed. So it is asked for no more than Coulomb gives.
+    """
+    slides = _sliding(t, i)
+    speed = math.sqrt(slides[0] ** 2 + slides[1] ** 2 + slides[2] ** 2)
+    damping = 2.0 * w
+    if speed > 0.0:
+        n = (t.normal[i, 0], t.normal[i, 1], t.normal[i, 2])
+        along = (slides[0] / speed, slides[1] / speed, slides[2] / speed)
+        ratio = _yields(t, things, i, along) / max(_yields(t, things, i, n), 1e-12)
+        most = t.friction[i, 0] * ratio * (max(pushed, 0.0) + SPARE * GRAVITY)
+        damping = min(damping, most / speed)
+    for k in range(1, t.size[i]):
+        springs[row + k, 1] = damping if k < 3 else ROLLING
+
+
+@compiled
+def _sliding(t: Touching, i: int) -> tuple[float, float, float]:
+    """Return the velocity at which the second slides over the first at place `i` [m/s]."""
+    a, b, n = t.things[i, 0], t.things[i, 1], t.normal[i]
+    x, y, z = _velocity(t.velocity[b], t.centre[b], t.place[i])
+    u, v, w = _velocity(t.velocity[a], t.centre[a], t.place[i])
+    x, y, z = x - u, y - v, z - w
+    along = x * n[0] + y * n[1] + z * n[2]
+    return x - along * n[0], y - along * n[1], z - along * n[2]
+
+
+@compiled
+def _yields(t: Touching, things: Things, i: int, n: tuple[float, float, float]) -> float:
+    """Return the speed that a unit of impulse along `n` gives two things at place `i` [1/kg]."""
+    total = 0.0
+    for side in range(2):
+        g = t.things[i, side]
+        if things.inverse_mass[g] == 0.0:
+            continue
+        R, J = t.attitude[g], things.inverse_inertia[g]
+        x, y, z = (
+            t.place[i, 0] - t.centre[g, 0],
+            t.place[i, 1] - t.centre[g, 1],
+            t.place[i, 2] - t.centre[g, 2],
+        )
+        a, b, c = y * n[2] - z * n[1], z * n[0] - x * n[2], x * n[1] - y * n[0]
+        # In the frame of the body.
+        u = R[0] * a + R[3] * b + R[6] * c
+        v = R[1] * a + R[4] * b + R[7] * c
+        w = R[2] * a + R[5] * b + R[8] * c
+        total += things.inverse_mass[g]
+        total += u * (J[0, 0] * u + J[0, 1] * v + J[0, 2] * w)
+        total += v * (J[1, 0] * u + J[1, 1] * v + J[1, 2] * w)
+        total += w * (J[2, 0] * u + J[2, 1] * v + J[2, 2] * w)
+    return total
 
 
 @entry

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import ImpactLaw, Touching, beside
+from pipeline.simulation.dynamics.impact_law import ImpactLaw, Things, Touching, beside
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.rigid import Build, State
 from pipeline.simulation.dynamics.substeps import Substeps
@@ -124,14 +124,9 @@ class MujocoWorld:
         self.substeps = Substeps(builds, pushers, field, step)
         self.pushers = Pushers(len(pushers), step)
         self.model, self.data, self._mujoco = _build(colliders, field, pushers)
-        self.law = ImpactLaw()
-        # Of the ground and of who pushes nothing is known: the body's own bounciness holds.
-        own = np.array([b.bounciness for b in builds])
-        self._bounciness = np.r_[np.inf, own, np.full(len(pushers), np.inf)]
-        self._inverse_mass = np.r_[0.0, [1.0 / b.mass.mass for b in builds], [0.0] * len(pushers)]
+        self.things = _things(builds, len(pushers))
+        self.law = ImpactLaw(self.things)
         self._is_uneven = not _is_level(field)
-        self._rounds = np.r_[0.0, [b.radius for b in builds], [0.0] * len(pushers)]
-        self._inverse = [np.linalg.inv(b.mass.inertia) for b in builds]
         self._gone = np.zeros(self.count, dtype=bool)
         self._began = 0.0
         self._strikes: list[Strike] = []
@@ -238,16 +233,18 @@ class MujocoWorld:
             normal=contact.frame,
             place=contact.pos,
             distance=contact.dist,
+            friction=contact.friction,
+            size=contact.dim,
             # Geoms and bodies have the same numbers.
             velocity=data.cvel,
             centre=data.xipos,
-            bounciness=self._bounciness,
+            attitude=data.xmat,
         )
         rows, springs = contact.efc_address, data.efc_KBIP
         struck, speed = self.law.press(touching, data.time, model.opt.timestep, rows, springs)
         if self._is_uneven:
             geom, place = contact.geom, contact.pos
-            ghosts = beside(geom, contact.frame, place, contact.dist, self._rounds)
+            ghosts = beside(geom, contact.frame, place, contact.dist, self.things.radius)
             own = rows[ghosts & (rows >= 0)]
             # So much is asked to fall in that nothing pushes.
             springs[own, 0], springs[own, 1], data.efc_pos[own] = -YIELDING, 0.0, -1.0
@@ -282,7 +279,23 @@ class MujocoWorld:
             return 0.0
         R = self.data.xmat[geom].reshape(3, 3)
         turning = R.T @ np.cross(place - self.data.xpos[geom], normal)
-        return float(self._inverse_mass[geom] + turning @ self._inverse[geom - 1] @ turning)
+        inverse = self.things.inverse_inertia[geom]
+        return float(self.things.inverse_mass[geom] + turning @ inverse @ turning)
+
+
+def _things(builds: Sequence[Build], pushers: int) -> Things:
+    """Return what stays of the terrain, of bodies and of who push, numbered as geoms are."""
+    # Of the ground and of who pushes nothing is known: the body's own bounciness holds.
+    own = [b.bounciness for b in builds]
+    fixed = [np.zeros((3, 3))]
+    inverse = [np.linalg.inv(b.mass.inertia) for b in builds]
+    none = [0.0] * pushers
+    return Things(
+        bounciness=np.array([np.inf, *own, *[np.inf] * pushers]),
+        inverse_mass=np.array([0.0, *[1.0 / b.mass.mass for b in builds], *none]),
+        inverse_inertia=np.array([*fixed, *inverse, *fixed * pushers]),
+        radius=np.array([0.0, *[b.radius for b in builds], *none]),
+    )
 
 
 def _bodies_first(count: int) -> Any:

@@ -28,6 +28,10 @@ from pipeline.spec.body import Box, Brick, Cube
 from pipeline.spec.cast import Body, Many
 
 
+AROUND = 33
+"""Places around a body at which the ground is looked at."""
+
+
 @dataclass(frozen=True, eq=False)
 class Block:
     """One body and how it begins.
@@ -41,13 +45,11 @@ class Block:
         material: by name.
         collider: its mass and shape.
         size: characteristic length [m].
-        p: (3,) where its centre of mass begins; y is from the ground below the whole if
-            `is_relative` [m].
+        p: (3,) where its centre of mass begins; y is left aside if `on_ground` [m].
         R: (3, 3).
         v: (3,) [m/s].
         w: (3,) in the world [rad/s].
         on_ground: whether it is put on the ground below it.
-        is_relative: see `p`.
     """
 
     name: str
@@ -63,7 +65,6 @@ class Block:
     v: Array
     w: Array
     on_ground: bool
-    is_relative: bool = False
 
 
 def blocks_of(
@@ -120,7 +121,7 @@ def _many(member: Many, block: Block, world: World) -> list[Block]:
     low, high = _bounds(block.collider.build)
     spots = spots_of(member.many, high - low, chance)
     picked = chance.integers(0, max(len(member.many.materials), 1), len(spots.p))
-    places = _places(member, block, spots, 0.5 * (low + high), world.ground)
+    places = _places(member, block, spots, (low, high), world.ground)
     return [
         replace(
             block,
@@ -135,26 +136,41 @@ def _many(member: Many, block: Block, world: World) -> list[Block]:
     ]
 
 
-def _places(member: Many, block: Block, spots: Spots, middle: Array, ground: Ground) -> Array:
+def _places(
+    member: Many, block: Block, spots: Spots, bounds: tuple[Array, Array], ground: Ground
+) -> Array:
     """Return where the centres of mass (n, 3) of an arrangement begin [m].
 
     Args:
         member: the arrangement.
         block: what its bodies share.
         spots: where they stand.
-        middle: of the box around one, from its centre of mass [m].
+        bounds: corners (3,) of the box around one, from its centre of mass [m].
         ground: that they stand on.
     """
+    middle, half = 0.5 * (bounds[0] + bounds[1]), 0.5 * (bounds[1] - bounds[0])
     p: Array = block.p + turn(block.R, spots.p) - turn(block.R @ spots.R, middle)
     if not spots.on_ground and len(member.at) == 2:
         # A wall is level, and stands on the highest ground below it.
-        radius = float(np.sqrt((middle * middle).sum())) + 0.5 * block.size
+        radius = float(np.sqrt((half * half).sum()) + np.sqrt((middle * middle).sum()))
         lowest = spots.p[:, 1] <= spots.p[:, 1].min() + 1e-9
-        around = radius * np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
-        dx, dz = (values.ravel() for values in np.meshgrid(around, around))
-        x, z = p[lowest, 0][:, None] + dx, p[lowest, 2][:, None] + dz
-        p[:, 1] += ground.height(x, z).max()
+        p[:, 1] += _highest(ground, p[lowest][:, [0, 2]], radius)
     return p
+
+
+def _highest(ground: Ground, places: Array, radius: float) -> float:
+    """Return the greatest height of the ground around places (n, 2): at a vertex, or near by."""
+    angle = np.linspace(0.0, 2.0 * np.pi, AROUND)
+    x = places[:, :1] + radius * np.cos(angle)
+    z = places[:, 1:] + radius * np.sin(angle)
+    highest = float(ground.height(x, z).max())
+    vertices = ground.field.vertices
+    low, high = places.min(axis=0) - radius, places.max(axis=0) + radius
+    inside = ((vertices[:, [0, 2]] >= low) & (vertices[:, [0, 2]] <= high)).all(axis=1)
+    for x_v, y_v, z_v in vertices[inside & (vertices[:, 1] > highest)]:
+        if np.hypot(places[:, 0] - x_v, places[:, 1] - z_v).min() < radius:
+            highest = max(highest, float(y_v))
+    return highest
 
 
 @cache

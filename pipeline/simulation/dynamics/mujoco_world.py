@@ -249,16 +249,19 @@ class MujocoWorld:
             # So much is asked to fall in that nothing pushes.
             springs[own, 0], springs[own, 1], data.efc_pos[own] = -YIELDING, 0.0, -1.0
         for i in struck.tolist():
-            self._struck(touching, i, float(-speed[i]))
+            self._struck(touching, i, speed)
 
-    def _struck(self, touching: Touching, i: int, speed: float) -> None:
+    def _struck(self, touching: Touching, i: int, speeds: Array) -> None:
         """Keep the impact that begins at place `i`."""
         a, b = (int(thing) for thing in touching.things[i])
-        normal, place = touching.normal[i, :3], touching.place[i]
+        # What lands flat touches at many corners at once, and its whole mass counts.
+        alike = (touching.things == touching.things[i]).all(axis=1) & (speeds < 0.5 * speeds[i])
+        normal, place = touching.normal[i, :3], touching.place[alike].mean(axis=0)
         pair = sorted((a - 1, b - 1), key=_bodies_first(self.count))
         towards = normal if pair[0] == b - 1 else -normal
         # It was found a little after it began.
         depth = max(-float(touching.distance[i]), 0.0)
+        speed = -float(speeds[i])
         time = self.data.time - self._began - depth / speed
         mass = 1.0 / (self._yields(a, normal, place) + self._yields(b, normal, place))
         self._strikes.append(

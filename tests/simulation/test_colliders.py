@@ -54,7 +54,9 @@ def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -
         "heap": "count: 7",
     }
     for layout, own in words.items():
-        text = f"{{name: some, many: {{layout: {layout}, of: {{shape: box}}, {own}}}, heading_deg: 30}}"
+        box = "{shape: box, size: [0.1, 0.3, 0.2]}"
+        many = f"{{layout: {layout}, of: {box}, {own}}}"
+        text = f"{{name: some, many: {many}, heading_deg: 30}}"
         scene = scene_of(text, terrain="{kind: hills, height: 0.4}")
         colliders = Simulation(scene).colliders
         assert colliders is not None

@@ -190,7 +190,7 @@ def test_box_slides_down_a_slope_as_galilei_says() -> None:
 
 def test_measured_bounciness_is_what_the_law_says_of_itself() -> None:
     for asked, (least, most) in MEASURED.items():
-        assert asked - 0.015 <= least <= most <= asked + 0.015
+        assert asked - 0.02 <= least <= most <= asked + 0.02
 
 
 def test_law_leaves_other_peoples_mujoco_alone() -> None:

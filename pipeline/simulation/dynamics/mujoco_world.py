@@ -41,6 +41,9 @@ BASE = 5.0
 FINER = 4
 """Cells that one cell of quadrilaterals becomes, along each side: MuJoCo has triangles."""
 
+ARENA, ARENA_A_BODY = 2**25, 2**18
+"""Room for contacts, which is taken up as it is used [bytes]."""
+
 STILL = 2e-3
 """Speed below which an island of bodies may fall asleep [m/s]."""
 
@@ -326,6 +329,7 @@ def _build(
     heaviest = max(c.build.mass.mass for c in colliders)
     for k, corners in enumerate(pushers):
         _add_pusher(spec, mujoco, f"pusher {k}", corners, HEAVIER * heaviest)
+    spec.memory = ARENA + ARENA_A_BODY * (len(colliders) + len(pushers))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco
 

@@ -23,7 +23,9 @@ def box(size: Sequence[float], b: float = 0.3, friction: float = 0.5) -> Collide
     """Return a wooden box."""
     half = 0.5 * np.array(size)
     hull = hull_of(CORNERS * half)
-    return Collider(Build(mass_of_solid(hull.vertices, hull.faces, 600.0), hull, 0.0, b, friction), half)
+    return Collider(
+        Build(mass_of_solid(hull.vertices, hull.faces, 600.0), hull, 0.0, b, friction), half
+    )
 
 
 def ball(radius: float, b: float = 0.3, friction: float = 0.5, mass: float = 1.0) -> Collider:

@@ -34,7 +34,9 @@ def refused(scene: Scene) -> str:
 
 
 def test_wall_is_many_nodes_of_one_performer(scene_of: Scenes) -> None:
-    scene = scene_of("{name: wall, many: {of: brick, rows: 4, columns: 3}, material: brick}", duration=0.5)
+    scene = scene_of(
+        "{name: wall, many: {of: brick, rows: 4, columns: 3}, material: brick}", duration=0.5
+    )
     take = simulate(scene)
     assert [node.name for node in take.nodes] == [f"wall_{i + 1}" for i in range(10)]
     assert {node.performer for node in take.nodes} == {"wall"}
@@ -64,7 +66,9 @@ def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -
         assert read_scene(dump(scene)) == scene
 
 
-def test_bodies_that_begin_in_one_another_are_refused_with_names_and_depth(scene_of: Scenes) -> None:
+def test_bodies_that_begin_in_one_another_are_refused_with_names_and_depth(
+    scene_of: Scenes,
+) -> None:
     told = refused(scene_of(crate("one", [0, 1, 0]), crate("two", [0.2, 1, 0])))
     assert "cast[0].at" in told
     assert "'one' begins 0.1 m deep in 'two'; move one of them" in told
@@ -84,7 +88,9 @@ def test_bodies_that_begin_in_a_creature_are_refused(scene_of: Scenes) -> None:
 
 def test_bodies_that_leave_the_terrain_are_dropped_with_a_note(scene_of: Scenes) -> None:
     ball = "{name: ball, body: {shape: sphere, collide: all}, at: [4.5, 0], velocity: [3, 0, 0]}"
-    take = simulate(scene_of(ball, crate("one", [0, 0]), terrain="{kind: flat, size: [10, 10]}", duration=4))
+    take = simulate(
+        scene_of(ball, crate("one", [0, 0]), terrain="{kind: flat, size: [10, 10]}", duration=4)
+    )
     (note,) = take.notes
     assert (note.kind, note.part) == ("dropped", "ball")
     row = note.step
@@ -94,7 +100,9 @@ def test_bodies_that_leave_the_terrain_are_dropped_with_a_note(scene_of: Scenes)
     assert take.alive[:, 1].all()
 
 
-def test_body_alone_on_the_ground_and_one_that_meets_all_pass_through_one_another(scene_of: Scenes) -> None:
+def test_body_alone_on_the_ground_and_one_that_meets_all_pass_through_one_another(
+    scene_of: Scenes,
+) -> None:
     alone = "{name: ghost, body: {shape: box}, at: [0, 0]}"
     take = simulate(scene_of(alone, crate("one", [0, 0]), duration=0.5))
     assert {c.other for c in take.contacts} <= {"terrain"}
@@ -115,7 +123,8 @@ def test_fall_is_heard_once_with_its_speed(scene_of: Scenes) -> None:
 
 
 def test_two_bodies_are_heard_together(scene_of: Scenes) -> None:
-    base = "{{name: {}, body: {{shape: sphere, radius: 0.1, collide: all}}, at: {}, velocity: {}, material: {}}}"
+    body = "body: {{shape: sphere, radius: 0.1, collide: all}}"
+    base = f"{{{{name: {{}}, {body}, at: {{}}, velocity: {{}}, material: {{}}}}}}"
     take = simulate(
         scene_of(
             base.format("a", [-0.5, 3, 0], [2, 0, 0], "steel"),
@@ -132,7 +141,9 @@ def test_two_bodies_are_heard_together(scene_of: Scenes) -> None:
 
 def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
     walker = "{name: bug, figure: beetle, at: [-2, 0], walk: {}}"
-    ball = "{name: ball, body: {shape: sphere, radius: 0.15, density: 5000, collide: all}, at: [0, 0]}"
+    ball = (
+        "{name: ball, body: {shape: sphere, radius: 0.15, density: 5000, collide: all}, at: [0, 0]}"
+    )
     with_ball = simulate(scene_of(walker, ball, duration=4))
     without = simulate(scene_of(walker, duration=4))
     np.testing.assert_array_equal(
@@ -144,7 +155,9 @@ def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
 
 
 def test_steps_between_rows_do_not_matter_to_order(scene_of: Scenes) -> None:
-    scene = scene_of(crate("one", [0, 1.0, 0]), crate("two", [0.05, 1.6, 0]), duration=1.0, more="samples: 1")
+    scene = scene_of(
+        crate("one", [0, 1.0, 0]), crate("two", [0.05, 1.6, 0]), duration=1.0, more="samples: 1"
+    )
     take = simulate(scene)
     moments = [(c.step, c.fraction) for c in take.contacts]
     assert moments
@@ -184,6 +197,7 @@ def test_walker_leaves_a_gap_in_the_wall() -> None:
 def test_mesh_of_many_is_named_from_the_folder_of_the_scene(tmp_path: Path) -> None:
     corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     (tmp_path / "stone.obj").write_text("".join(f"v {x} {y} {z}\n" for x, y, z in corners))
-    text = "pronk: 1\nduration: 0.1\ncast:\n- many: {layout: stack, count: 2, of: {shape: mesh, file: stone.obj}}\n"
+    many = "{layout: stack, count: 2, of: {shape: mesh, file: stone.obj}}"
+    text = f"pronk: 1\nduration: 0.1\ncast:\n- many: {many}\n"
     (tmp_path / "stones.yaml").write_text(text)
     assert Simulation(load_scene(tmp_path / "stones.yaml")).colliders is not None

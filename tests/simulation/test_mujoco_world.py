@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import mujoco
 import numpy as np
 import pytest
@@ -20,7 +22,7 @@ WALL = np.array([[x, y, z] for x in (-0.1, 0.1) for y in (-1.0, 1.0) for z in (-
 
 def ratios(strikes: list, one: int) -> list[float]:
     speeds = [s.speed for _, s in strikes if s.one == one and s.speed > 0.3]
-    return [b / a for a, b in zip(speeds, speeds[1:], strict=False)]
+    return [b / a for a, b in pairwise(speeds)]
 
 
 @pytest.mark.parametrize("b", [0.2, 0.4, 0.6, 0.8, 0.95])
@@ -78,7 +80,9 @@ def test_ball_that_a_moving_wall_hits_leaves_at_twice_its_speed() -> None:
 def test_ball_that_a_turning_wall_hits_takes_its_speed_there() -> None:
     world = world_of([ball(0.05, 1.0, 0.0)], [[0.2, 5.0, 0.8]], pushers=[WALL])
     angles = 2.0 * STEP * np.arange(60)
-    R = np.array([[[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]] for a in angles])
+    R = np.array(
+        [[[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]] for a in angles]
+    )
     world.place_pushers(Pushed(np.array([[0.0, 5.0, 0.0]]), R[:1]))
     for k in range(1, 60):
         world.advance(Pushed(np.array([[0.0, 5.0, 0.0]]), R[k : k + 1]))
@@ -179,7 +183,9 @@ def test_box_slides_down_a_slope_as_galilei_says() -> None:
     rise = np.tile(np.linspace(4.0, 0.0, 41), (41, 1))
     field = HeightField(rise, (10.0, 10.0))
     angle = np.arctan(0.4)
-    world = world_of([box((0.3, 0.1, 0.3), 0.0, 0.1)], [[-3.0, 3.2 + 0.05 / np.cos(angle), 0]], field=field)
+    world = world_of(
+        [box((0.3, 0.1, 0.3), 0.0, 0.1)], [[-3.0, 3.2 + 0.05 / np.cos(angle), 0]], field=field
+    )
     state = begin([[-3.0, 3.2 + 0.0502 / np.cos(angle), 0]])
     state.q[0] = [np.cos(-angle / 2), 0, 0, np.sin(-angle / 2)]
     world._put(state)
@@ -201,7 +207,9 @@ def test_law_leaves_other_peoples_mujoco_alone() -> None:
 
 def test_same_world_gives_the_same_bytes() -> None:
     def once() -> bytes:
-        world = world_of([box((0.2, 0.2, 0.2))] * 6, [[0.05 * k, 0.1 + 0.25 * k, 0] for k in range(6)])
+        world = world_of(
+            [box((0.2, 0.2, 0.2))] * 6, [[0.05 * k, 0.1 + 0.25 * k, 0] for k in range(6)]
+        )
         run(world, 1.5)
         return world.data.qpos.tobytes()
 

@@ -28,6 +28,8 @@ from pipeline.simulation.dynamics.compiled import compiled, entry
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.spatial import Array
 
+Triple = tuple[float, float, float]
+
 STIFFNESS = 0.25
 """ω h: more is less exact, less costs more steps."""
 
@@ -266,6 +268,25 @@ def _set_springs(
         _set_friction(t, things, i, stiffness * depth - damping * v, w, rows[i], springs)
 
 
+@entry
+def impact(t: Touching, things: Things, i: int, speed: Array) -> tuple[float, float, float, float]:
+    """Return where a bounce that begins at place `i` is [m], and with what energy [J].
+
+    What lands flat touches at many corners at once: it is in their middle, and its whole
+    mass counts.
+    """
+    x, y, z, count = 0.0, 0.0, 0.0, 0
+    for j in range(len(speed)):
+        same = t.things[j, 0] == t.things[i, 0] and t.things[j, 1] == t.things[i, 1]
+        if same and speed[j] < 0.5 * speed[i]:
+            x, y, z = x + t.place[j, 0], y + t.place[j, 1], z + t.place[j, 2]
+            count += 1
+    x, y, z = x / count, y / count, z / count
+    n = (t.normal[i, 0], t.normal[i, 1], t.normal[i, 2])
+    yields = _yields(t, things, (t.things[i, 0], t.things[i, 1]), (x, y, z), n)
+    return x, y, z, 0.5 * speed[i] ** 2 / yields
+
+
 @compiled
 def _set_friction(
     t: Touching, things: Things, i: int, pushed: float, w: float, row: int, springs: Array
@@ -281,9 +302,12 @@ def _set_friction(
     speed = math.sqrt(slides[0] ** 2 + slides[1] ** 2 + slides[2] ** 2)
     damping = 2.0 * w
     if speed > 0.0:
+        pair = (t.things[i, 0], t.things[i, 1])
+        place = (t.place[i, 0], t.place[i, 1], t.place[i, 2])
         n = (t.normal[i, 0], t.normal[i, 1], t.normal[i, 2])
         along = (slides[0] / speed, slides[1] / speed, slides[2] / speed)
-        ratio = _yields(t, things, i, along) / max(_yields(t, things, i, n), 1e-12)
+        ratio = _yields(t, things, pair, place, along)
+        ratio /= max(_yields(t, things, pair, place, n), 1e-12)
         most = t.friction[i, 0] * ratio * (max(pushed, 0.0) + SPARE * GRAVITY)
         damping = min(damping, most / speed)
     for k in range(1, t.size[i]):
@@ -302,18 +326,18 @@ def _sliding(t: Touching, i: int) -> tuple[float, float, float]:
 
 
 @compiled
-def _yields(t: Touching, things: Things, i: int, n: tuple[float, float, float]) -> float:
-    """Return the speed that a unit of impulse along `n` gives two things at place `i` [1/kg]."""
+def _yields(t: Touching, things: Things, pair: tuple[int, int], place: Triple, n: Triple) -> float:
+    """Return the speed that a unit of impulse along `n` gives two things at a place [1/kg]."""
     total = 0.0
     for side in range(2):
-        g = t.things[i, side]
+        g = pair[side]
         if things.inverse_mass[g] == 0.0:
             continue
         R, J = t.attitude[g], things.inverse_inertia[g]
         x, y, z = (
-            t.place[i, 0] - t.centre[g, 0],
-            t.place[i, 1] - t.centre[g, 1],
-            t.place[i, 2] - t.centre[g, 2],
+            place[0] - t.centre[g, 0],
+            place[1] - t.centre[g, 1],
+            place[2] - t.centre[g, 2],
         )
         a, b, c = y * n[2] - z * n[1], z * n[0] - x * n[2], x * n[1] - y * n[0]
         # In the frame of the body.

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import ImpactLaw, Things, Touching, beside
+from pipeline.simulation.dynamics.impact_law import ImpactLaw, Things, Touching, beside, impact
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.rigid import Build, State
 from pipeline.simulation.dynamics.substeps import Substeps
@@ -257,36 +257,25 @@ class MujocoWorld:
     def _struck(self, touching: Touching, i: int, speeds: Array) -> None:
         """Keep the impact that begins at place `i`."""
         a, b = (int(thing) for thing in touching.things[i])
-        # What lands flat touches at many corners at once, and its whole mass counts.
-        alike = (touching.things == touching.things[i]).all(axis=1) & (speeds < 0.5 * speeds[i])
-        normal, place = touching.normal[i, :3], touching.place[alike].mean(axis=0)
+        x, y, z, energy = impact(touching, self.things, i, speeds)
+        nx, ny, nz = touching.normal[i, :3].tolist()
         pair = sorted((a - 1, b - 1), key=_bodies_first(self.count))
-        towards = normal if pair[0] == b - 1 else -normal
+        side = 1.0 if pair[0] == b - 1 else -1.0
         # It was found a little after it began.
         depth = max(-float(touching.distance[i]), 0.0)
         speed = -float(speeds[i])
         time = self.data.time - self._began - depth / speed
-        mass = 1.0 / (self._yields(a, normal, place) + self._yields(b, normal, place))
         self._strikes.append(
             Strike(
                 one=pair[0],
                 other=pair[1],
                 time=min(max(time, 0.0), math.nextafter(self.step, 0.0)),
-                place=(float(place[0]), float(place[1]), float(place[2])),
-                normal=(float(towards[0]), float(towards[1]), float(towards[2])),
+                place=(x, y, z),
+                normal=(side * nx, side * ny, side * nz),
                 speed=speed,
-                energy=0.5 * mass * speed * speed,
+                energy=energy,
             )
         )
-
-    def _yields(self, geom: int, normal: Array, place: Array) -> float:
-        """Return the speed that a unit of impulse gives a body at a place [1/kg]."""
-        if not 1 <= geom <= self.count:
-            return 0.0
-        R = self.data.xmat[geom].reshape(3, 3)
-        turning = R.T @ np.cross(place - self.data.xpos[geom], normal)
-        inverse = self.things.inverse_inertia[geom]
-        return float(self.things.inverse_mass[geom] + turning @ inverse @ turning)
 
 
 def _things(builds: Sequence[Build], pushers: int) -> Things:

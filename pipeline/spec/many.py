@@ -75,19 +75,16 @@ class Wall(Arrangement):
 
     layout: Literal["wall"] = Field(
         "wall",
-        description="A wall along its x; every other row is moved by half a body, and shorter "
-        "by one so that nothing overhangs.",
+        description="A wall along its x; every other row is moved by not quite half a body.",
     )
     rows: Count = Field(6, description="How high it is, in bodies.")
-    columns: Annotated[Whole, Field(ge=2, le=MOST)] = Field(
-        8, description="How long it is, in bodies."
-    )
+    columns: Count = Field(8, description="How long it is, in bodies.")
     gap: LengthOrZero = Field(0.002, description="Between neighbours of a row [m].")
 
     @property
     def total(self) -> int:
         """How many bodies there are."""
-        return self.rows * self.columns - self.rows // 2
+        return self.rows * self.columns
 
 
 class Pyramid(Arrangement):

@@ -38,7 +38,7 @@ def test_wall_is_many_nodes_of_one_performer(scene_of: Scenes) -> None:
         "{name: wall, many: {of: brick, rows: 4, columns: 3}, material: brick}", duration=0.5
     )
     take = simulate(scene)
-    assert [node.name for node in take.nodes] == [f"wall_{i + 1}" for i in range(10)]
+    assert [node.name for node in take.nodes] == [f"wall_{i + 1}" for i in range(12)]
     assert {node.performer for node in take.nodes} == {"wall"}
     assert {part.material for part in take.parts} == {"brick"}
     np.testing.assert_allclose(take.positions[-1], take.positions[0], atol=1e-4)
@@ -109,7 +109,8 @@ def test_body_alone_on_the_ground_and_one_that_meets_all_pass_through_one_anothe
 
 
 def test_fall_is_heard_once_with_its_speed(scene_of: Scenes) -> None:
-    text = "{name: one, body: {shape: box, bounciness: 0, collide: all}, at: [0, 1.15, 0], material: wood}"
+    body = "body: {shape: box, bounciness: 0, collide: all}"
+    text = f"{{name: one, {body}, at: [0, 1.15, 0], material: wood}}"
     take = simulate(scene_of(text, duration=2))
     (contact,) = take.contacts
     (event,) = take.events

@@ -39,14 +39,19 @@ Extent = Array
 FINE = 64
 """Places on a smooth line for each that it was drawn through."""
 
+BOND = 0.4
+"""How far neighbouring rows of a wall are moved, in bodies: those at the ends, which are
+whole, would fall from half of one."""
+
 APART = 1.05
 """Between bodies in a heap, in their greatest extent."""
 
 
 def wall(words: Wall, extent: Extent, chance: np.random.Generator) -> Spots:
     """Return the places of a wall."""
-    lengths = words.columns - np.arange(words.rows) % 2
-    return _centred(lengths, words.gap, extent)
+    rows, columns = np.divmod(np.arange(words.rows * words.columns), words.columns)
+    moved = columns - 0.5 * (words.columns - 1) + BOND * (rows % 2 - 0.5)
+    return _rows(rows, moved, words.gap, extent)
 
 
 def pyramid(words: Pyramid, extent: Extent, chance: np.random.Generator) -> Spots:

@@ -27,7 +27,6 @@ from pipeline.simulation.troupe import Inventory, World
 from pipeline.spec.body import Box, Brick, Cube
 from pipeline.spec.cast import Body, Many
 
-
 AROUND = 33
 """Places around a body at which the ground is looked at."""
 

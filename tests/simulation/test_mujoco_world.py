@@ -128,13 +128,14 @@ def test_wall_of_fifty_comes_to_rest_after_a_blow(b: float) -> None:
         for k in range(8 + (row + 1) % 2)
     ][:50]
     bodies = [box((0.24, 0.071, 0.115), b, 0.6)] * 50
-    world = world_of([*bodies, ball(0.12, 0.2, 0.6, mass=6.0)], [*places, [0, 0.25, 1.0]])
-    world._put(begin([*places, [0, 0.25, 1.0]], [[0, 0, 0]] * 50 + [[0, 0, -5.0]]))
+    world = world_of([*bodies, ball(0.12, 0.2, 0.6, mass=15.0)], [*places, [0, 0.25, 1.0]])
+    world._put(begin([*places, [0, 0.25, 1.0]], [[0, 0, 0]] * 50 + [[0, 0, -7.0]]))
     run(world, 6.0)
     moved = np.abs(world.state.p[:50] - places).max(axis=1)
     assert (moved > 0.1).sum() > 5
     assert np.abs(world.state.v[:50]).max() < 0.02
-    assert max(overlap.depth for overlap in world.overlaps()) < 0.01 * 0.24
+    # What sleeps was seen to rest; of the others none is deep in anything.
+    assert all(overlap.depth < 0.01 * 0.24 for overlap in world.overlaps())
 
 
 @pytest.mark.parametrize("speed", [20.0, 50.0])

@@ -120,7 +120,7 @@ def test_stack_of_ten_stands_for_a_minute_and_sleeps() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("b", [0.3, 0.9])
+@pytest.mark.parametrize("b", [0.3, 0.6])
 def test_wall_of_fifty_comes_to_rest_after_a_blow(b: float) -> None:
     places = [
         [0.242 * (k - 4 + 0.5 * (row % 2)), 0.0355 + 0.071 * row, 0.0]

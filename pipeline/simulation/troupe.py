@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
@@ -113,3 +114,24 @@ class Troupe(Protocol):
 
     def facts(self) -> Facts:
         """Return what happened in the last step."""
+
+
+@runtime_checkable
+class Meets(Troupe, Protocol):
+    """A troupe that is pushed by others: it goes on from row to row, once these stand."""
+
+    def meet(self, step: int, p: Array, R: Array) -> None:
+        """Go on to the row at `step`, all nodes (J, 3), (J, 3, 3) that push standing there."""
+
+
+@runtime_checkable
+class Follows(Troupe, Protocol):
+    """A troupe that follows others and is followed by nobody: it goes last."""
+
+    def look_around(
+        self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
+    ) -> None:
+        """Find among the nodes and meshes of all performers those who are followed."""
+
+    def follow(self, R: Array, p: Array) -> list[Contact]:
+        """Write all rows kept, all nodes (n, J, 3, 3), (n, J, 3) standing there."""

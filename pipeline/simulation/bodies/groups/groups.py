@@ -64,7 +64,7 @@ class Groups:
         self._steps: list[int] = []
         self._rows: Rows | None = None
 
-    def meet(
+    def look_around(
         self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
     ) -> None:
         """Find those whom groups follow, avoid or go along with.

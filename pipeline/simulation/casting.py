@@ -1,0 +1,126 @@
+"""Casting: who of a scene's cast goes into which troupe."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.bodies.groups.groups import Groups
+from pipeline.simulation.bodies.props import Props
+from pipeline.simulation.figures.figure import Figure, build_figure
+from pipeline.simulation.locomotion.inching.chain import is_chain
+from pipeline.simulation.locomotion.inching.worms import Inchworms
+from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.obstacles import obstacles_of
+from pipeline.simulation.terrain import level_ground
+from pipeline.simulation.troupe import Troupe, World
+from pipeline.spec.cast import Body, Creature, Group, Many, Prop
+from pipeline.spec.scene import Scene
+
+Performer = tuple[int, Creature, Figure]
+"""Place in the cast, words and figure."""
+
+SKIN, THING = "brown chitin", "wood"
+"""Materials of creatures and of props that name none, neither themselves nor in their figures."""
+
+
+def figures_of(scene: Scene) -> dict[str, Figure]:
+    """Return the figure of each creature by its name; those alike at one scale share theirs."""
+    built = cache(lambda name, scale: build_figure(name, scene.figures[name], scale))
+    return {member.name: built(member.figure, member.scale) for _, member in scene.creatures}
+
+
+def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
+    """Sort the cast into troupes, those first who look at nobody else."""
+    troupes = [*_creatures(scene, figures, world)]
+    props = [member for member in scene.cast if isinstance(member, Prop)]
+    if props:
+        troupes.append(Props(props, world, [member.material or THING for member in props]))
+    pushing = [troupe.inventory for troupe in troupes]
+    troupes += _alone(scene, world)
+    meeting = [
+        (i, member)
+        for i, member in enumerate(scene.cast)
+        if isinstance(member, Many) or (isinstance(member, Body) and member.body.collide == "all")
+    ]
+    if meeting:
+        # Bodies need a compiler, whose loading others need not wait for.
+        from pipeline.simulation.bodies.colliders import Colliders
+
+        made_of = [member.material or THING for _, member in meeting]
+        troupes.append(Colliders(meeting, world, made_of, obstacles_of(pushing)))
+    groups = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Group)]
+    if groups:
+        troupes.append(Groups(groups, world))
+    return troupes
+
+
+def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
+    """Return the troupes of creatures; on a parent they stand on level ground of its own."""
+    troupes = list[Troupe]()
+    for level in dict.fromkeys(_level(member) for _, member in scene.creatures):
+        here = [(i, m, figures[m.name]) for i, m in scene.creatures if _level(m) == level]
+        worms = [one for one in here if _inches(one)]
+        walkers = [one for one in here if not _inches(one)]
+        ground = world.ground if level is None else level_ground(level, world.ground)
+        there = replace(world, ground=ground)
+        if walkers:
+            troupes.append(Walkers(walkers, there, _materials(walkers)))
+        if worms:
+            troupes.append(Inchworms(worms, there, _materials(worms)))
+    return troupes
+
+
+def _alone(scene: Scene, world: World) -> list[Troupe]:
+    """Return the troupe of bodies that meet the ground alone, if there are any."""
+    alone = [
+        (i, member)
+        for i, member in enumerate(scene.cast)
+        if isinstance(member, Body) and member.body.collide == "terrain"
+    ]
+    if not alone:
+        return []
+    from pipeline.simulation.bodies.tumblers import Tumblers
+
+    return [Tumblers(alone, world, [member.material or THING for _, member in alone])]
+
+
+def refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
+    """Refuse instructions to those who follow none, and looks of those who have none.
+
+    Raises:
+        SceneError: if there are any.
+    """
+    worms = {w.name for troupe in troupes if isinstance(troupe, Inchworms) for w in troupe.worms}
+    problems = [
+        Problem(f"script[{i}].who", f"'{one.who}' is an inchworm, which follows no script")
+        for i, one in enumerate(scene.script)
+        if one.who in worms
+    ]
+    problems += [
+        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
+        for i, member in scene.creatures
+        if member.name in worms and member.look_at is not None
+    ]
+    if problems:
+        raise scene.places.located(SceneError(problems))
+
+
+def _inches(performer: Performer) -> bool:
+    """Tell whether a creature moves as an inchworm; one that is posed is its author's to move."""
+    _, member, figure = performer
+    return is_chain(figure) and not member.pose
+
+
+def _level(member: Creature) -> float | None:
+    """Return the height in its parent's frame that a creature stands at; None for the ground."""
+    if member.parent is None:
+        return None
+    return member.at[1] if len(member.at) == 3 else 0.0
+
+
+def _materials(performers: Sequence[Performer]) -> list[str]:
+    """Return what performers are made of where their figures do not say."""
+    return [m.material or figure.material or SKIN for _, m, figure in performers]

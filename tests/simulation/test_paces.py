@@ -72,7 +72,7 @@ def _alone(figure: str) -> list[object]:
 
 
 def test_after_a_change_feet_keep_the_phases_of_the_new_gait() -> None:
-    walk = walked("horse", "{gait: walk}", "{gait: trot}", duration=6)
+    walk = walked("horse", "{gait: walk}", "{gait: trot}", duration=8)
     walkers = walk.walkers
     gait = walkers.going.paces.last(0).gait
     end = walkers.going.paces.changes[0][-1].gaits.end
@@ -98,11 +98,11 @@ def test_each_foot_comes_down_once_after_each_going_up() -> None:
 
 
 def test_a_new_gait_has_its_own_speed_or_the_one_that_is_asked_for() -> None:
-    walk = walked("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=7)
-    assert speed(walk, 5.5) == pytest.approx(1.4, rel=1e-6)
-    own = walked("horse", "{gait: walk}", "{gait: canter}", duration=7)
+    walk = walked("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=10)
+    assert speed(walk, 8.5) == pytest.approx(1.4, rel=1e-6)
+    own = walked("horse", "{gait: walk}", "{gait: canter}", duration=10)
     pace = own.walkers.going.paces.last(0)
-    assert speed(own, 5.5) == pytest.approx(pace.stride / pace.cycle, rel=1e-6)
+    assert speed(own, 8.5) == pytest.approx(pace.stride / pace.cycle, rel=1e-6)
 
 
 def test_what_is_gone_is_the_integral_of_speed_whatever_the_frame_rate() -> None:
@@ -233,9 +233,9 @@ def test_legs_follow_every_mood_of_the_library(figure: str) -> None:
 
 
 def test_moods_of_the_script_change_how_it_walks_and_back() -> None:
-    walk = walked("person", "{gait: walk}", "{mood: sneaking}", "{mood: {}}", duration=9)
+    walk = walked("person", "{gait: walk}", "{mood: sneaking}", "{mood: {}}", duration=12)
     assert walk.take.notes == ()
-    before, sneaking, after = (speed(walk, t) for t in (0.5, 3.8, 7.4))
+    before, sneaking, after = (speed(walk, t) for t in (0.5, 3.8, 10.8))
     assert sneaking < 0.7 * before
     assert after == pytest.approx(before, rel=1e-3)
     y = walk.take.positions[:, 0, 1]

@@ -124,7 +124,7 @@ def test_a_mesh_is_its_hull(tmp_path: Path) -> None:
     [
         ("{name: a, body: {shape: cube}, at: [0, 0.05, 0]}", "'a' begins 0.1 m deep in"),
         ("{body: {shape: cub}}", "cub"),
-        ("{body: {shape: cube, collide: all}}", "terrain"),
+        ("{body: {shape: cube, collide: al}}", "terrain"),
         ("{body: {shape: cube, bounciness: 1.2}}", "at most 1"),
         ("{body: {shape: hull, points: [[0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1]]}}", "plane"),
         ("{name: a, body: {shape: cube}, parent: b}", "a body moves by itself"),

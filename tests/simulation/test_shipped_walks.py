@@ -52,7 +52,8 @@ def test_walkers_of_shipped_scenes_keep_what_walking_promises(name: str) -> None
     above = (p[..., 1] - ground.height(p[..., 0], p[..., 2])).min(axis=-1)
     assert above[free].min() > -MILLIMETRE, "a foot is below the ground"
 
-    x, y, z = np.array([contact.place for contact in take.contacts]).T
+    feet = [contact for contact in take.contacts if contact.kind in ("touch", "scuff")]
+    x, y, z = np.array([contact.place for contact in feet]).T
     assert ground.steppable(x, z).all(), "a foothold is in a forbidden zone"
     assert np.abs(y - ground.height(x, z)).max() < 1e-9
 

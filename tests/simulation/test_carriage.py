@@ -10,6 +10,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation import simulate as simulation
 from pipeline.simulation.locomotion.carriage.bearing import Bearing
+from pipeline.simulation.locomotion.carriage.clearing import Clearing
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
@@ -296,6 +297,35 @@ def test_a_mood_may_change_from_moment_to_moment() -> None:
     stacked = Bearing.stacked(moments)
     np.testing.assert_array_equal(stacked.sway, [[1, 1, 1], [0, 2, 1]])
     assert Bearing.stacked([moments[0]] * 5).head_raise.shape == (5, 3)
+
+
+# --- what is in the way -----------------------------------------------------------
+
+
+RAMP = "{kind: ramp, size: [16, 3], cells: [320, 30], start: 1.0, slope_deg: 28, height: 0.8}"
+
+
+def _lowest(part: str) -> float:
+    """Return how far the end of a scorpion's limb stays above a ramp that it comes to [m]."""
+    seen = Seen(
+        "{figure: scorpion, name: s, scale: 0.8, at: [0.2, 0], walk: {speed: 0.55}}", RAMP, 2.5
+    )
+    skeleton = seen.walkers.herd.figures[0].skeleton
+    limb = next(limb for limb in skeleton.limbs if limb.name == part)
+    link = skeleton.links[limb.links[-1]]
+    node = seen.names.index(f"s.{link.name}")
+    R, p = seen.recorder.rotations[:, node], seen.recorder.positions[:, node]
+    tip = p + turn(R, limb.tip - link.ends[0])
+    height = seen.walkers.world.ground.height(tip[:, 0], tip[:, 2])
+    return float((tip[:, 1] - height).min()) - limb.tip_radius
+
+
+def test_feelers_are_raised_where_the_ground_rises_before_the_feet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert _lowest("feeler_r1") > 0.02
+    monkeypatch.setattr(Clearing, "wishes", lambda self, rows, others: np.zeros_like(others))
+    assert _lowest("feeler_r1") < -0.05
 
 
 # --- rows -------------------------------------------------------------------------

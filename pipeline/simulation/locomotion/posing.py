@@ -113,7 +113,7 @@ class Posing:
         self.row_dt = clock.dt * clock.steps / clock.samples
         self.yielding = Yielding(herd, path)
         self.give = Give(herd, self.row_dt)
-        self.carriage = Carriage(herd, idlers, self.row_dt)
+        self.carriage = Carriage(herd, idlers, path.ground, self.row_dt)
 
     def poses(self, moments: Sequence[Moment]) -> Poses:
         """Return where everything is at `moments`."""

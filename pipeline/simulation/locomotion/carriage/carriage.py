@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pipeline.simulation.locomotion.carriage.clearing import Clearing
 from pipeline.simulation.locomotion.carriage.gaze import Gaze
 from pipeline.simulation.locomotion.carriage.idle import Idlers
 from pipeline.simulation.locomotion.carriage.looking import Rows, looks_ahead, sight_of
@@ -16,6 +17,7 @@ from pipeline.simulation.locomotion.carriage.overlap import Overlap
 from pipeline.simulation.locomotion.carriage.springs import Oscillators, Trailing
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground
 
 QUICKEST = 0.15
 """How fast heads are turned at most, in the frequencies of the necks' springs [rad]."""
@@ -33,12 +35,14 @@ class Carriage:
     Attributes:
         herd: the creatures.
         idlers: the joints.
+        clearing: what keeps limbs off the ground.
         gaze: the heads, H of them.
         overlap: what trails.
     """
 
-    def __init__(self, herd: Herd, idlers: Idlers, dt: float) -> None:
+    def __init__(self, herd: Herd, idlers: Idlers, ground: Ground, dt: float) -> None:
         self.herd, self.idlers = herd, idlers
+        self.clearing = Clearing(herd, idlers, ground)
         self.gaze = Gaze(herd.figures, idlers.numbers)
         self.overlap = Overlap(idlers.tree, idlers.room, idlers.owner, idlers.limbs, dt)
         frequency = self.overlap.springs.frequency[self.gaze.numbers[:, 0]]
@@ -53,6 +57,7 @@ class Carriage:
         wishes = idlers.sways(rows.phase, rows.drive, rows.bearing) + wanders
         heads, joints = self._heads(rows, wanders), gaze.necks.is_joint
         wishes[:, gaze.numbers[joints]] = heads[:, joints]
+        wishes += self.clearing.wishes(rows, wishes)
         trailing = self.overlap.trail(wishes, rows.R_WB, rows.p_WB, rows.bearing.looseness)
         return idlers.room.at(trailing)
 

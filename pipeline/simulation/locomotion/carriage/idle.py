@@ -130,7 +130,7 @@ def gather_idlers(herd: Herd, seed: int) -> Idlers:
                 rows.append((c, j, place.get(parent, BODY), limb.kind, turn))
             turns = [turn for *_, turn in rows[first:]]
             own = range(first, len(rows))
-            limbs.append(Hanging(limb.kind, own, turns, limb.tip, limb.length))
+            limbs.append(Hanging(limb.kind, own, turns, limb.tip, limb.length, limb.tip_radius))
             lags += [_lag(herd, c, limb)] * len(own)
     skeletons = [figures[c].skeleton for c, *_ in rows]
     number = np.array([j for _, j, *_ in rows], dtype=np.int64)

@@ -51,6 +51,7 @@ class Hanging:
         turns: what each of them does: yaw, pitch, roll or bend.
         tip: (3,) in the creation frame [m].
         length: [m].
+        tip_radius: of the solid around the tip [m].
     """
 
     kind: str
@@ -58,6 +59,7 @@ class Hanging:
     turns: Sequence[str]
     tip: Array
     length: float
+    tip_radius: float
 
 
 class Overlap:

@@ -48,7 +48,8 @@ def _kept() -> bool:
     return os.access(folder, os.W_OK)
 
 
-_KEPT = _kept()
+KEPT = _kept()
+"""Whether machine code can be kept."""
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
@@ -61,5 +62,5 @@ def compiled(function: Callable[P, T]) -> Callable[P, T]:
 
 def entry(function: Callable[P, T]) -> Callable[P, T]:
     """Return a function that Python calls, as machine code which is kept."""
-    made: Callable[P, T] = numba.njit(cache=_KEPT, error_model="numpy")(function)
+    made: Callable[P, T] = numba.njit(cache=KEPT, error_model="numpy")(function)
     return made

@@ -65,14 +65,19 @@ def grid_of(field: HeightField) -> Grid:
     """Make a height field ready."""
     edges = standing_out(field.vertices, field.faces, min(field.cell))
     ridges = np.concatenate([edges, np.repeat(np.unique(edges)[:, None], 2, axis=1)])
-    turn = (math.cos(field.heading), math.sin(field.heading)) if field.heading else (1.0, 0.0)
-    frame = (*field.cells, isinstance(field, QuadField), *field.at, *field.size, *turn)
     return Grid(
-        np.array([frame], dtype=FRAME).view(np.recarray)[0],
+        frame_of(field),
         np.ascontiguousarray(field.vertices),
         _tops(field.heights),
         *_by_cell(ridges, field),
     )
+
+
+def frame_of(field: HeightField) -> Record:
+    """Return where the grid of a height field lies."""
+    turn = (math.cos(field.heading), math.sin(field.heading)) if field.heading else (1.0, 0.0)
+    frame = (*field.cells, isinstance(field, QuadField), *field.at, *field.size, *turn)
+    return np.array([frame], dtype=FRAME).view(np.recarray)[0]
 
 
 def _by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:

@@ -22,13 +22,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import compiled, entry
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.vectors import Vector, cross, dot, minus, times, triple
 from pipeline.simulation.spatial import Array
-
-Triple = tuple[float, float, float]
 
 STIFFNESS = 0.25
 """ω h: more is less exact, less costs more steps."""
@@ -48,6 +46,9 @@ ROLLING = 10.0
 SPARE = 4.0
 """Weights that a contact may carry beyond its own."""
 
+EXACTLY = 0.999
+"""What rounding leaves of what is sure."""
+
 LONGER = 1.5
 """How long a bounce may last, in its own length by the formula."""
 
@@ -56,6 +57,9 @@ ALIKE = 0.999
 
 RIM = 0.02
 """Height above a plane that is none, in radii of the ball."""
+
+YIELDING = 1e6
+"""Acceleration towards one another that is asked of what is not to push [m/s²]."""
 
 MEASURED = {
     0.0: (0.000, 0.000),
@@ -70,111 +74,174 @@ MEASURED = {
 to 6 m/s and touch anywhere within a step; `benchmarks/bounciness.py` measures it."""
 
 
+THING = np.dtype(
+    [
+        # Of two the lower one holds.
+        ("bounciness", "f8"),
+        # 0 of what does not give way [1/kg]; in its own frame, likewise [1/(kg m²)].
+        ("inverse_mass", "f8"),
+        ("inverse_inertia", "f8", (3, 3)),
+        # The most that a unit of impulse gives any place of it [1/kg].
+        ("gives", "f8"),
+        # Of balls, 0 of what is none [m].
+        ("radius", "f8"),
+        # Just now, of what touches: angular and linear velocity in the world at its centre
+        # [rad/s, m/s], centre [m], rotation matrix.
+        ("velocity", "f8", 6),
+        ("centre", "f8", 3),
+        ("attitude", "f8", 9),
+    ],
+    align=True,
+)
+"""A thing: the terrain, a body, or who pushes, in this order."""
+
+PAIR = np.dtype([("key", "i8"), ("onset", "f8")])
+"""Two things that touch, by number, and when their last bounce began [s]."""
+
+STRIKE = np.dtype(
+    [
+        # Numbers of a body and of the other thing; the time in the world [s]; see `Strike`.
+        ("one", "i8"),
+        ("other", "i8"),
+        ("time", "f8"),
+        ("place", "f8", 3),
+        ("normal", "f8", 3),
+        ("speed", "f8"),
+        ("energy", "f8"),
+    ],
+    align=True,
+)
+"""The begin of an impact."""
+
+NOW = np.dtype(
+    [
+        # Length of the step [s]; how many bodies there are.
+        ("h", "f8"),
+        ("bodies", "i8"),
+        # Whether the ground is a height field.
+        ("uneven", "?"),
+        # Which half of the pairs is known, how many these are, how many strikes are told.
+        ("half", "i8"),
+        ("known", "i8"),
+        ("told", "i8"),
+    ],
+    align=True,
+)
+"""How it stands with a world."""
+
+
 class Touching(NamedTuple):
     """All n places at which things touch at one moment, those of one pair in a row.
 
     Attributes:
-        things: (n, 2) numbers of the two.
-        normal: (n, 9) the first three from the first to the second.
-        place: (n, 3) [m].
-        distance: (n,) negative where one is in the other [m].
-        friction: (n, 5) the first is Coulomb's coefficient.
-        size: (n,) rows of each: normal, two of sliding, more of spin and rolling.
+        contacts: (n,) of MuJoCo: where, `dist` negative where one is in the other [m]; the
+            first three of `frame` are the normal from the first to the second; `dim` rows
+            from `efc_address`, negative for none: normal, two of sliding, spin and rolling.
+        springs: (k, 4) of rows; the first two become stiffness [1/s²] and damping [1/s].
+        depths: (k,) of rows: distances that the springs see [m].
         velocity: (m, 6) angular and linear velocities of all things in the world, at their
             centres [rad/s, m/s].
         centre: (m, 3) of all things [m].
         attitude: (m, 9) rotation matrices of all things.
     """
 
-    things: NDArray[np.int32]
-    normal: Array
-    place: Array
-    distance: Array
-    friction: Array
-    size: NDArray[np.int32]
+    contacts: Records
+    springs: Array
+    depths: Array
     velocity: Array
     centre: Array
     attitude: Array
 
 
-class Things(NamedTuple):
-    """What stays of m things.
+class Law(NamedTuple):
+    """Which pairs bounce at the moment, which rest, and what is known of things.
 
     Attributes:
-        bounciness: (m,); of two the lower one holds.
-        inverse_mass: (m,) 0 of what does not give way [1/kg].
-        inverse_inertia: (m, 3, 3) in their own frames, likewise [1/(kg m²)].
-        radius: (m,) of balls, 0 of what is none [m].
+        now: a `NOW`.
+        things: (m,) `THING`.
+        pairs: (2, room) `PAIR` of this step and of the one before, in order.
+        speeds: (room,) at which places part [m/s].
+        strikes: `STRIKE`, as many as there is room for.
     """
 
-    bounciness: Array
-    inverse_mass: Array
-    inverse_inertia: Array
-    radius: Array
-
-
-class ImpactLaw:
-    """Which pairs bounce at the moment, and which rest."""
-
-    def __init__(self, things: Things) -> None:
-        self.things = things
-        self._pairs = np.zeros(0, dtype=np.int64)
-        self._onset = np.zeros(0)
-
-    def press(
-        self, touching: Touching, time: float, h: float, rows: NDArray[np.int32], springs: Array
-    ) -> tuple[NDArray[np.int64], Array]:
-        """Set the springs for a step of `h` [s] from `time` [s] on.
-
-        Args:
-            touching: where.
-            time: now.
-            h: of the step.
-            rows: (n,) first row that each place has in `springs`, negative for none.
-            springs: (k, 4) whose first two columns become stiffness [1/s²] and damping [1/s].
-
-        Returns:
-            The places (s,) at which a bounce begins, one a pair, and the speeds (n,) at which
-            all part, negative while they approach [m/s].
-        """
-        t, bounciness = touching, self.things.bounciness
-        speed = _parting(t.things, t.normal, t.place, t.velocity, t.centre)
-        self._pairs, self._onset, bounces, struck = _bouncing(
-            t.things, bounciness, speed, time, h, self._pairs, self._onset
-        )
-        _set_springs(t, self.things, speed, bounces, h, rows, springs)
-        return struck, speed
-
-
-@entry
-def _parting(
-    things: NDArray[np.int32], normal: Array, place: Array, velocity: Array, centre: Array
-) -> Array:
-    """Return the speeds (n,) along the normals at which things part [m/s]."""
-    speed = np.empty(len(things))
-    for i in range(len(things)):
-        speed[i] = _along(velocity[things[i, 1]], centre[things[i, 1]], normal[i], place[i])
-        speed[i] -= _along(velocity[things[i, 0]], centre[things[i, 0]], normal[i], place[i])
-    return speed
+    now: Record
+    things: Records
+    pairs: Records
+    speeds: Array
+    strikes: Records
 
 
 @compiled
-def _along(velocity: Array, centre: Array, n: Array, place: Array) -> float:
-    """Return how fast a place of a thing goes along `n` [m/s]."""
-    x, y, z = _velocity(velocity, centre, place)
-    result: float = n[0] * x + n[1] * y + n[2] * z
-    return result
+def press(t: Touching, law: Law, time: float) -> None:
+    """Set the springs for a step from `time` [s] on, and keep the bounces that begin."""
+    now, contacts, speeds = law.now, t.contacts, law.speeds
+    known, pairs = law.pairs[now.half], law.pairs[1 - now.half]
+    n, end, count, k, ordered = len(contacts), 0, 0, 0, True
+    while end < n:
+        first, quickest = end, end
+        a, b = contacts[first].geom[0], contacts[first].geom[1]
+        one, other = law.things[a], law.things[b]
+        _look(t, a, one)
+        _look(t, b, other)
+        while end < n and contacts[end].geom[0] == a and contacts[end].geom[1] == b:
+            speeds[end] = _parting(contacts[end], one, other)
+            if speeds[end] < speeds[quickest]:
+                quickest = end
+            end += 1
+        key = a * len(law.things) + b
+        if count > 0 and key < pairs[count - 1].key:
+            k, ordered = 0, False
+        while k < now.known and known[k].key < key:
+            k += 1
+        touched = k < now.known and known[k].key == key
+        begun = known[k].onset if touched else -np.inf
+        bounciness = min(one.bounciness, other.bounciness)
+        bounces = time - begun < _lasts(bounciness, now.h)
+        if not bounces and -speeds[quickest] > (SLAM_SPEED if touched else REST_SPEED):
+            begun, bounces = time, True
+            _tell(t, law, time, first, end, quickest)
+        pairs[count].key, pairs[count].onset = key, begun
+        count += 1
+        for i in range(first, end):
+            row = contacts[i].efc_address
+            if row >= 0:
+                k_n, d_n = _spring(contacts[i].dist, speeds[i], now.h, bounciness, bounces)
+                t.springs[row, 0], t.springs[row, 1] = k_n, d_n
+                pushed = k_n * max(-contacts[i].dist, 0.0) - d_n * speeds[i]
+                sliding = _friction(contacts[i], one, other, pushed, STIFFNESS / now.h)
+                for j in range(1, contacts[i].dim):
+                    t.springs[row + j, 1] = sliding if j < 3 else ROLLING
+        if now.uneven and a == 0 and other.radius > 0.0 and end - first > 1:
+            _let_in_beside(t, first, end, other.radius)
+    if not ordered:
+        _sort(pairs, count)
+    now.half, now.known = 1 - now.half, count
 
 
 @compiled
-def _velocity(velocity: Array, centre: Array, place: Array) -> tuple[float, float, float]:
+def _look(t: Touching, number: int, thing: Record) -> None:
+    """Note how a thing is just now."""
+    for k in range(3):
+        thing.centre[k] = t.centre[number, k]
+    for k in range(6):
+        thing.velocity[k] = t.velocity[number, k]
+    for k in range(9):
+        thing.attitude[k] = t.attitude[number, k]
+
+
+@compiled
+def _parting(contact: Record, one: Record, other: Record) -> float:
+    """Return the speed along the normal at which two part at a place [m/s]."""
+    n, place = triple(contact.frame), triple(contact.pos)
+    return dot(n, _velocity(other, place)) - dot(n, _velocity(one, place))
+
+
+@compiled
+def _velocity(thing: Record, place: Vector) -> Vector:
     """Return v + w × r of a place of a thing [m/s]."""
-    x, y, z = place[0] - centre[0], place[1] - centre[1], place[2] - centre[2]
-    return (
-        velocity[3] + velocity[1] * z - velocity[2] * y,
-        velocity[4] + velocity[2] * x - velocity[0] * z,
-        velocity[5] + velocity[0] * y - velocity[1] * x,
-    )
+    x, y, z = minus(place, triple(thing.centre))
+    w = thing.velocity
+    return (w[3] + w[1] * z - w[2] * y, w[4] + w[2] * x - w[0] * z, w[5] + w[0] * y - w[1] * x)
 
 
 @compiled
@@ -183,211 +250,148 @@ def _lasts(b: float, h: float) -> float:
     return LONGER * 0.5 * np.pi * h / STIFFNESS * (1.0 + 1.0 / max(b, DULL))
 
 
-@entry
-def _bouncing(
-    things: NDArray[np.int32],
-    bounciness: Array,
-    speed: Array,
-    time: float,
-    h: float,
-    known: NDArray[np.int64],
-    onset: Array,
-) -> tuple[NDArray[np.int64], Array, NDArray[np.bool_], NDArray[np.int64]]:
-    """Return pairs, in order, and since when they bounce; which places do; where it began.
-
-    Args:
-        things: as in `Touching`, and so on.
-        bounciness: of all things.
-        speed: (n,) see above.
-        time: now [s].
-        h: of the step [s].
-        known: pairs that touched in the step before, in order.
-        onset: when their last bounce began [s].
-    """
-    n = len(things)
-    key = np.empty(n, dtype=np.int64)
-    for i in range(n):
-        key[i] = things[i, 0] * np.int64(len(bounciness)) + things[i, 1]
-    order = np.argsort(key, kind="mergesort")
-    pairs, since = np.empty(n, dtype=np.int64), np.empty(n)
-    bounces, struck = np.zeros(n, dtype=np.bool_), np.empty(n, dtype=np.int64)
-    count, hits, i, k = 0, 0, 0, 0
-    while i < n:
-        pair, first, quickest = key[order[i]], i, order[i]
-        while i < n and key[order[i]] == pair:
-            if speed[order[i]] < speed[quickest]:
-                quickest = order[i]
-            i += 1
-        while k < len(known) and known[k] < pair:
-            k += 1
-        touched = k < len(known) and known[k] == pair
-        begun = onset[k] if touched else -np.inf
-        b = min(bounciness[things[quickest, 0]], bounciness[things[quickest, 1]])
-        lasts = time - begun < _lasts(b, h)
-        if not lasts and -speed[quickest] > (SLAM_SPEED if touched else REST_SPEED):
-            begun, lasts = time, True
-            struck[hits] = quickest
-            hits += 1
-        for j in range(first, i):
-            bounces[order[j]] = lasts
-        pairs[count], since[count] = pair, begun
-        count += 1
-    return pairs[:count], since[:count], bounces, struck[:hits]
+@compiled
+def _sort(pairs: Records, count: int) -> None:
+    """Bring pairs in order; they nearly are."""
+    for i in range(1, count):
+        k, key, onset = i, pairs[i].key, pairs[i].onset
+        while k > 0 and pairs[k - 1].key > key:
+            pairs[k].key, pairs[k].onset = pairs[k - 1].key, pairs[k - 1].onset
+            k -= 1
+        pairs[k].key, pairs[k].onset = key, onset
 
 
-@entry
-def _set_springs(
-    t: Touching,
-    things: Things,
-    speed: Array,
-    bounces: NDArray[np.bool_],
-    h: float,
-    rows: NDArray[np.int32],
-    springs: Array,
-) -> None:
-    """Set stiffness and damping of all places and of all friction; see `ImpactLaw.press`."""
-    w, distance, bounciness = STIFFNESS / h, t.distance, things.bounciness
-    for i in range(len(rows)):
-        if rows[i] < 0:
-            continue
-        b = min(bounciness[t.things[i, 0]], bounciness[t.things[i, 1]])
-        stiffness, damping, v = w * w, 2.0 * w, speed[i]
-        depth = max(-distance[i], 0.0)
-        if bounces[i] and b >= DULL:
-            damping = 0.0
-            if v < 0.0 and v + w * w * depth * h > 0.0:
-                stiffness, damping = b * b * stiffness, (1.0 - b * b) / h
-            elif v >= 0.0:
-                stiffness = b * b * stiffness
-        elif bounces[i] and v < -REST_SPEED:
-            stiffness, damping = 0.0, 1.0 / h
-        elif w * depth > 2.0 * REST_SPEED:
-            # A spring cannot pull: what it pushed out faster would hop.
-            stiffness *= 2.0 * REST_SPEED / (w * depth)
-        springs[rows[i], 0], springs[rows[i], 1] = stiffness, damping
-        _set_friction(t, things, i, stiffness * depth - damping * v, w, rows[i], springs)
-
-
-@entry
-def impact(t: Touching, things: Things, i: int, speed: Array) -> tuple[float, float, float, float]:
-    """Return where a bounce that begins at place `i` is [m], and with what energy [J].
+@compiled
+def _tell(t: Touching, law: Law, time: float, first: int, end: int, i: int) -> None:
+    """Keep the bounce that begins at place `i`, of a pair that touches from `first` to `end`.
 
     What lands flat touches at many corners at once: it is in their middle, and its whole
     mass counts.
     """
-    x, y, z, count = 0.0, 0.0, 0.0, 0
-    for j in range(len(speed)):
-        same = t.things[j, 0] == t.things[i, 0] and t.things[j, 1] == t.things[i, 1]
-        if same and speed[j] < 0.5 * speed[i]:
-            x, y, z = x + t.place[j, 0], y + t.place[j, 1], z + t.place[j, 2]
+    if law.now.told == len(law.strikes):
+        return
+    speed, place, count = law.speeds[i], (0.0, 0.0, 0.0), 0
+    for j in range(first, end):
+        if law.speeds[j] < 0.5 * speed:
+            x, y, z = triple(t.contacts[j].pos)
+            place = (place[0] + x, place[1] + y, place[2] + z)
             count += 1
-    x, y, z = x / count, y / count, z / count
-    n = (t.normal[i, 0], t.normal[i, 1], t.normal[i, 2])
-    yields = _yields(t, things, (t.things[i, 0], t.things[i, 1]), (x, y, z), n)
-    return x, y, z, 0.5 * speed[i] ** 2 / yields
+    place = times(1.0 / count, place)
+    a, b, n = t.contacts[i].geom[0], t.contacts[i].geom[1], triple(t.contacts[i].frame)
+    strike = law.strikes[law.now.told]
+    law.now.told += 1
+    # Bodies come first, in order.
+    turned = 0 < b <= law.now.bodies and (b < a or a == 0 or a > law.now.bodies)
+    strike.one, strike.other = (b - 1, a - 1) if turned else (a - 1, b - 1)
+    side = 1.0 if turned else -1.0
+    for k in range(3):
+        strike.place[k], strike.normal[k] = place[k], side * n[k]
+    # It was found a little after it began.
+    strike.time = time - max(-t.contacts[i].dist, 0.0) / -speed
+    strike.speed = -speed
+    strike.energy = 0.5 * speed**2 / _yields(law.things[a], law.things[b], place, n)
 
 
 @compiled
-def _set_friction(
-    t: Touching, things: Things, i: int, pushed: float, w: float, row: int, springs: Array
-) -> None:
-    """Set the damping of what slides and rolls at place `i`, which is `pushed` apart [m/s²].
+def _spring(
+    distance: float, v: float, h: float, b: float, bounces: bool
+) -> tuple[float, float]:
+    """Return stiffness [1/s²] and damping [1/s] at a place that parts at `v` [m/s]."""
+    w, depth = STIFFNESS / h, max(-distance, 0.0)
+    stiffness, damping = w * w, 2.0 * w
+    if bounces and b >= DULL:
+        damping = 0.0
+        if v < 0.0 and v + w * w * depth * h > 0.0:
+            stiffness, damping = b * b * stiffness, (1.0 - b * b) / h
+        elif v >= 0.0:
+            stiffness = b * b * stiffness
+    elif bounces and v < -REST_SPEED:
+        stiffness, damping = 0.0, 1.0 / h
+    elif w * depth > 2.0 * REST_SPEED:
+        # A spring cannot pull: what it pushed out faster would hop.
+        stiffness *= 2.0 * REST_SPEED / (w * depth)
+    return stiffness, damping
+
+
+@compiled
+def _friction(contact: Record, one: Record, other: Record, pushed: float, w: float) -> float:
+    """Return the damping of what slides at a place, which is `pushed` apart [m/s²].
 
     MuJoCo solves for friction and for the push together and weighs one against the other: a
     contact that is asked to stop what slides, faster than Coulomb's friction can, lifts it
     off instead. A ball of bounciness 0.5 that came at 6 m/s aslant left with 0.74 of its
     speed. So it is asked for no more than Coulomb gives.
     """
-    slides = _sliding(t, i)
-    speed = math.sqrt(slides[0] ** 2 + slides[1] ** 2 + slides[2] ** 2)
-    damping = 2.0 * w
-    if speed > 0.0:
-        pair = (t.things[i, 0], t.things[i, 1])
-        place = (t.place[i, 0], t.place[i, 1], t.place[i, 2])
-        n = (t.normal[i, 0], t.normal[i, 1], t.normal[i, 2])
-        along = (slides[0] / speed, slides[1] / speed, slides[2] / speed)
-        ratio = _yields(t, things, pair, place, along)
-        ratio /= max(_yields(t, things, pair, place, n), 1e-12)
-        most = t.friction[i, 0] * ratio * (max(pushed, 0.0) + SPARE * GRAVITY)
-        damping = min(damping, most / speed)
-    for k in range(1, t.size[i]):
-        springs[row + k, 1] = damping if k < 3 else ROLLING
+    n, place, damping = triple(contact.frame), triple(contact.pos), 2.0 * w
+    slides = minus(_velocity(other, place), _velocity(one, place))
+    slides = minus(slides, times(dot(slides, n), n))
+    speed = math.sqrt(dot(slides, slides))
+    least = contact.friction[0] * (max(pushed, 0.0) + SPARE * GRAVITY)
+    # Most places hardly slide, and need no exact answer.
+    eases = one.inverse_mass + other.inverse_mass
+    if damping * speed * (one.gives + other.gives) <= EXACTLY * least * eases:
+        return damping
+    ratio = _yields(one, other, place, times(1.0 / speed, slides))
+    ratio /= max(_yields(one, other, place, n), 1e-12)
+    return min(damping, least * ratio / speed)
 
 
 @compiled
-def _sliding(t: Touching, i: int) -> tuple[float, float, float]:
-    """Return the velocity at which the second slides over the first at place `i` [m/s]."""
-    a, b, n = t.things[i, 0], t.things[i, 1], t.normal[i]
-    x, y, z = _velocity(t.velocity[b], t.centre[b], t.place[i])
-    u, v, w = _velocity(t.velocity[a], t.centre[a], t.place[i])
-    x, y, z = x - u, y - v, z - w
-    along = x * n[0] + y * n[1] + z * n[2]
-    return x - along * n[0], y - along * n[1], z - along * n[2]
-
-
-@compiled
-def _yields(t: Touching, things: Things, pair: tuple[int, int], place: Triple, n: Triple) -> float:
+def _yields(one: Record, other: Record, place: Vector, n: Vector) -> float:
     """Return the speed that a unit of impulse along `n` gives two things at a place [1/kg]."""
-    total = 0.0
-    for side in range(2):
-        g = pair[side]
-        if things.inverse_mass[g] == 0.0:
-            continue
-        R, J = t.attitude[g], things.inverse_inertia[g]
-        x, y, z = (
-            place[0] - t.centre[g, 0],
-            place[1] - t.centre[g, 1],
-            place[2] - t.centre[g, 2],
-        )
-        a, b, c = y * n[2] - z * n[1], z * n[0] - x * n[2], x * n[1] - y * n[0]
-        # In the frame of the body.
-        u = R[0] * a + R[3] * b + R[6] * c
-        v = R[1] * a + R[4] * b + R[7] * c
-        w = R[2] * a + R[5] * b + R[8] * c
-        total += things.inverse_mass[g]
-        total += u * (J[0, 0] * u + J[0, 1] * v + J[0, 2] * w)
-        total += v * (J[1, 0] * u + J[1, 1] * v + J[1, 2] * w)
-        total += w * (J[2, 0] * u + J[2, 1] * v + J[2, 2] * w)
-    return total
+    return _gives(one, place, n) + _gives(other, place, n)
 
 
-@entry
-def beside(
-    things: NDArray[np.int32], normal: Array, place: Array, distance: Array, rounds: Array
-) -> NDArray[np.bool_]:
-    """Return the places (n,) where a ball touches nothing but the rim of a triangle it is not over.
+@compiled
+def _gives(thing: Record, place: Vector, n: Vector) -> float:
+    if thing.inverse_mass == 0.0:
+        return 0.0
+    R, J = thing.attitude, thing.inverse_inertia
+    a, b, c = cross(minus(place, triple(thing.centre)), n)
+    # In the frame of the body.
+    u = R[0] * a + R[3] * b + R[6] * c
+    v = R[1] * a + R[4] * b + R[7] * c
+    w = R[2] * a + R[5] * b + R[8] * c
+    total = thing.inverse_mass
+    total += u * (J[0, 0] * u + J[0, 1] * v + J[0, 2] * w)
+    total += v * (J[1, 0] * u + J[1, 1] * v + J[1, 2] * w)
+    total += w * (J[2, 0] * u + J[2, 1] * v + J[2, 2] * w)
+    result: float = total
+    return result
+
+
+@compiled
+def _let_in_beside(t: Touching, first: int, end: int, radius: float) -> None:
+    """Let a ball fall into the rim of triangles that it is not over.
 
     MuJoCo looks at each prism of a height field alone, so a ball that has sunk into one is
     pushed aside by its neighbours, though their surfaces lie in one plane: 0.95 m/s after an
     impact at 6 m/s. A place counts if it lies above the plane of the deepest one, or has the
-    same normal.
+    same normal; at others so much is asked to fall in that nothing pushes.
 
     Args:
-        things: as in `Touching`, and so on; the terrain is number 0 and comes first.
-        normal: upward from the terrain.
-        place: in the middle between both surfaces.
-        distance: see there.
-        rounds: (m,) radii of balls, 0 of what is none [m].
+        t: see there; the terrain comes first, normals are upward, and places are in the
+            middle between both surfaces.
+        first: of the places of ball and ground.
+        end: of them.
+        radius: of the ball [m].
     """
-    n = len(things)
-    ghosts = np.zeros(n, dtype=np.bool_)
-    i = 0
-    while i < n:
-        first, deepest = i, i
-        while i < n and things[i, 0] == things[first, 0] and things[i, 1] == things[first, 1]:
-            if distance[i] < distance[deepest]:
-                deepest = i
-            i += 1
-        radius = rounds[things[first, 1]]
-        if things[first, 0] != 0 or radius == 0.0 or i - first == 1:
-            continue
-        for j in range(first, i):
-            alike, above = 0.0, 0.0
-            for k in range(3):
-                m = normal[deepest, k]
-                surface = place[j, k] - 0.5 * distance[j] * normal[j, k]
-                ground = place[deepest, k] - 0.5 * distance[deepest] * m
-                alike += m * normal[j, k]
-                above += m * (surface - ground)
-            ghosts[j] = alike < ALIKE and above < RIM * radius
-    return ghosts
+    deepest = first
+    for i in range(first, end):
+        if t.contacts[i].dist < t.contacts[deepest].dist:
+            deepest = i
+    up = triple(t.contacts[deepest].frame)
+    ground = _ground(t, deepest)
+    for i in range(first, end):
+        at = t.contacts[i].efc_address
+        alike = dot(up, triple(t.contacts[i].frame))
+        above = dot(up, minus(_ground(t, i), ground))
+        if at >= 0 and alike < ALIKE and above < RIM * radius:
+            t.springs[at, 0], t.springs[at, 1], t.depths[at] = -YIELDING, 0.0, -1.0
+
+
+@compiled
+def _ground(t: Touching, i: int) -> Vector:
+    """Return where on the ground place `i` is [m]."""
+    down = times(0.5 * t.contacts[i].dist, triple(t.contacts[i].frame))
+    return minus(triple(t.contacts[i].pos), down)

@@ -24,10 +24,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import ImpactLaw, Things, Touching, beside, impact
+from pipeline.simulation.dynamics.impact_law import THING
+from pipeline.simulation.dynamics.pressing import Pressing
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
-from pipeline.simulation.dynamics.rigid import Build, State
+from pipeline.simulation.dynamics.records import zeros
+from pipeline.simulation.dynamics.rigid import Bodies, Build, State
 from pipeline.simulation.dynamics.substeps import Substeps
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -50,8 +53,8 @@ STILL = 2e-3
 NEARLY = 0.99
 """MuJoCo's contacts give way a little; so much of the force asked for is there."""
 
-YIELDING = 1e6
-"""Acceleration towards one another that is asked of what is not to push [m/s²]."""
+OUTSIDE = 1.5
+"""How far from its middle a body is touched, in its reach."""
 
 HEAVIER = 1e6
 """Mass of who pushes, in that of the heaviest body."""
@@ -127,12 +130,12 @@ class MujocoWorld:
         self.substeps = Substeps(builds, pushers, field, step)
         self.pushers = Pushers(len(pushers), step)
         self.model, self.data, self._mujoco = _build(colliders, field, pushers)
-        self.things = _things(builds, len(pushers))
-        self.law = ImpactLaw(self.things)
-        self._is_uneven = not _is_level(field)
-        self._gone = np.zeros(self.count, dtype=bool)
-        self._began = 0.0
-        self._strikes: list[Strike] = []
+        self._qpos: Array = self.data.qpos.reshape(-1, 7)
+        self._qvel: Array = self.data.qvel.reshape(-1, 6)
+        self._awake = self.data.tree_awake
+        things, uneven = _things(builds, len(pushers)), not _is_level(field)
+        self.law = Pressing(things, self.count, uneven, self.data, self._mujoco)
+        self._any_gone = False
         self._put(state)
 
     # --- state --------------------------------------------------------------------
@@ -146,18 +149,8 @@ class MujocoWorld:
     @property
     def asleep(self) -> NDArray[np.bool_]:
         """(N,) which bodies sleep."""
-        result: NDArray[np.bool_] = self.data.tree_awake[: self.count] == 0
+        result: NDArray[np.bool_] = self._awake[: self.count] == 0
         return result
-
-    @property
-    def _qpos(self) -> Array:
-        qpos: Array = self.data.qpos.reshape(-1, 7)
-        return qpos
-
-    @property
-    def _qvel(self) -> Array:
-        qvel: Array = self.data.qvel.reshape(-1, 6)
-        return qvel
 
     def _put(self, state: State) -> None:
         n = self.count
@@ -174,7 +167,7 @@ class MujocoWorld:
 
     def drop(self, which: NDArray[np.int64]) -> None:
         """Take bodies out of the world."""
-        self._gone[which] = True
+        self.substeps.limits.gone[which] = self._any_gone = True
         geoms = which + 1
         self.model.geom_contype[geoms] = self.model.geom_conaffinity[geoms] = 0
         self._qvel[which] = 0.0
@@ -202,95 +195,60 @@ class MujocoWorld:
         Returns:
             The impacts that began, in the order of time.
         """
-        self._strikes = []
         motion = self.pushers.motion(poses)
-        n = self.substeps.count(self.state, ~(self._gone | self.asleep), self.pushers)
-        self.model.opt.timestep = self.step / n
-        self._began = self.data.time
-        pushing = slice(self.count, None)
-        if len(motion):
-            self._qpos[pushing] = self.pushers.begin
-        if self._gone.any():
-            self._qvel[: self.count][self._gone] = 0.0
-        model, data, step = self.model, self.data, self._mujoco.mj_step
+        n = self.substeps.count(self._qpos, self._qvel, self._awake, self.pushers)
+        law, began = self.law, self.data.time
+        self.model.opt.timestep = law.h[0] = self.step / n
+        law.told[0] = 0
+        if self._any_gone:
+            self._qvel[: self.count][self.substeps.limits.gone] = 0.0
         before = self._mujoco.get_mjcb_passive()
-        self._mujoco.set_mjcb_passive(self._push)
+        self._mujoco.set_mjcb_passive(law.callback)
         try:
-            for _ in range(n):
-                if len(motion):
-                    self._qvel[pushing] = motion
-                step(model, data)
+            self._go(n, motion)
         finally:
             self._mujoco.set_mjcb_passive(before)
-        return self._strikes
+        told = int(law.told[0])
+        return [self._strike(*values, began) for values in law.strikes[:told].tolist()]
 
-    # --- contacts -------------------------------------------------------------------
-
-    def _push(self, model: Any, data: Any) -> None:
-        """Set how hard contacts push; MuJoCo calls it between finding and solving them."""
-        if not data.ncon:
+    def _go(self, n: int, motion: Array) -> None:
+        """Go on by `n` sub-steps while those who push have velocities (P, 6), v and w."""
+        model, data, step = self.model, self.data, self._mujoco.mj_step
+        if not len(motion):
+            step(model, data, n)
             return
-        contact = data.contact
-        touching = Touching(
-            things=contact.geom,
-            normal=contact.frame,
-            place=contact.pos,
-            distance=contact.dist,
-            friction=contact.friction,
-            size=contact.dim,
-            # Geoms and bodies have the same numbers.
-            velocity=data.cvel,
-            centre=data.xipos,
-            attitude=data.xmat,
-        )
-        rows, springs = contact.efc_address, data.efc_KBIP
-        struck, speed = self.law.press(touching, data.time, model.opt.timestep, rows, springs)
-        if self._is_uneven:
-            geom, place = contact.geom, contact.pos
-            ghosts = beside(geom, contact.frame, place, contact.dist, self.things.radius)
-            own = rows[ghosts & (rows >= 0)]
-            # So much is asked to fall in that nothing pushes.
-            springs[own, 0], springs[own, 1], data.efc_pos[own] = -YIELDING, 0.0, -1.0
-        for i in struck.tolist():
-            self._struck(touching, i, speed)
+        pushing = slice(self.count, None)
+        self._qpos[pushing] = self.pushers.begin
+        for _ in range(n):
+            # Nothing that they meet changes it.
+            self._qvel[pushing] = motion
+            step(model, data)
 
-    def _struck(self, touching: Touching, i: int, speeds: Array) -> None:
-        """Keep the impact that begins at place `i`."""
-        a, b = (int(thing) for thing in touching.things[i])
-        x, y, z, energy = impact(touching, self.things, i, speeds)
-        nx, ny, nz = touching.normal[i, :3].tolist()
-        pair = sorted((a - 1, b - 1), key=_bodies_first(self.count))
-        side = 1.0 if pair[0] == b - 1 else -1.0
-        # It was found a little after it began.
-        depth = max(-float(touching.distance[i]), 0.0)
-        speed = -float(speeds[i])
-        time = self.data.time - self._began - depth / speed
-        self._strikes.append(
-            Strike(
-                one=pair[0],
-                other=pair[1],
-                time=min(max(time, 0.0), math.nextafter(self.step, 0.0)),
-                place=(x, y, z),
-                normal=(side * nx, side * ny, side * nz),
-                speed=speed,
-                energy=energy,
-            )
-        )
+    def _strike(self, one: int, other: int, time: float, *rest: Any) -> Strike:
+        """Return a strike of a step; see `STRIKE`, and when the step began [s] at the end."""
+        place, normal, speed, energy, began = rest
+        after = min(max(time - began, 0.0), math.nextafter(self.step, 0.0))
+        return Strike(one, other, after, _triple(place), _triple(normal), speed, energy)
 
 
-def _things(builds: Sequence[Build], pushers: int) -> Things:
+def _triple(values: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = values
+    return float(x), float(y), float(z)
+
+
+def _things(builds: Sequence[Build], pushers: int) -> Records:
     """Return what stays of the terrain, of bodies and of who push, numbered as geoms are."""
+    bodies = Bodies.of(builds)
+    things = zeros(1 + len(builds) + pushers, THING)
     # Of the ground and of who pushes nothing is known: the body's own bounciness holds.
-    own = [b.bounciness for b in builds]
-    fixed = [np.zeros((3, 3))]
-    inverse = [np.linalg.inv(b.mass.inertia) for b in builds]
-    none = [0.0] * pushers
-    return Things(
-        bounciness=np.array([np.inf, *own, *[np.inf] * pushers]),
-        inverse_mass=np.array([0.0, *[1.0 / b.mass.mass for b in builds], *none]),
-        inverse_inertia=np.array([*fixed, *inverse, *fixed * pushers]),
-        radius=np.array([0.0, *[b.radius for b in builds], *none]),
-    )
+    things.bounciness = np.inf
+    own = things[1 : 1 + len(builds)]
+    own.bounciness, own.radius = bodies.bounciness, bodies.radius
+    own.inverse_mass, own.inverse_inertia = 1.0 / bodies.mass, bodies.inverse
+    turns = np.linalg.eigvalsh(bodies.inverse)[:, -1]
+    # It is touched a little outside itself, too.
+    own.gives = 1.0 / bodies.mass + (OUTSIDE * bodies.reach) ** 2 * turns
+    return things
 
 
 def _bodies_first(count: int) -> Any:
@@ -318,6 +276,7 @@ def _build(
     heaviest = max(c.build.mass.mass for c in colliders)
     for k, corners in enumerate(pushers):
         _add_pusher(spec, mujoco, f"pusher {k}", corners, HEAVIER * heaviest)
+    spec.nuserdata = 1
     spec.memory = ARENA + ARENA_A_BODY * (len(colliders) + len(pushers))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco

@@ -14,6 +14,12 @@ from pipeline.simulation.spatial import Array, quaternion
 LEAP = 100.0
 """Speed above which a solid was put elsewhere and pushes nothing on its way [m/s]."""
 
+NO_MOTION = np.zeros((0, 6))
+"""Velocities of nobody."""
+
+NOBODY = np.zeros((0, 5))
+"""Paths of nobody."""
+
 
 @dataclass(frozen=True, slots=True)
 class Pushed:
@@ -52,7 +58,7 @@ class Pushers:
         """Return the velocities (P, 6), v and w, that lead to `poses` at the end of the step."""
         before = self._now
         if poses is None or before is None:
-            return np.zeros((0, 6))
+            return NO_MOTION
         self.begin = np.concatenate([before.p, quaternion(before.R)], axis=1)
         self._now = poses
         v = (poses.p - before.p) / self.step
@@ -63,6 +69,17 @@ class Pushers:
             self.begin[leaps] = np.concatenate([poses.p, quaternion(poses.R)], axis=1)[leaps]
             v[leaps] = w[leaps] = self.speed[leaps] = 0.0
         return np.concatenate([v, w], axis=1)
+
+    def paths(self, far: Array) -> Array:
+        """Return (P, 5): where they begin, how far they reach and go in two steps, and speeds.
+
+        Args:
+            far: (P,) distance of their farthest corner [m].
+        """
+        if not len(far):
+            return NOBODY
+        reach = far + 2.0 * self.step * self.speed
+        return np.column_stack([self.begin[:, :3], reach, self.speed])
 
 
 def _rotation_vector(R: Array) -> Array:

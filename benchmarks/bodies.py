@@ -1,15 +1,16 @@
-"""Bodies: microseconds a world step of falling boxes, beside other engines.
+"""Bodies: microseconds a world step of falling boxes, beside other engines, in both modes.
 
-1, 50, 500 and 5,000 boxes rain on flat ground and on hills, bounce, slide and come to rest.
+Mode `terrain`: 1, 50, 500 and 5,000 boxes rain on flat ground and on hills, bounce, slide and
+come to rest.
 The same boxes in the same places go through MuJoCo and, where it is installed, PyBullet, on
 the same heights, all engines in turn, world step by world step of 1/96 s, so that what else
 the machine does disturbs all alike; the median over the steps of one run counts, and the mean
 beside it. The others go through a world step at their own customary steps: MuJoCo in 5 of
 about 2 ms, PyBullet in 3 of about 3.5 ms; MuJoCo also in one as long as the world step, at
-which it is cheapest and its boxes sink in and tremble. A count is the last where a step takes
-longer than a second.
+which it is cheapest and its boxes sink in and tremble. Mode `all`: piles, see `piles.py`. A
+count is the last where a step takes longer than a second.
 
-    python benchmarks/bodies.py [bodies ...]
+    python benchmarks/bodies.py [terrain | all] [bodies ...]
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 # One core: numpy reads these when it is imported.
@@ -25,6 +26,7 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import mujoco
 import numpy as np
+import piles
 
 from pipeline.simulation.dynamics.bouncing import Bouncing
 from pipeline.simulation.dynamics.hull import hull_of
@@ -83,10 +85,6 @@ def ours(ground: Ground, p: Array, q: Array) -> Step:
     nothing = np.zeros_like(p)
     bouncing = Bouncing(Bodies.of([build] * len(p)), State(p, q, nothing, nothing.copy()), ground)
     return lambda: bouncing.advance(DT)
-
-
-# What the mode `terrain` is measured against meets the terrain alone as well.
-MODES = {"terrain": ours}
 
 
 def by_mujoco(ground: Ground, p: Array, q: Array, steps: int) -> Step:
@@ -174,9 +172,8 @@ def measured(engines: dict[str, Step]) -> dict[str, Array]:
     return {name: np.array(values) for name, values in times.items()}
 
 
-def main() -> None:
-    """Print the table."""
-    counts = [int(word) for word in sys.argv[1:]] or COUNTS
+def rain(counts: Sequence[int]) -> None:
+    """Print the table of bodies that meet the terrain alone, as do those beside them."""
     # Machine code is made or loaded at the first step, once.
     ours(ground_for("hills", 1), *start(ground_for("hills", 1), 1))()
     print("microseconds a world step of 1/96 s: median (mean) over the steps, and ratios of means")
@@ -184,7 +181,7 @@ def main() -> None:
         for count in counts:
             ground = ground_for(kind, count)
             p, q = start(ground, count)
-            engines = {name: mode(ground, p, q) for name, mode in MODES.items()}
+            engines = {"terrain": ours(ground, p, q)}
             try:
                 engines["mujoco 5"] = by_mujoco(ground, p, q, 5)
                 engines["mujoco 1"] = by_mujoco(ground, p, q, 1)
@@ -202,6 +199,18 @@ def main() -> None:
                 )
             if max(values.mean() for values in times.values()) > 1e6:
                 break
+
+
+MODES = {"terrain": rain, "all": piles.main}
+
+
+def main() -> None:
+    """Print the tables that are asked for."""
+    words = sys.argv[1:]
+    counts = [int(word) for word in words if word.isdigit()] or COUNTS
+    asked = [word for word in words if not word.isdigit()] or MODES
+    for mode in asked:
+        MODES[mode](counts)
 
 
 if __name__ == "__main__":

@@ -133,9 +133,7 @@ def measured(count: int) -> dict[str, Array]:
     rounds += [round_of(count, i, len(rounds[0]["all"])) for i in range(1, ROUNDS)]
     # A later round may have had less time.
     steps = min(len(one["all"]) for one in rounds)
-    return {
-        name: 1e6 * np.min([one[name][:steps] for one in rounds], axis=0) for name in rounds[0]
-    }
+    return {name: 1e6 * np.min([one[name][:steps] for one in rounds], axis=0) for name in rounds[0]}
 
 
 def main(counts: Sequence[int] = COUNTS) -> None:

@@ -31,6 +31,7 @@ def faults_of_references(scene: object) -> list[Fault]:
     finders = (
         _figures,
         _repeated_names,
+        _names_of_many,
         _materials,
         _followed,
         _attached,
@@ -63,6 +64,24 @@ def _repeated_names(scene: object) -> Iterator[Fault]:
             message = f"the name '{name}' is taken by cast[{first[name]}]"
             yield Fault(("cast", i, "name"), message)
         first.setdefault(name, i)
+
+
+def _names_of_many(scene: object) -> Iterator[Fault]:
+    """Find members that are called as a body of `many` is, which have numbers of their own."""
+    cast = [member for _, member in _items(_get(scene, "cast"))]
+    numbered: dict[str, tuple[str, int, int]] = {}
+    for k, (name, member) in enumerate(zip(_names(scene), cast, strict=True)):
+        total = getattr(_get(member, "many"), "total", 0)
+        numbered |= {f"{name}_{n + 1}": (name, k, total) for n in range(total)}
+    for i, member in enumerate(cast):
+        own = _get(member, "name")
+        if isinstance(own, str) and own in numbered:
+            name, k, total = numbered[own]
+            message = (
+                f"the name '{own}' is taken by a body of cast[{k}], "
+                f"whose bodies are called {name}_1 to {name}_{total}"
+            )
+            yield Fault(("cast", i, "name"), message)
 
 
 def _materials(scene: object) -> Iterator[Fault]:

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import MEASURED
+from pipeline.simulation.dynamics.impact_law import MEASURED, PAIR, _sort
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, _add_terrain
+from pipeline.simulation.dynamics.native import array_at, layout_of
 from pipeline.simulation.dynamics.pushing import Pushed
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.simulation.terrain.quadfield import QuadField
@@ -204,6 +205,43 @@ def test_law_leaves_other_peoples_mujoco_alone() -> None:
     mujoco.set_mjcb_passive(None)
     run(world_of([ball(0.1)], [[0, 0.2, 0]]), 0.3)
     assert mujoco.get_mjcb_passive() is None
+
+
+def test_compiled_code_sees_what_the_bindings_say() -> None:
+    world = world_of([ball(0.1), box((0.2, 0.2, 0.2))], [[0, 0.099, 0], [0.15, 0.099, 0]])
+    world.advance()
+    mujoco.mj_forward(world.model, world.data)
+    layout = layout_of(mujoco)
+    data = array_at(world.data._address, 1, layout.data)[0]
+    assert data.ncon == world.data.ncon > 2
+    assert data.nefc == world.data.nefc
+    assert data.time == world.data.time
+    contacts = array_at(data.contact, data.ncon, layout.contact)
+    for name in layout.contact.names or ():
+        np.testing.assert_array_equal(contacts[name], getattr(world.data.contact, name))
+    springs = array_at(data.efc_KBIP, 4 * data.nefc, np.dtype("f8"))
+    np.testing.assert_array_equal(springs, world.data.efc_KBIP.ravel())
+
+
+def test_what_sleeps_costs_no_steps_and_wakes_when_it_is_pushed() -> None:
+    world = world_of([box((0.2, 0.2, 0.2))], [[0, 0.1, 0]], pushers=[WALL])
+    world.place_pushers(Pushed(np.array([[-3.0, 1.0, 0.0]]), np.eye(3)[None]))
+    still = Pushed(np.array([[-3.0, 1.0, 0.0]]), np.eye(3)[None])
+    for _ in range(60):
+        world.advance(still)
+    assert world.asleep.all()
+    for i in range(60):
+        world.advance(Pushed(np.array([[-3.0 + 0.1 * i, 1.0, 0.0]]), np.eye(3)[None]))
+    assert world.state.p[0, 0] > 2.0
+
+
+def test_pairs_stay_in_order_whatever_order_contacts_have() -> None:
+    pairs = np.zeros(40, dtype=PAIR).view(np.recarray)
+    keys = np.random.default_rng(1).permutation(40)
+    pairs.key, pairs.onset = keys, 0.5 * keys
+    _sort.py_func(pairs, 40)
+    np.testing.assert_array_equal(pairs.key, np.arange(40))
+    np.testing.assert_array_equal(pairs.onset, 0.5 * np.arange(40))
 
 
 def test_same_world_gives_the_same_bytes() -> None:

@@ -173,6 +173,9 @@ ONE_MISTAKE = [
      LOOKS + "the text 'a.b'"),
     ("walk: {speed: 0.5}", "name: a\n  - {figure: bug, name: §a}", "cast[1].name",
      "the name 'a' is taken by cast[0]"),
+    ("walk: {speed: 0.5}", "name: §low_2\n  - {many: {layout: stack, count: 3, of: {shape: box}}, "
+     "name: low}", "cast[0].name",
+     "the name 'low_2' is taken by a body of cast[1], whose bodies are called low_1 to low_3"),
     ("terrain: hills", "terrain: §hill", "terrain",
      "no terrain is called 'hill', did you mean 'hills'?"),
     ("terrain: hills", "terrain: {kind: §hill}", "terrain.kind",

@@ -202,20 +202,31 @@ def press(t: Touching, law: Law, time: float) -> None:
             _tell(t, law, time, first, end, quickest)
         pairs[count].key, pairs[count].onset = key, begun
         count += 1
-        for i in range(first, end):
-            row = contacts[i].efc_address
-            if row >= 0:
-                k_n, d_n = _spring(contacts[i].dist, speeds[i], now.h, bounciness, bounces)
-                t.springs[row, 0], t.springs[row, 1] = k_n, d_n
-                pushed = k_n * max(-contacts[i].dist, 0.0) - d_n * speeds[i]
-                sliding = _friction(contacts[i], one, other, pushed, STIFFNESS / now.h)
-                for j in range(1, contacts[i].dim):
-                    t.springs[row + j, 1] = sliding if j < 3 else ROLLING
+        _set_springs(t, law, first, end, bounces)
         if now.uneven and a == 0 and other.radius > 0.0 and end - first > 1:
             _let_in_beside(t, first, end, other.radius)
     if not ordered:
         _sort(pairs, count)
     now.half, now.known = 1 - now.half, count
+
+
+@compiled
+def _set_springs(t: Touching, law: Law, first: int, end: int, bounces: bool) -> None:
+    """Set the springs of a pair, which touches from place `first` to `end`."""
+    h, speeds, geom = law.now.h, law.speeds, t.contacts[first].geom
+    one, other = law.things[geom[0]], law.things[geom[1]]
+    bounciness = min(one.bounciness, other.bounciness)
+    for i in range(first, end):
+        contact = t.contacts[i]
+        row, depth = contact.efc_address, max(-contact.dist, 0.0)
+        if row < 0:
+            continue
+        stiffness, damping = _spring(depth, speeds[i], h, bounciness, bounces)
+        t.springs[row, 0], t.springs[row, 1] = stiffness, damping
+        pushed = stiffness * depth - damping * speeds[i]
+        sliding = _friction(contact, one, other, pushed, STIFFNESS / h)
+        for k in range(1, contact.dim):
+            t.springs[row + k, 1] = sliding if k < 3 else ROLLING
 
 
 @compiled
@@ -293,11 +304,9 @@ def _tell(t: Touching, law: Law, time: float, first: int, end: int, i: int) -> N
 
 
 @compiled
-def _spring(
-    distance: float, v: float, h: float, b: float, bounces: bool
-) -> tuple[float, float]:
+def _spring(depth: float, v: float, h: float, b: float, bounces: bool) -> tuple[float, float]:
     """Return stiffness [1/s²] and damping [1/s] at a place that parts at `v` [m/s]."""
-    w, depth = STIFFNESS / h, max(-distance, 0.0)
+    w = STIFFNESS / h
     stiffness, damping = w * w, 2.0 * w
     if bounces and b >= DULL:
         damping = 0.0
@@ -333,7 +342,8 @@ def _friction(contact: Record, one: Record, other: Record, pushed: float, w: flo
         return damping
     ratio = _yields(one, other, place, times(1.0 / speed, slides))
     ratio /= max(_yields(one, other, place, n), 1e-12)
-    return min(damping, least * ratio / speed)
+    result: float = min(damping, least * ratio / speed)
+    return result
 
 
 @compiled

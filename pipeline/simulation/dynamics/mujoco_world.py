@@ -136,6 +136,7 @@ class MujocoWorld:
         things, uneven = _things(builds, len(pushers)), not _is_level(field)
         self.law = Pressing(things, self.count, uneven, self.data, self._mujoco)
         self._any_gone = False
+        self._cut = 0
         self._put(state)
 
     # --- state --------------------------------------------------------------------
@@ -198,7 +199,12 @@ class MujocoWorld:
         motion = self.pushers.motion(poses)
         n = self.substeps.count(self._qpos, self._qvel, self._awake, self.pushers)
         law, began = self.law, self.data.time
-        self.model.opt.timestep = law.h[0] = self.step / n
+        if not len(motion) and self._rests():
+            self.data.time = began + self.step
+            return []
+        if n != self._cut:
+            self._cut = n
+            self.model.opt.timestep = law.h[0] = self.step / n
         law.told[0] = 0
         if self._any_gone:
             self._qvel[: self.count][self.substeps.limits.gone] = 0.0
@@ -208,8 +214,15 @@ class MujocoWorld:
             self._go(n, motion)
         finally:
             self._mujoco.set_mjcb_passive(before)
-        told = int(law.told[0])
+        told = law.told.item()
+        if not told:
+            return []
         return [self._strike(*values, began) for values in law.strikes[:told].tolist()]
+
+    def _rests(self) -> bool:
+        """Tell whether all sleep, so that nothing happens unless somebody pushes."""
+        awake: int = self.data.ntree_awake
+        return awake == 0
 
     def _go(self, n: int, motion: Array) -> None:
         """Go on by `n` sub-steps while those who push have velocities (P, 6), v and w."""

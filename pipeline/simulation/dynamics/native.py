@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-from llvmlite import ir
+from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
@@ -92,7 +92,8 @@ def _dtype(fields: dict[str, tuple[int, Any]], size: int | None = None) -> np.dt
     }
     if size is not None:
         words["itemsize"] = size
-    return np.dtype(words)
+    made: np.dtype[np.void] = np.dtype(words)  # type: ignore[call-overload]
+    return made
 
 
 def _find(begin: int, value: Any) -> int:
@@ -100,7 +101,7 @@ def _find(begin: int, value: Any) -> int:
     for offset, values in _pages(begin, value.dtype):
         places = np.flatnonzero(values == value)
         if len(places):
-            return offset + int(places[0]) * value.dtype.itemsize
+            return offset + int(places[0]) * int(value.itemsize)
     raise RuntimeError("MuJoCo keeps its data where it is not looked for; another version?")
 
 
@@ -111,8 +112,8 @@ def _pages(begin: int, kind: Any) -> Iterator[tuple[int, NDArray[Any]]]:
 
 def array_at(address: int, count: int, kind: np.dtype[Any]) -> Records:
     """Return the array that begins at an address."""
-    room = (ctypes.c_byte * (count * kind.itemsize)).from_address(address)
-    values = np.frombuffer(room, dtype=kind)
+    room = (ctypes.c_byte * (int(count) * kind.itemsize)).from_address(int(address))
+    values: NDArray[Any] = np.frombuffer(room, dtype=kind)  # type: ignore[call-overload]
     return values.view(np.recarray) if kind.names else values
 
 
@@ -121,7 +122,7 @@ def _pointer(context: Any, address: Any) -> Any:
     """Return an address as a pointer."""
 
     def generate(_: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return builder.inttoptr(values[0], ir.IntType(8).as_pointer())
+        return builder.inttoptr(values[0], cgutils.voidptr_t)
 
     return numba.types.voidptr(numba.types.intp), generate
 

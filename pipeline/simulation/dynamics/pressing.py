@@ -47,9 +47,7 @@ class Pressing:
         callback: what MuJoCo is to call.
     """
 
-    def __init__(
-        self, things: Records, bodies: int, uneven: bool, data: Any, mujoco: Any
-    ) -> None:
+    def __init__(self, things: Records, bodies: int, uneven: bool, data: Any, mujoco: Any) -> None:
         now = np.zeros(1, dtype=NOW)
         now["uneven"], now["bodies"] = uneven, bodies
         self.strikes = np.zeros(STRIKES + STRIKES_A_BODY * len(things), dtype=STRIKE)

@@ -67,7 +67,7 @@ class Bouncing:
         vertices, edges = (int(self._records[name][:, 1].max()) for name in ("corners", "edges"))
         self._room = Room(
             np.zeros((max(vertices, 1), 3)),
-            np.zeros((max(edges, 1), 6)),
+            np.zeros((max(edges, 1), 12)),
             np.zeros((ORDER + 1, COLUMNS)),
             zeros(CONTACTS, PART),
         )

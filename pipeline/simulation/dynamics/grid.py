@@ -52,6 +52,7 @@ class Grid(NamedTuple):
         ridges: (n, 2) ends of the edges that stand out, and of these ends, which are edges
             from a vertex to itself; cell by cell.
         starts: (n_cells + 1,) the first ridge of each cell.
+        sides: (n, 2, 3) normals of the ground on both sides of ridges, none of ends.
     """
 
     frame: Record
@@ -59,17 +60,22 @@ class Grid(NamedTuple):
     tops: Array
     ridges: Numbers
     starts: Numbers
+    sides: Array
 
 
 def grid_of(field: HeightField) -> Grid:
     """Make a height field ready."""
-    edges = standing_out(field.vertices, field.faces, min(field.cell))
+    edges, sides = standing_out(field.vertices, field.faces, min(field.cell))
     ridges = np.concatenate([edges, np.repeat(np.unique(edges)[:, None], 2, axis=1)])
+    sides = np.concatenate([sides, np.zeros((len(ridges) - len(edges), 2, 3))])
+    order, starts = _by_cell(ridges, field)
     return Grid(
         frame_of(field),
         np.ascontiguousarray(field.vertices),
         _tops(field.heights),
-        *_by_cell(ridges, field),
+        np.ascontiguousarray(ridges[order]),
+        starts,
+        np.ascontiguousarray(sides[order]),
     )
 
 
@@ -81,7 +87,11 @@ def frame_of(field: HeightField) -> Record:
 
 
 def _by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:
-    """Sort ridges into cells, by a middle that they end in, else by their low corner."""
+    """Sort ridges into cells, by a middle that they end in, else by their low corner.
+
+    Returns:
+        Their order, and the first of each cell.
+    """
     n_x, n_z = field.cells
     low, high = ridges.min(axis=1), ridges.max(axis=1)
     row, column = np.divmod(low, n_x + 1)
@@ -90,7 +100,7 @@ def _by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:
     cell[middle] = high[middle] - field.heights.size
     starts = np.zeros(n_x * n_z + 1, dtype=np.int64)
     np.cumsum(np.bincount(cell, minlength=n_x * n_z), out=starts[1:])
-    return np.ascontiguousarray(ridges[np.argsort(cell, kind="stable")]), starts
+    return np.argsort(cell, kind="stable"), starts
 
 
 def _tops(heights: Array) -> Array:

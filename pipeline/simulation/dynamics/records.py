@@ -79,7 +79,7 @@ class Room(NamedTuple):
 
     Attributes:
         world: (V, 3) its vertices in the world [m].
-        edges: (E, 6) edges of it, beginnings and extents [m].
+        edges: (E, 12) edges of it, beginnings and extents [m], normals of facets beside.
         series: of its tumbling.
         parts: (CONTACTS,) its contacts that act.
     """

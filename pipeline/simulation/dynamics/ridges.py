@@ -6,7 +6,13 @@ the body, at a vertex of the ground, or where two edges cross; and in hollows of
 only at the first. Vertices and crossings are looked at here, and only where the ground
 stands out.
 
-A gap counts along the normal of the contact: the facet's, or that of both edges.
+Two edges count where the gap grows from their crossing along both: else it is less at
+another crossing or an end. Then their normal lies between those of the ground beside the
+one and between those of the body beside the other, so it is a direction in which they can
+be parted; an edge that has cut deep into a wall tells how far it is from that, not from the
+top. A gap counts along the normal of the contact: the facet's, or that of both edges.
+
+Source: Gregorius 2013 (arcs of the Gauss map that cross), for edges of two convex solids.
 """
 
 from __future__ import annotations
@@ -34,14 +40,14 @@ from pipeline.simulation.dynamics.vectors import (
 )
 from pipeline.simulation.spatial import Array
 
-OVERHANG = -0.1
-"""Least rise of a contact's normal from the ground."""
+LEVEL = 1e-9
+"""Rise of a normal that is none."""
 
 PARALLEL = 1e-6
 """Sine of the angle between edges that cross nowhere in particular."""
 
-AMISS = 1e-3
-"""Depth of crossing edges from which facets are asked as well, in sizes of the body."""
+ALONG = 1e-3
+"""Sine of the angle to a facet or a triangle at which an edge lies in it."""
 
 UP = 1e-3
 """Rise of the normal of a facet that nothing below can touch."""
@@ -96,65 +102,70 @@ def meet_ridges(
             else:
                 if edges < 0:
                     edges = _lower_edges(shapes, body, R, room)
-                _meet_edge(shapes.facets, room.edges, edges, body, p, R, c, minus(d, c), slack)
+                _meet_edge(room.edges, edges, body, p, c, minus(d, c), grid.sides[k], slack)
 
 
 @compiled
 def _lower_edges(shapes: Shapes, body: Record, R: Rows, room: Room) -> int:
-    """Write beginnings and extents of edges that something below can touch; return how many."""
+    """Write edges that something below can touch; return how many.
+
+    Beginnings and extents, and the normals of the facets beside, all in the world.
+    """
     n, edges, world = 0, room.edges, room.world
     first, count = body.edges
     facet = body.facets[0]
     for e in range(first, first + count):
         start, end = shapes.edges[e, 0], shapes.edges[e, 1]
-        one = dot(R[1], row(shapes.facets, facet + shapes.edges[e, 2]))
-        other = dot(R[1], row(shapes.facets, facet + shapes.edges[e, 3]))
-        if min(one, other) < UP:
+        one = row(shapes.facets, facet + shapes.edges[e, 2])
+        other = row(shapes.facets, facet + shapes.edges[e, 3])
+        if min(dot(R[1], one), dot(R[1], other)) < UP:
+            one, other = turned(R, one), turned(R, other)
             for i in range(3):
                 edges[n, i] = world[start, i]
                 edges[n, 3 + i] = world[end, i] - world[start, i]
+                edges[n, 6 + i], edges[n, 9 + i] = one[i], other[i]
             n += 1
     return n
 
 
 @compiled
 def _meet_peak(facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, slack: float) -> None:
-    """Add a vertex of the ground near a facet, its gap being the distance from that."""
-    lever = minus(peak, p)
-    gap, normal = _out(facets, body, R, lever, slack)
-    # No ground hangs over, so what lies in a facet that looks up is met by another.
-    if gap <= slack and normal[1] > OVERHANG:
-        insert_new(body, gap, normal, lever)
+    """Add a vertex of the ground near a facet, its gap being the distance from that.
 
-
-@compiled
-def _out(facets: Array, body: Record, R: Rows, lever: Vector, slack: float) -> tuple[float, Vector]:
-    """Return how far a place is outside the nearest facet, and the normal into that.
-
-    Beyond `slack` whichever facet comes first is told.
+    No ground hangs over, so it comes in by facets that look down, and has done so as well
+    where the body has got below it from the side.
     """
+    lever = minus(peak, p)
     place = unturned(R, lever)
-    most, which = -np.inf, 0
+    most, which = -np.inf, -1
+    # Where the upright through it enters the body, and leaves it.
+    low, high = -np.inf, np.inf
     first, count = body.facets
     for k in range(first, first + count):
-        away = dot(row(facets, k), place) - facets[k, 3]
-        if away > most:
-            most, which = away, k
+        away, up = dot(row(facets, k), place) - facets[k, 3], dot(R[1], row(facets, k))
+        if up < -LEVEL:
             if away > slack:
-                break
-    return most, times(-1.0, turned(R, row(facets, which)))
+                return
+            low = max(low, -away / up)
+            if away > most:
+                most, which = away, k
+        elif up > LEVEL:
+            high = min(high, -away / up)
+        elif away > 0.0:
+            return
+    if which >= 0 and low <= high:
+        insert_new(body, most, times(-1.0, turned(R, row(facets, which))), lever)
 
 
 @compiled
 def _meet_edge(
-    facets: Array,
     edges: Array,
     n: int,
     body: Record,
     p: Vector,
-    R: Rows,
     c: Vector,
     ground: Vector,
+    sides: Array,
     slack: float,
 ) -> None:
     """Add the places where n edges of a body pass over an edge of the ground, from c."""
@@ -170,23 +181,26 @@ def _meet_edge(
         if s >= 0.0 and t >= 0.0 and s <= width and t <= width and width > 0.0:
             s, t = s / width, t / width
             along = (x, edges[e, 4], z)
-            rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
-            lever = minus(plus(c, times(t, ground)), p)
-            start = (-between_x, edges[e, 1] - c[1], -between_z)
-            _cross(facets, body, R, along, ground, start, rise, lever, slack)
+            one, other = (
+                (edges[e, 6], edges[e, 7], edges[e, 8]),
+                (edges[e, 9], edges[e, 10], edges[e, 11]),
+            )
+            if _parts(along, row(sides, 0), row(sides, 1)) and _parts(ground, one, other):
+                rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
+                _cross(body, along, ground, rise, minus(plus(c, times(t, ground)), p), slack)
+
+
+@compiled
+def _parts(way: Vector, one: Vector, other: Vector) -> bool:
+    """Say whether a line leaves one of two planes that meet in an edge and enters the other."""
+    first, second = dot(way, one), dot(way, other)
+    level = ALONG * length(way)
+    return first * second <= 0.0 or min(abs(first), abs(second)) <= level
 
 
 @compiled
 def _cross(
-    facets: Array,
-    body: Record,
-    R: Rows,
-    along: Vector,
-    ground: Vector,
-    start: Vector,
-    rise: float,
-    lever: Vector,
-    slack: float,
+    body: Record, along: Vector, ground: Vector, rise: float, lever: Vector, slack: float
 ) -> None:
     """Add the contact of two edges that cross, seen from above, one above the other."""
     normal = cross(along, ground)
@@ -194,27 +208,5 @@ def _cross(
     if square > PARALLEL * PARALLEL * dot(along, along) * dot(ground, ground):
         normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
         gap = rise * normal[1]
-        if gap < -AMISS * body.size and not _nearest_within(along, ground, start):
-            # Beside a wall this is deep below the edge, and yet others are nearer.
-            away, out = _out(facets, body, R, lever, slack)
-            if away < gap or out[1] <= OVERHANG:
-                return
-            gap, normal = away, out
         if gap <= slack:
             insert_new(body, gap, normal, lever)
-
-
-@compiled
-def _nearest_within(along: Vector, ground: Vector, start: Vector) -> bool:
-    """Say whether edges come nearest to one another between their ends.
-
-    Args:
-        along: extent of the one [m].
-        ground: of the other [m].
-        start: from the begin of the other to that of the one [m].
-    """
-    a, b, c = dot(along, along), dot(along, ground), dot(ground, ground)
-    d, e = dot(along, start), dot(ground, start)
-    inside = a * c - b * b
-    s, t = b * e - c * d, a * e - b * d
-    return s >= 0.0 and t >= 0.0 and s <= inside and t <= inside

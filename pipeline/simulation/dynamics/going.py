@@ -53,7 +53,7 @@ LOCATING = 60
 AT_ONCE = 1e-12
 """Time in which what happens happens at once [s]."""
 
-MOST_ROUNDS = 150
+MOST_ROUNDS = 400
 """Sub-steps of one step; what needs more is stuck, and loses the rest of its step."""
 
 QUIET = 0.01

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.standing_out import standing_out
-from pipeline.simulation.dynamics.vectors import Vector
+from pipeline.simulation.dynamics.vectors import Vector, row
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.simulation.terrain.quadfield import QuadField
@@ -40,6 +40,7 @@ FRAME = np.dtype(
 
 Numbers = NDArray[np.int64]
 Spans = tuple[int, int, int, int]
+Triangle = tuple[Vector, Vector, Vector]
 
 
 class Grid(NamedTuple):
@@ -172,6 +173,27 @@ def _normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
     )
     up = 1.0 / math.sqrt(along_x * along_x + 1.0 + along_z * along_z)
     return (-along_x * up, up, -along_z * up)
+
+
+@compiled
+def pieces(frame: Record) -> int:
+    """Return how many triangles a cell has."""
+    return 4 if frame.quads else 2
+
+
+@compiled
+def triangle(grid: Grid, line: int, column: int, k: int) -> Triangle:
+    """Return triangle k of a cell, counter-clockwise from above."""
+    frame, vertices = grid.frame, grid.vertices
+    low = line * (frame.n_x + 1) + column
+    a, b = row(vertices, low), row(vertices, low + 1)
+    c, d = row(vertices, low + frame.n_x + 1), row(vertices, low + frame.n_x + 2)
+    if not frame.quads:
+        return (a, d, b) if k == 0 else (a, c, d)
+    m = row(vertices, (frame.n_x + 1) * (frame.n_z + 1) + line * frame.n_x + column)
+    if k < 2:
+        return (b, a, m) if k == 0 else (d, b, m)
+    return (c, d, m) if k == 2 else (a, c, m)
 
 
 @compiled

@@ -1,7 +1,7 @@
 """Meeting: where bodies touch a terrain, or are about to.
 
-Polyhedra touch it with their vertices, and with facets and edges where it stands out
-(`ridges`); balls with what is nearest (`rounding`). A body whose centre of mass has left
+Polyhedra touch it with their vertices (`corners`), and with facets and edges where it stands
+out (`ridges`); balls with what is nearest (`rounding`). A body whose centre of mass has left
 the terrain is held by nothing any more.
 """
 
@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
-from pipeline.simulation.dynamics.contacts import insert
-from pipeline.simulation.dynamics.grid import Grid, Spans, highest, inside, span, surface, to_grid
+from pipeline.simulation.dynamics.corners import meet_corners
+from pipeline.simulation.dynamics.grid import Grid, Spans, highest, inside, span, to_grid
 from pipeline.simulation.dynamics.records import Room, Shapes
 from pipeline.simulation.dynamics.ridges import Box, meet_ridges
 from pipeline.simulation.dynamics.rounding import meet_ball
@@ -19,7 +19,6 @@ from pipeline.simulation.dynamics.vectors import (
     Quaternion,
     Rows,
     Vector,
-    minus,
     plus,
     put,
     rotation,
@@ -62,7 +61,7 @@ def meet(
     R = rotation(q)
     box, over = _placed(grid.frame, shapes.corners, body, p, R, slack, room.world)
     if box[0][1] <= top:
-        _meet_corners(grid, body, p, room.world, slack)
+        meet_corners(grid, body, p, room.world, slack)
         meet_ridges(grid, shapes, body, p, R, room, box, over, slack)
 
 
@@ -84,15 +83,3 @@ def _placed(
     i, i_last = span(u_low - slack, u_high + slack, frame.size_x, frame.n_x)
     j, j_last = span(v_low - slack, v_high + slack, frame.size_z, frame.n_z)
     return (low, high), (i, i_last, j, j_last)
-
-
-@compiled
-def _meet_corners(grid: Grid, body: Record, p: Vector, world: Array, slack: float) -> None:
-    """Add the vertices of a body that are over the ground."""
-    for k in range(body.corners[1]):
-        at = row(world, k)
-        if inside(grid.frame, at[0], at[2]):
-            height, normal = surface(grid.frame, grid.vertices, at[0], at[2])
-            gap = (at[1] - height) * normal[1]
-            if gap <= slack:
-                insert(body, gap, normal, minus(at, p))

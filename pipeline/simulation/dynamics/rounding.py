@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.contacts import insert, remove
-from pipeline.simulation.dynamics.grid import Grid, around, surface
+from pipeline.simulation.dynamics.grid import Grid, Triangle, around, pieces, surface, triangle
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -25,8 +25,6 @@ from pipeline.simulation.dynamics.vectors import (
 
 BEHIND = 1e-7
 """Height above a plane that is none, in radii."""
-
-Triangle = tuple[Vector, Vector, Vector]
 
 
 @compiled
@@ -48,18 +46,12 @@ def meet_ball(grid: Grid, body: Record, p: Vector, slack: float) -> None:
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
             k = line * (frame.n_x + 1) + column
-            a, b = row(vertices, k), row(vertices, k + 1)
-            c, d = row(vertices, k + frame.n_x + 1), row(vertices, k + frame.n_x + 2)
-            if max(max(a[1], b[1]), max(c[1], d[1])) < low:
+            one = max(vertices[k, 1], vertices[k + 1, 1])
+            k += frame.n_x + 1
+            if max(one, max(vertices[k, 1], vertices[k + 1, 1])) < low:
                 continue
-            if frame.quads:
-                cell = line * frame.n_x + column
-                m = row(vertices, (frame.n_x + 1) * (frame.n_z + 1) + cell)
-                for triangle in ((b, a, m), (d, b, m), (c, d, m), (a, c, m)):
-                    _meet(body, p, triangle, above, slack)
-            else:
-                for triangle in ((a, d, b), (a, c, d)):
-                    _meet(body, p, triangle, above, slack)
+            for piece in range(pieces(frame)):
+                _meet(body, p, triangle(grid, line, column, piece), above, slack)
 
 
 @compiled

@@ -103,7 +103,12 @@ def drops(chance: np.random.Generator, count: int, terrain: str) -> Bouncing:
     x, z = chance.uniform(-7, 7, (2, count))
     p = np.column_stack([x, ground.height(x, z) + 0.6 + chance.uniform(0, 2, count), z])
     v, w = chance.normal(size=(2, count, 3)) * [[[2.0]], [[6.0]]]
-    return thrown(words, ground, State(p, attitudes(chance, count), v, w))
+    bouncing = thrown(words, ground, State(p, attitudes(chance, count), v, w))
+    # Walls beside it may be higher than what is right below a body.
+    while (deep := bouncing.depths() > 0.0).any():
+        bouncing.state.p[deep, 1] += 0.5
+        bouncing.look()
+    return bouncing
 
 
 @pytest.mark.parametrize("terrain", TERRAINS)
@@ -143,6 +148,14 @@ def test_nothing_passes_through_at_fifty_metres_a_second(terrain: str) -> None:
         p = bouncing.state.p
         there = bouncing.ground.field.inside(p[:, 0], p[:, 2])
         assert (p[:, 1] > bouncing.ground.height(p[:, 0], p[:, 2]))[there].all()
+
+
+def test_what_comes_back_under_the_terrain_falls_on() -> None:
+    state = still([[10.5, -2.0, 0.0]])
+    state.v[:] = [-8.0, 0.0, 0.0]
+    bouncing = thrown([{"shape": "cube"}], ground_of(TERRAINS["flat"]), state)
+    assert run(bouncing, 1.0) == []
+    np.testing.assert_allclose(bouncing.state.p[0], [2.5, -2.0 - 0.5 * 9.81, 0.0], atol=1e-3)
 
 
 def test_what_lies_is_silent_and_sleeps() -> None:

@@ -42,7 +42,7 @@ def meet_corners(grid: Grid, body: Record, p: Vector, world: Array, slack: float
         if inside(grid.frame, at[0], at[2]):
             height, normal = surface(grid.frame, grid.vertices, at[0], at[2])
             above = at[1] - height
-            if above < -SHALLOW * body.size:
+            if -2.0 * body.reach <= above < -SHALLOW * body.size:
                 _meet_sunk(grid, body, p, at, -above)
             elif above * normal[1] <= slack:
                 insert(body, above * normal[1], normal, minus(at, p))

@@ -11,7 +11,7 @@ from pipeline.simulation.dynamics.contacts import least
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.grid import Grid, highest
 from pipeline.simulation.dynamics.leaning import HELD, holding, leant, paid
-from pipeline.simulation.dynamics.meeting import meet
+from pipeline.simulation.dynamics.meeting import meet, under
 from pipeline.simulation.dynamics.path import Path, along
 from pipeline.simulation.dynamics.records import Motion, Room, Shapes, now, place
 from pipeline.simulation.dynamics.striking import REST, Strike, strike
@@ -260,6 +260,9 @@ def _moved(
 ) -> Motion:
     """Return how a body is after a time t, its contacts there having been found."""
     end = along(path, t)
+    if under(grid, body, end.p):
+        body.count = 0
+        return end
     meet(grid, shapes, body, end.p, end.q, slack, room)
     for k in range(body.count):
         body.gap[k] += body.sunk

@@ -2,7 +2,7 @@
 
 Polyhedra touch it with their vertices (`corners`), and with facets and edges where it stands
 out (`ridges`); balls with what is nearest (`rounding`). A body whose centre of mass has left
-the terrain is held by nothing any more.
+the terrain is held by nothing any more, nor is one that has got under it from beside.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy as np
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.corners import meet_corners
-from pipeline.simulation.dynamics.grid import Grid, Spans, highest, inside, span, to_grid
+from pipeline.simulation.dynamics.grid import Grid, Spans, highest, inside, span, surface, to_grid
 from pipeline.simulation.dynamics.records import Room, Shapes
 from pipeline.simulation.dynamics.ridges import Box, meet_ridges
 from pipeline.simulation.dynamics.rounding import meet_ball
@@ -83,3 +83,12 @@ def _placed(
     i, i_last = span(u_low - slack, u_high + slack, frame.size_x, frame.n_x)
     j, j_last = span(v_low - slack, v_high + slack, frame.size_z, frame.n_z)
     return (low, high), (i, i_last, j, j_last)
+
+
+@compiled
+def under(grid: Grid, body: Record, p: Vector) -> bool:
+    """Say whether a body at p is wholly below the ground: it fell beside it and came back."""
+    if not inside(grid.frame, p[0], p[2]):
+        return False
+    below: bool = p[1] < surface(grid.frame, grid.vertices, p[0], p[2])[0] - 2.0 * body.reach
+    return below

@@ -202,3 +202,52 @@ def test_mesh_of_many_is_named_from_the_folder_of_the_scene(tmp_path: Path) -> N
     text = f"pronk: 1\nduration: 0.1\ncast:\n- many: {many}\n"
     (tmp_path / "stones.yaml").write_text(text)
     assert Simulation(load_scene(tmp_path / "stones.yaml")).colliders is not None
+
+
+# --- what rolls and slides --------------------------------------------------------
+
+SLED = (
+    "{name: sled, body: {shape: box, size: [0.6, 0.1, 0.6], friction: 0.3, bounciness: 0,"
+    " collide: all}, "
+)
+TABLE = (
+    "{name: table, body: {shape: box, size: [6, 0.4, 2], density: 2000, bounciness: 0,"
+    " collide: all}, at: [0, 0.2, 0]}"
+)
+
+
+def rubbed(take: Take) -> list[tuple[str, str, str, float, float]]:
+    """Who rolls or slides how, on what, from when to when [s]."""
+    found = [c for c in take.contacts if c.kind in ("roll", "slide")]
+    assert [(e.step, e.cause) for e in take.events if e.cause in ("roll", "slide")] == [
+        (c.step, c.kind) for c in found
+    ]
+    return [(c.part, c.kind, c.other, c.step / 96, c.until / 96) for c in found]
+
+
+@pytest.mark.parametrize(
+    ("height", "cast", "other"), [(0.05, (), "terrain"), (0.45, (TABLE,), "table")]
+)
+def test_what_slides_does_so_until_it_is_slow(
+    scene_of: Scenes, height: float, cast: tuple[str, ...], other: str
+) -> None:
+    sled = SLED + f"at: [-1, {height}, 0], velocity: [2, 0, 0]}}"
+    take = simulate(scene_of(sled, *cast, terrain="flat", duration=1.5))
+    ((who, kind, on, begin, end),) = rubbed(take)
+    assert (kind, on) == ("slide", other)
+    assert take.contacts[0].performer == "sled" or who == "sled"
+    assert begin == pytest.approx(0.0, abs=0.03)
+    mu = 0.3 if other == "terrain" else 0.5  # of two frictions the greater holds
+    assert end == pytest.approx((2.0 - 0.05) / (mu * 9.81), abs=0.06)
+
+
+def test_a_ball_rolls_on_and_what_rests_is_silent(scene_of: Scenes) -> None:
+    ball = (
+        "{name: ball, body: {shape: sphere, radius: 0.2, bounciness: 0, rolling: 0, collide: all},"
+        " at: [0, 0.2, 0], velocity: [1, 0, 0], spin_deg: [0, 0, -286.479]}"
+    )
+    stack = "{name: s, many: {layout: stack, count: 3, of: cube}, at: [-2, 2]}"
+    take = simulate(scene_of(ball, stack, terrain="flat", duration=1.0))
+    ((_, kind, on, begin, end),) = rubbed(take)
+    assert (kind, on, end) == ("roll", "terrain", 1.0)
+    assert begin < 0.03

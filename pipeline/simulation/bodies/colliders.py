@@ -16,6 +16,7 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.gathering import Block, appearance, blocks_of, start_of
+from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
 from pipeline.simulation.dynamics.pushing import Pushed
 from pipeline.simulation.obstacles import Obstacle
@@ -78,6 +79,11 @@ class Colliders:
         self._heard: dict[tuple[int, int], float] = {}
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
+        row = clock.dt * self.row_steps
+        self._balls = np.array([block.collider.build.hull is None for block in self.blocks])
+        self._rolls, self._slides = (
+            Rubbing(kind, len(self.blocks), row) for kind in ("roll", "slide")
+        )
         self._rows: list[tuple[Array, Array, Array]] = []
 
     # --- the passes of the step -----------------------------------------------------
@@ -117,6 +123,7 @@ class Colliders:
         for strike in self.solver.advance(poses):
             if self._is_heard(strike):
                 self._contacts.append(self._contact(strike))
+        self._contacts += [self._rubbed(rub) for rub in self._rubs(step)]
         self.step = step
         lost = np.flatnonzero(self.alive & (self.solver.state.p[:, 1] < self._floor))
         if len(lost):
@@ -137,6 +144,38 @@ class Colliders:
         self._contacts.clear()
         self._notes.clear()
         return facts
+
+    # --- what rolls and slides --------------------------------------------------------
+
+    def _rubs(self, step: int) -> list[Rub]:
+        """Return what has ended to roll or to slide, in rows."""
+        found, row = self.solver.brushes(), step // self.row_steps
+        rolls = self._balls & (found.slip <= SLIPS * found.along)
+        final = row == self.world.clock.rows - 1
+        where = found.place, found.normal, final, found.other
+        return [
+            *self._rolls.look(row, found.touches & rolls, found.along, *where),
+            *self._slides.look(row, found.touches & ~rolls, found.slip, *where),
+        ]
+
+    def _rubbed(self, rub: Rub) -> Contact:
+        block = self.blocks[rub.body]
+        return Contact(
+            step=rub.first * self.row_steps,
+            fraction=0.0,
+            performer=block.performer,
+            part=block.part,
+            other=self._name(rub.other),
+            place=rub.place,
+            normal=rub.normal,
+            speed=rub.speed,
+            energy=0.5 * block.collider.build.mass.mass * rub.speed**2,
+            material=block.material,
+            surface=self._material(rub.other),
+            size=block.size,
+            kind=rub.kind,
+            until=rub.last * self.row_steps,
+        )
 
     # --- begin ------------------------------------------------------------------------
 

@@ -46,6 +46,7 @@ class Rub:
         place: (3,) where it began [m].
         normal: (3,) of the ground there.
         speed: the greatest along the ground [m/s].
+        other: on what it did, in the begin.
     """
 
     body: int
@@ -55,6 +56,7 @@ class Rub:
     place: tuple[float, float, float]
     normal: tuple[float, float, float]
     speed: float
+    other: int
 
 
 class Rubbing:
@@ -71,6 +73,7 @@ class Rubbing:
         self._last = np.full(count, -1)
         self._on = np.zeros(count, dtype=bool)
         self._speed = np.zeros(count)
+        self._other = np.zeros(count, dtype=np.int64)
         self._place, self._normal = np.zeros((count, 3)), np.zeros((count, 3))
 
     def look(
@@ -81,6 +84,7 @@ class Rubbing:
         place: Array,
         normal: Array,
         final: bool,
+        other: NDArray[np.int64] | int = 0,
     ) -> list[Rub]:
         """Take in how bodies move at a step; return the rubs that have ended.
 
@@ -91,11 +95,13 @@ class Rubbing:
             place: (N, 3) of the contacts [m].
             normal: (N, 3) of the ground there.
             final: whether no step follows.
+            other: (N,) on what they move.
         """
         goes = touches & (speed > np.where(self._first >= 0, SLOW, QUICK))
         new = goes & (self._first < 0)
         self._first[new], self._speed[new] = step, 0.0
         self._place[new], self._normal[new] = place[new], normal[new]
+        self._other[new] = np.broadcast_to(other, new.shape)[new]
         self._last[goes] = step
         self._speed[goes] = np.maximum(self._speed, speed)[goes]
         self._on |= goes & (step - self._first >= self._begins)
@@ -110,4 +116,5 @@ class Rubbing:
         x, y, z = self._place[i].tolist()
         a, b, c = self._normal[i].tolist()
         first, last = int(self._first[i]), int(self._last[i])
-        return Rub(i, self.kind, first, last, (x, y, z), (a, b, c), float(self._speed[i]))
+        speed, other = float(self._speed[i]), int(self._other[i])
+        return Rub(i, self.kind, first, last, (x, y, z), (a, b, c), speed, other)

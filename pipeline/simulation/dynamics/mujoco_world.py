@@ -18,12 +18,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.brushing import Brushes, Contacts, brushes
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_law import THING
@@ -32,7 +33,7 @@ from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.dynamics.rigid import Bodies, Build, State
 from pipeline.simulation.dynamics.substeps import Substeps
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.terrain.heightfield import HeightField
 
 TERRAIN = -1
@@ -186,6 +187,24 @@ class MujocoWorld:
             one, other = sorted((a - 1, b - 1), key=_bodies_first(self.count))
             deepest[one, other] = max(deepest.get((one, other), 0.0), -dist)
         return [Overlap(*pair, depth) for pair, depth in deepest.items()]
+
+    def brushes(self) -> Brushes:
+        """Return how bodies move along what they touch, which is numbered as in `Strike`."""
+        contact, count = self.data.contact, self.count
+        w = turn(matrix(self._qpos[:, 3:]), self._qvel[:, 3:])
+        still = np.zeros((1, 3))
+        found = brushes(
+            Contacts(
+                contact.geom.astype(np.int64).reshape(-1, 2),
+                contact.pos.reshape(-1, 3),
+                contact.frame.reshape(-1, 9)[:, :3],
+                np.concatenate([still, self._qpos[:, :3]]),
+                np.concatenate([still, self._qvel[:, :3]]),
+                np.concatenate([still, w]),
+            ),
+            range(1, count + 1),
+        )
+        return replace(found, other=found.other - 1)
 
     def advance(self, poses: Pushed | None = None) -> list[Strike]:
         """Go on by one step.

@@ -128,12 +128,13 @@ class MujocoWorld:
         self.count = len(colliders)
         self.step = step
         builds = [c.build for c in colliders]
-        self.substeps = Substeps(builds, pushers, field, step)
         self.pushers = Pushers(len(pushers), step)
         self.model, self.data, self._mujoco = _build(colliders, field, pushers)
         self._qpos: Array = self.data.qpos.reshape(-1, 7)
         self._qvel: Array = self.data.qvel.reshape(-1, 6)
         self._awake = self.data.tree_awake
+        moving = (self._qpos, self._qvel, self._awake)
+        self.substeps = Substeps(builds, pushers, field, step, *moving)
         things, uneven = _things(builds, len(pushers)), not _is_level(field)
         self.law = Pressing(things, self.count, uneven, self.data, self._mujoco)
         self._any_gone = False
@@ -216,7 +217,7 @@ class MujocoWorld:
             The impacts that began, in the order of time.
         """
         motion = self.pushers.motion(poses)
-        n = self.substeps.count(self._qpos, self._qvel, self._awake, self.pushers)
+        n = self.substeps.count(self.pushers)
         law, began = self.law, self.data.time
         if not len(motion) and self._rests():
             self.data.time = began + self.step

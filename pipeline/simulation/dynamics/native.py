@@ -136,9 +136,9 @@ def _array_at(address: int, count: int, kind: Any) -> Callable[..., Any]:
 
 
 def native(function: Callable[[int, int], None]) -> Any:
-    """Return what MuJoCo calls with the addresses of its model and data."""
+    """Return machine code that is called with two addresses, by MuJoCo too."""
     if numba.config.DISABLE_JIT:
-        return lambda model, data: function(model._address, data._address)
+        return function
     nothing, address = numba.types.void, numba.types.intp
     made = numba.cfunc(nothing(address, address), cache=KEPT)(function)
     # The machine code lives as long as this does.

@@ -100,4 +100,8 @@ def _callback(layout: Layout) -> Any:
         )
         press(touching, law, data.time)
 
-    return native(push)
+    made = native(push)
+    if made is push:
+        # Not compiled: MuJoCo calls it with its objects.
+        return lambda model, data: push(model._address, data._address)
+    return made

@@ -10,15 +10,17 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import Record, Records, entry
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import frame_of, surface
+from pipeline.simulation.dynamics.grid import FRAME, frame_of, surface
 from pipeline.simulation.dynamics.impact_law import STIFFNESS
+from pipeline.simulation.dynamics.native import array_at, native
 from pipeline.simulation.dynamics.pushing import Pushers
 from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.dynamics.rigid import Bodies, Build
@@ -44,46 +46,91 @@ LIMITS = np.dtype([("reach", "f8"), ("thin", "f8"), ("gone", "?")], align=True)
 """Of a body: its farthest point and its nearest facet [m]; whether it was taken away."""
 
 
+ARRAYS = ("limits", "qpos", "qvel", "moves", "frame", "vertices", "paths")
+COUNTS = ("bodies", "things", "points", "pushers")
+AT = np.dtype([*((name, "i8") for name in (*ARRAYS, *COUNTS)), ("quickest", "f8")])
+"""Addresses of what `_quickest` works with, how many there are of what, and what it says."""
+
+NUMBER, WHOLE = np.dtype("f8"), np.dtype("i4")
+
+
 class Substeps:
-    """Counts the sub-steps that each step needs."""
+    """Counts the sub-steps that each step needs.
+
+    Args:
+        builds: N bodies.
+        pushers: corners (V, 3) of P convex solids that push, each in its own frame [m].
+        field: the terrain.
+        step: that is cut [s].
+        qpos: (N + P, 7) p and q of the bodies, then of those who push, as they are from now on.
+        qvel: (N + P, 6) v and w of them, likewise.
+        moves: (N + P,) 0 of bodies that sleep, likewise.
+
+    Attributes:
+        limits: (N,) `LIMITS`.
+        reach: (N,) distances of the farthest points of bodies [m].
+    """
 
     def __init__(
-        self, builds: Sequence[Build], pushers: Sequence[Array], field: HeightField, step: float
+        self,
+        builds: Sequence[Build],
+        pushers: Sequence[Array],
+        field: HeightField,
+        step: float,
+        qpos: Array,
+        qvel: Array,
+        moves: NDArray[np.int32],
     ) -> None:
         bodies = Bodies.of(builds)
         self.reach = bodies.reach
         self.limits = zeros(len(builds), LIMITS)
         self.limits["reach"], self.limits["thin"] = bodies.reach, bodies.thin
         self.far = np.array([np.linalg.norm(corners, axis=1).max() for corners in pushers])
-        self.frame, self.vertices = frame_of(field), np.ascontiguousarray(field.vertices)
         self.step = step
         self.least = math.ceil(step / LONGEST)
         self._recent = deque([self.least], maxlen=CALM)
+        self._paths = np.zeros((len(pushers), 5))
+        frame, vertices = np.array([frame_of(field)]), np.ascontiguousarray(field.vertices)
+        arrays = (self.limits, qpos, qvel, moves, frame, vertices, self._paths)
+        counts = (len(builds), len(qpos), len(vertices), len(pushers))
+        at = np.array([(*(a.ctypes.data for a in arrays), *counts, 0.0)], dtype=AT)
+        self._held, self._quickest = (*arrays, at), at["quickest"]
+        self._at, self._look = at.ctypes.data, _looking()
 
-    def count(
-        self,
-        qpos: Array,
-        qvel: Array,
-        moves: NDArray[np.int32],
-        pushers: Pushers,
-    ) -> int:
-        """Return the sub-steps of the step to come.
-
-        Args:
-            qpos: (N + P, 7) p and q of the bodies, then of those who push.
-            qvel: (N + P, 6) v and w of them.
-            moves: (N,) 0 of bodies that sleep.
-            pushers: who push them.
-        """
-        stiffness = _quickest(
-            self.limits, qpos, qvel, moves, self.frame, self.vertices, pushers.paths(self.far)
-        )
+    def count(self, pushers: Pushers) -> int:
+        """Return the sub-steps of the step to come, in which somebody pushes."""
+        if len(self._paths):
+            self._paths[:] = pushers.paths(self.far)
+        # Machine code that finds all by one address: to hand over so many arrays would take
+        # longer than a step of one body.
+        self._look(self._at, 0)
+        stiffness = self._quickest.item()
         need = math.ceil(self.step * stiffness / (DEEPEST * STIFFNESS))
         self._recent.append(min(max(need, self.least), MOST))
         return max(self._recent)
 
 
-@entry
+@cache
+def _looking() -> Callable[[int, int], None]:
+    """Return what writes the answer of `_quickest` where it finds the question."""
+
+    def look(where: int, _: int) -> None:
+        at = array_at(where, 1, AT)[0]
+        at.quickest = _quickest(
+            array_at(at.limits, at.bodies, LIMITS),
+            array_at(at.qpos, 7 * at.things, NUMBER).reshape(-1, 7),
+            array_at(at.qvel, 6 * at.things, NUMBER).reshape(-1, 6),
+            array_at(at.moves, at.things, WHOLE),
+            array_at(at.frame, 1, FRAME)[0],
+            array_at(at.vertices, 3 * at.points, NUMBER).reshape(-1, 3),
+            array_at(at.paths, 5 * at.pushers, NUMBER).reshape(-1, 5),
+        )
+
+    made: Callable[[int, int], None] = native(look)
+    return made
+
+
+@compiled
 def _quickest(
     limits: Records,
     qpos: Array,
@@ -97,7 +144,7 @@ def _quickest(
 
     Args:
         limits: (N,) `LIMITS`.
-        qpos: see `Substeps.count`, and so on.
+        qpos: see `Substeps`, and so on.
         qvel: see there.
         moves: see there.
         frame: of the terrain.

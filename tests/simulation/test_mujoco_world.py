@@ -10,7 +10,8 @@ import pytest
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_law import MEASURED, PAIR, _sort
-from pipeline.simulation.dynamics.mujoco_world import TERRAIN, _add_terrain
+from pipeline.simulation.dynamics.mujoco_ground import add_ground
+from pipeline.simulation.dynamics.mujoco_world import TERRAIN
 from pipeline.simulation.dynamics.native import array_at, layout_of
 from pipeline.simulation.dynamics.pushing import Pushed
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -151,13 +152,16 @@ def test_nothing_passes_through_what_it_hits(speed: float) -> None:
     assert world.state.v[0, 1] == pytest.approx(0.5 * speed, rel=0.05)
 
 
-def test_height_field_is_the_surface_that_is_drawn() -> None:
+@pytest.mark.parametrize("size", [0.3, 9.0])
+def test_height_field_is_the_surface_that_is_drawn(size: float) -> None:
+    """What is large meets tiles, which are the same surface."""
     chance = np.random.default_rng(1)
     for kind in (HeightField, QuadField):
-        field = kind(chance.random((6, 5)), (5.0, 4.0), (1.0, -2.0), 0.7)
+        field = kind(chance.random((8, 12)), (5.0, 4.0), (1.0, -2.0), 0.7)
         spec = mujoco.MjSpec()
-        _add_terrain(spec, mujoco, field)
+        add_ground(spec, mujoco, field, [box((size, size, size)).build], {})
         model = spec.compile()
+        assert (model.ngeom > 1) == (size > 1.0)
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         worst, hit = 0.0, np.zeros(1, dtype=np.int32)
@@ -179,6 +183,18 @@ def test_bodies_bounce_straight_up_from_a_level_height_field(shape: str) -> None
     # A box does not fall quite flat the second time.
     np.testing.assert_allclose(ratios(strikes, 0)[: 1 if shape == "box" else 4], 0.5, atol=0.02)
     assert np.abs(world.state.p[0, [0, 2]] - [0.03, 0.01]).max() < 0.01
+
+
+def test_slab_on_more_cells_than_there_is_room_for_contacts_lies_flat() -> None:
+    heights = np.zeros((41, 41))
+    heights[:, 0] = -1.0
+    slab = box((2.0, 0.2, 1.5), 0.1)
+    world = world_of([slab], [[0.03, 0.3, 0.01]], field=HeightField(heights, (4.0, 4.0)))
+    run(world, 2.0)
+    state = world.state
+    assert state.p[0, 1] == pytest.approx(0.1, abs=2e-4)
+    assert abs(state.q[0, [1, 3]]).max() < 1e-3
+    assert world.asleep.all()
 
 
 def test_box_slides_down_a_slope_as_galilei_says() -> None:

@@ -22,6 +22,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -137,6 +138,7 @@ class Touching(NamedTuple):
         contacts: (n,) of MuJoCo: where, `dist` negative where one is in the other [m]; the
             first three of `frame` are the normal from the first to the second; `dim` rows
             from `efc_address`, negative for none: normal, two of sliding, spin and rolling.
+        things: (g,) to which thing each of MuJoCo's geoms belongs.
         springs: (k, 4) of rows; the first two become stiffness [1/s²] and damping [1/s].
         depths: (k,) of rows: distances that the springs see [m].
         velocity: (m, 6) angular and linear velocities of all things in the world, at their
@@ -146,6 +148,7 @@ class Touching(NamedTuple):
     """
 
     contacts: Records
+    things: NDArray[np.int32]
     springs: Array
     depths: Array
     velocity: Array
@@ -179,11 +182,11 @@ def press(t: Touching, law: Law, time: float) -> None:
     n, end, count, k, ordered = len(contacts), 0, 0, 0, True
     while end < n:
         first, quickest = end, end
-        a, b = contacts[first].geom[0], contacts[first].geom[1]
+        a, b = _two(t, first)
         one, other = law.things[a], law.things[b]
         _look(t, a, one)
         _look(t, b, other)
-        while end < n and contacts[end].geom[0] == a and contacts[end].geom[1] == b:
+        while end < n and _two(t, end) == (a, b):
             speeds[end] = _parting(contacts[end], one, other)
             if speeds[end] < speeds[quickest]:
                 quickest = end
@@ -211,10 +214,17 @@ def press(t: Touching, law: Law, time: float) -> None:
 
 
 @compiled
+def _two(t: Touching, i: int) -> tuple[int, int]:
+    """Return the numbers of the things that touch at a place."""
+    geom = t.contacts[i].geom
+    return t.things[geom[0]], t.things[geom[1]]
+
+
+@compiled
 def _set_springs(t: Touching, law: Law, first: int, end: int, bounces: bool) -> None:
     """Set the springs of a pair, which touches from place `first` to `end`."""
-    h, speeds, geom = law.now.h, law.speeds, t.contacts[first].geom
-    one, other = law.things[geom[0]], law.things[geom[1]]
+    h, speeds, (a, b) = law.now.h, law.speeds, _two(t, first)
+    one, other = law.things[a], law.things[b]
     bounciness = min(one.bounciness, other.bounciness)
     for i in range(first, end):
         contact = t.contacts[i]
@@ -288,7 +298,7 @@ def _tell(t: Touching, law: Law, time: float, first: int, end: int, i: int) -> N
             place = (place[0] + x, place[1] + y, place[2] + z)
             count += 1
     place = times(1.0 / count, place)
-    a, b, n = t.contacts[i].geom[0], t.contacts[i].geom[1], triple(t.contacts[i].frame)
+    (a, b), n = _two(t, i), triple(t.contacts[i].frame)
     strike = law.strikes[law.now.told]
     law.now.told += 1
     # Bodies come first, in order.

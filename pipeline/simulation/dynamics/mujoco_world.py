@@ -4,9 +4,8 @@ The only module that imports `mujoco`, when the first such world is built. MuJoC
 contacts, solves them all together with friction, and lets islands of bodies sleep; how hard
 contacts push is the impact law's, set in every step before MuJoCo works out its forces.
 
-World and bodies keep their axes, gravity points down Y; only the height field, which
-MuJoCo stands on its local Z, is turned: its X is our Z, its Y our X, so that its cells are
-cut along our diagonal.
+World and bodies keep their axes, gravity points down Y; only the height field is turned, see
+`mujoco_ground`.
 
 Letters as in `rigid`: p, q, v in the world, w in the body; what MuJoCo calls a free joint
 has the same ones, in this order.
@@ -28,6 +27,7 @@ from pipeline.simulation.dynamics.brushing import Brushes, Contacts, brushes
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_law import THING
+from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level
 from pipeline.simulation.dynamics.pressing import Pressing
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.records import zeros
@@ -38,12 +38,6 @@ from pipeline.simulation.terrain.heightfield import HeightField
 
 TERRAIN = -1
 """Number of the terrain among things: bodies are counted from 0, then those who push."""
-
-BASE = 5.0
-"""Thickness of the ground [m]."""
-
-FINER = 4
-"""Cells that one cell of quadrilaterals becomes, along each side: MuJoCo has triangles."""
 
 ARENA, ARENA_A_BODY = 2**25, 2**18
 """Room for contacts, which is taken up as it is used [bytes]."""
@@ -135,8 +129,8 @@ class MujocoWorld:
         self._awake = self.data.tree_awake
         moving = (self._qpos, self._qvel, self._awake)
         self.substeps = Substeps(builds, pushers, field, step, *moving)
-        things, uneven = _things(builds, len(pushers)), not _is_level(field)
-        self.law = Pressing(things, self.count, uneven, self.data, self._mujoco)
+        things, uneven = _things(builds, len(pushers)), not is_level(field)
+        self.law = Pressing(things, self.count, uneven, self.model, self.data, self._mujoco)
         self._any_gone = False
         self._cut = 0
         self._put(state)
@@ -171,7 +165,7 @@ class MujocoWorld:
     def drop(self, which: NDArray[np.int64]) -> None:
         """Take bodies out of the world."""
         self.substeps.limits.gone[which] = self._any_gone = True
-        geoms = which + 1
+        geoms = self.model.body_geomadr[which + 1]
         self.model.geom_contype[geoms] = self.model.geom_conaffinity[geoms] = 0
         self._qvel[which] = 0.0
 
@@ -183,8 +177,8 @@ class MujocoWorld:
         self._mujoco.mj_comPos(self.model, self.data)
         self._mujoco.mj_collision(self.model, self.data)
         deepest = dict[tuple[int, int], float]()
-        contact = self.data.contact
-        for (a, b), dist in zip(contact.geom.tolist(), contact.dist.tolist(), strict=True):
+        things, dists = self._things_that_touch().tolist(), self.data.contact.dist.tolist()
+        for (a, b), dist in zip(things, dists, strict=True):
             one, other = sorted((a - 1, b - 1), key=_bodies_first(self.count))
             deepest[one, other] = max(deepest.get((one, other), 0.0), -dist)
         return [Overlap(*pair, depth) for pair, depth in deepest.items()]
@@ -196,7 +190,7 @@ class MujocoWorld:
         still = np.zeros((1, 3))
         found = brushes(
             Contacts(
-                contact.geom.astype(np.int64).reshape(-1, 2),
+                self._things_that_touch(),
                 contact.pos.reshape(-1, 3),
                 contact.frame.reshape(-1, 9)[:, :3],
                 np.concatenate([still, self._qpos[:, :3]]),
@@ -206,6 +200,12 @@ class MujocoWorld:
             range(1, count + 1),
         )
         return replace(found, other=found.other - 1)
+
+    def _things_that_touch(self) -> NDArray[np.int64]:
+        """Return the two things (K, 2) of each contact, the terrain 0."""
+        geoms = self.data.contact.geom.reshape(-1, 2)
+        result: NDArray[np.int64] = self.model.geom_bodyid[geoms].astype(np.int64)
+        return result
 
     def advance(self, poses: Pushed | None = None) -> list[Strike]:
         """Go on by one step.
@@ -270,7 +270,7 @@ def _triple(values: Sequence[float]) -> tuple[float, float, float]:
 
 
 def _things(builds: Sequence[Build], pushers: int) -> Records:
-    """Return what stays of the terrain, of bodies and of who push, numbered as geoms are."""
+    """Return what stays of the terrain, of bodies and of who push, as MuJoCo numbers them."""
     bodies = Bodies.of(builds)
     things = zeros(1 + len(builds) + pushers, THING)
     # Of the ground and of who pushes nothing is known: the body's own bounciness holds.
@@ -302,8 +302,9 @@ def _build(
     import mujoco
 
     spec = mujoco.MjSpec()
-    _set_options(spec, mujoco, not _is_level(field))
-    _add_terrain(spec, mujoco, field)
+    _set_options(spec, mujoco, not is_level(field))
+    matter = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
+    add_ground(spec, mujoco, field, [c.build for c in colliders], matter)
     for i, collider in enumerate(colliders):
         _add_body(spec, mujoco, f"body {i}", collider)
     heaviest = max(c.build.mass.mass for c in colliders)
@@ -337,60 +338,6 @@ def _matter(friction: float, rolling: float) -> dict[str, Any]:
         "solref": [-1.0, -1.0],
         "solimp": [NEARLY, NEARLY, 0.001, 0.5, 2.0],
     }
-
-
-def _is_level(field: HeightField) -> bool:
-    return float(np.ptp(field.heights)) == 0.0
-
-
-def _add_terrain(spec: Any, mujoco: Any, field: HeightField) -> None:
-    low, high = float(field.heights.min()), float(field.heights.max())
-    turned = np.array([math.cos(0.5 * field.heading), 0.0, math.sin(0.5 * field.heading), 0.0])
-    common = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
-    x, z = field.size[0] / 2.0, field.size[1] / 2.0
-    if _is_level(field):
-        spec.worldbody.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_BOX,
-            size=[x, BASE, z],
-            pos=[field.at[0], low - BASE, field.at[1]],
-            quat=turned,
-            **common,
-        )
-        return
-    heights = _triangulated(field)
-    rows, columns = heights.T.shape
-    spec.add_hfield(
-        name="terrain",
-        nrow=rows,
-        ncol=columns,
-        size=[z, x, high - low, BASE],
-        userdata=heights.T.ravel().tolist(),
-    )
-    # Local X to Z, Y to X and Z to Y, then the heading.
-    upright = np.array([0.5, -0.5, -0.5, -0.5])
-    quat = np.zeros(4)
-    mujoco.mju_mulQuat(quat, turned, upright)
-    spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_HFIELD,
-        hfieldname="terrain",
-        pos=[field.at[0], low, field.at[1]],
-        quat=quat,
-        **common,
-    )
-
-
-def _triangulated(field: HeightField) -> Array:
-    """Return heights whose cells, cut from the low corner to the high one, are the surface.
-
-    Of quadrilaterals the finer grid misses what is left of a crease that runs the other
-    way: up to a twenty-fourth of how far its corners are from one plane.
-    """
-    if type(field) is HeightField:
-        return field.heights
-    n_x, n_z = FINER * field.cells[0], FINER * field.cells[1]
-    x = np.linspace(-field.size[0] / 2.0, field.size[0] / 2.0, n_x + 1)
-    z = np.linspace(-field.size[1] / 2.0, field.size[1] / 2.0, n_z + 1)
-    return field.height(*field.to_world(*np.meshgrid(x, z)))
 
 
 def _add_body(spec: Any, mujoco: Any, name: str, collider: Collider) -> None:

@@ -22,12 +22,13 @@ from pipeline.simulation.dynamics.native import Layout, array_at, layout_of, nat
 STRIKES, STRIKES_A_BODY = 4096, 256
 """Room for the strikes of one step; a pair that bounces strikes again some sub-steps later."""
 
-SLOTS = ("now", "things", "pairs", "speeds", "strikes", "velocity", "centre", "attitude")
+SLOTS = ("now", "things", "pairs", "speeds", "strikes", "velocity", "centre", "attitude", "owners")
 
-AT = np.dtype([(name, "i8") for name in (*SLOTS, "kinds", "room", "told")])
-"""Addresses of what the law works with, number of things, room for contacts and strikes."""
+AT = np.dtype([(name, "i8") for name in (*SLOTS, "kinds", "room", "told", "geoms")])
+"""Addresses of what the law works with, number of things, room for contacts and strikes,
+number of geoms."""
 
-NUMBER = np.dtype("f8")
+NUMBER, WHOLE = np.dtype("f8"), np.dtype("i4")
 
 
 class Pressing:
@@ -37,7 +38,8 @@ class Pressing:
         things: (m,) what is known of them.
         bodies: how many of them are.
         uneven: whether the ground is a height field.
-        data: of MuJoCo; has room for one number of ours.
+        model: of MuJoCo.
+        data: its state; has room for one number of ours.
         mujoco: the module.
 
     Attributes:
@@ -47,7 +49,9 @@ class Pressing:
         callback: what MuJoCo is to call.
     """
 
-    def __init__(self, things: Records, bodies: int, uneven: bool, data: Any, mujoco: Any) -> None:
+    def __init__(
+        self, things: Records, bodies: int, uneven: bool, model: Any, data: Any, mujoco: Any
+    ) -> None:
         now = np.zeros(1, dtype=NOW)
         now["uneven"], now["bodies"] = uneven, bodies
         self.strikes = np.zeros(STRIKES + STRIKES_A_BODY * len(things), dtype=STRIKE)
@@ -57,11 +61,9 @@ class Pressing:
         room = data.narena // layout.contact.itemsize
         # Memory that is asked for is taken up where it is used.
         arrays = (now, things, np.zeros(2 * room, dtype=PAIR), np.zeros(room), self.strikes)
-        fixed = (data.cvel, data.xipos, data.xmat)
-        at = np.array(
-            [(*(a.ctypes.data for a in (*arrays, *fixed)), len(things), room, len(self.strikes))],
-            dtype=AT,
-        )
+        fixed = (data.cvel, data.xipos, data.xmat, model.geom_bodyid)
+        counts = (len(things), room, len(self.strikes), model.ngeom)
+        at = np.array([(*(a.ctypes.data for a in (*arrays, *fixed)), *counts)], dtype=AT)
         data.userdata.view(np.int64)[0] = at.ctypes.data
         self._held = (*arrays, *fixed, at)
         self.callback = _callback(layout)
@@ -85,6 +87,7 @@ def _callback(layout: Layout) -> Any:
             return
         touching = Touching(
             array_at(data.contact, data.ncon, contact_kind),
+            array_at(at.owners, at.geoms, WHOLE),
             array_at(data.efc_KBIP, 4 * data.nefc, NUMBER).reshape(-1, 4),
             array_at(data.efc_pos, data.nefc, NUMBER),
             array_at(at.velocity, 6 * at.kinds, NUMBER).reshape(-1, 6),

@@ -31,6 +31,7 @@ from pipeline.production.reporting import Reporter, Stage, stage, step
 from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
 from pipeline.production.workers import Share, film_in_processes
+from pipeline.simulation.casting import makes_machine_code
 from pipeline.simulation.simulate import simulate, versions
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
@@ -134,6 +135,8 @@ def take_of(run: Production) -> Take:
         if kept is not None:
             current.result = "take is up to date"
             return kept
+        if makes_machine_code(scene):
+            run.reporter.note("making machine code for bodies; that takes a minute, once")
         began = time.monotonic()
         take = simulate(scene, key, lambda done, _: step(run.reporter, current, done))
         run.timed("simulate", began)

@@ -57,6 +57,15 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     return troupes
 
 
+def makes_machine_code(scene: Scene) -> bool:
+    """Tell whether the machine code of bodies is made first, which takes a while, once."""
+    if not any(isinstance(member, Body | Many) for member in scene.cast):
+        return False
+    from pipeline.simulation.dynamics.compiled import is_made
+
+    return not is_made()
+
+
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
     """Return the troupes of creatures; on a parent they stand on level ground of its own."""
     troupes = list[Troupe]()

@@ -283,20 +283,20 @@ Member = Annotated[
 ]
 
 
-def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
-    """Return the names of a cast, given each member's own name (or "") and what it is.
+def names_of(cast: Sequence[tuple[str, str, str]]) -> list[str]:
+    """Return the names of a cast, given what `called` says of each member.
 
     A member without a name is called after what it is, and numbered from the second on: the
     first keeps its name (and so its random numbers) when another is added.
     """
-    taken = {name for name, _ in cast if name}
+    taken = {name for name, _, _ in cast if name}
     last: dict[str, int] = {}
     names = []
-    for own, kind in cast:
+    for own, kind, mark in cast:
         name, number = own or kind, last.get(kind, 1)
         while not own and name in taken:
             number += 1
-            name = f"{kind}_{number}"
+            name = f"{kind}{mark}{number}"
         if not own:
             last[kind] = number
         taken.add(name)
@@ -304,12 +304,17 @@ def names_of(cast: Sequence[tuple[str, str]]) -> list[str]:
     return names
 
 
-def called(member: object) -> tuple[str, str]:
-    """Return the own name and the kind of a member, which may be still raw and perhaps wrong."""
+def called(member: object) -> tuple[str, str, str]:
+    """Return what a member is called, which may be still raw and perhaps wrong.
+
+    Returns:
+        Its own name or "", what it is, and what stands between that and a number: nothing
+        for `many`, whose bodies are numbered after a `_`.
+    """
     if isinstance(member, Creature | Prop | Body | Group | Many):
-        return member.name, member.called
+        return member.name, member.called, "" if isinstance(member, Many) else "_"
     if not isinstance(member, Mapping):
-        return "", ""
+        return "", "", "_"
     shape, many = member.get("prop") or member.get("body"), member.get("many")
     kind = shape.get("shape") if isinstance(shape, Mapping) else member.get("figure")
     if isinstance(group := member.get("group"), Mapping):
@@ -317,4 +322,5 @@ def called(member: object) -> tuple[str, str]:
     if isinstance(many, Mapping):
         kind = many.get("layout", "wall")
     name = member.get("name")
-    return (name if isinstance(name, str) else ""), (kind if isinstance(kind, str) else "")
+    own, what = (word if isinstance(word, str) else "" for word in (name, kind))
+    return own, what, "" if isinstance(many, Mapping) else "_"

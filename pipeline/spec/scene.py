@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
 from audio.words import Sound
-from pipeline.spec.cast import Creature, Member, names_of
+from pipeline.spec.cast import Creature, Member, called, names_of
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
 from pipeline.spec.mood import MOODS, Mood
@@ -33,7 +33,7 @@ VERSION = 1
 
 
 def _named(cast: tuple[Member, ...]) -> tuple[Member, ...]:
-    names = names_of([(member.name, member.called) for member in cast])
+    names = names_of([called(member) for member in cast])
     pairs = zip(cast, names, strict=True)
     return tuple(member.model_copy(update={"name": name}) for member, name in pairs)
 

@@ -49,15 +49,18 @@ def test_machine_code_does_what_python_does() -> None:
 
 ENTRY = """
 import numpy as np
+from pipeline.simulation.dynamics.compiled import is_made
 from pipeline.simulation.dynamics.tumbling import tumble
 q, one = np.array([[1.0, 0.0, 0.0, 0.0]]), np.eye(3)[None]
+before = is_made()
 tumble(q, np.ones((1, 3)), one, one, 0.01)
-print(tumble.stats.cache_path)
+print(tumble.stats.cache_path, before, is_made())
 """
 
 
 def test_machine_code_is_kept_in_the_users_cache(tmp_path: Path) -> None:
-    where = told(ENTRY, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR="").strip()
+    where, *made = told(ENTRY, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR="").split()
+    assert made == ["False", "True"]
     assert Path(where).is_relative_to(tmp_path / "pronk" / "compiled")
     assert list(Path(where).glob("*.nbc"))
 
@@ -66,7 +69,7 @@ def test_where_nothing_can_be_kept_it_works_all_the_same(tmp_path: Path) -> None
     # No folder can be made below a file.
     (tmp_path / "file").touch()
     where = told(ENTRY, XDG_CACHE_HOME=str(tmp_path / "file"), NUMBA_CACHE_DIR="")
-    assert where.strip() == "None"
+    assert where.split() == ["None", "False", "False"]
 
 
 @pytest.mark.parametrize("cast", ["{figure: beetle, walk: {}}", "{prop: {shape: ball}}"])

@@ -94,6 +94,11 @@ def test_members_are_called_after_their_figure_and_the_first_keeps_its_name():
     assert names == ["bug", "bug_2", "bug_3", "queen", "bug_4"]
 
 
+def test_walls_without_a_name_never_share_one_with_a_brick():
+    cast = [{"many": {"of": "brick", "rows": 3, "columns": 3}} for _ in range(3)]
+    assert [m.name for m in scene(frames=1, cast=cast).cast] == ["wall", "wall2", "wall3"]
+
+
 def test_a_name_taken_by_a_later_member_is_left_to_it():
     cast = [{"figure": "bug"}, {"figure": "bug", "name": "bug"}]
     assert [m.name for m in scene(frames=1, cast=cast).cast] == ["bug_2", "bug"]

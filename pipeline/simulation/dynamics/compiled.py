@@ -52,6 +52,11 @@ KEPT = _kept()
 """Whether machine code can be kept."""
 
 
+def is_made() -> bool:
+    """Tell whether machine code was made before."""
+    return KEPT and any(Path(numba.config.CACHE_DIR).rglob("*.nbi"))
+
+
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
     """Return a function that others which are compiled call; it becomes part of them."""
     made: Callable[P, T] = numba.njit(

@@ -12,6 +12,7 @@ from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.locomotion.inching.chain import is_chain
 from pipeline.simulation.locomotion.inching.worms import Inchworms
+from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.terrain import level_ground
@@ -71,12 +72,15 @@ def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     troupes = list[Troupe]()
     for level in dict.fromkeys(_level(member) for _, member in scene.creatures):
         here = [(i, m, figures[m.name]) for i, m in scene.creatures if _level(m) == level]
-        worms = [one for one in here if _inches(one)]
-        walkers = [one for one in here if not _inches(one)]
+        hop = [one for one in here if one[1].pronk is not None]
+        worms = [one for one in here if one not in hop and _inches(one)]
+        walkers = [one for one in here if one not in hop and one not in worms]
         ground = world.ground if level is None else level_ground(level, world.ground)
         there = replace(world, ground=ground)
         if walkers:
             troupes.append(Walkers(walkers, there, _materials(walkers)))
+        if hop:
+            troupes.append(Pronkers(hop, there, _materials(hop)))
         if worms:
             troupes.append(Inchworms(worms, there, _materials(worms)))
     return troupes
@@ -107,6 +111,12 @@ def refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
         Problem(f"script[{i}].who", f"'{one.who}' is an inchworm, which follows no script")
         for i, one in enumerate(scene.script)
         if one.who in worms
+    ]
+    hoppers = {m.name for _, m in scene.creatures if m.pronk is not None}
+    problems += [
+        Problem(f"script[{i}].who", f"'{one.who}' hops, and follows no script")
+        for i, one in enumerate(scene.script)
+        if one.who in hoppers
     ]
     problems += [
         Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 FORMAT = 1
 """Version of the take's layout."""
 
-ContactKind = Literal["touch", "scuff", "hit", "roll", "slide"]
+ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes")
 """What a take has rows of that are no numbers alone."""
@@ -155,7 +155,8 @@ class Contact:
         surface: material of the other.
         size: characteristic length of the part [m].
         kind: "touch" if the part comes to rest, "scuff" if it brushes over the other, "hit" if
-            what moves freely strikes it, "roll" and "slide" if it does so over the other.
+            what moves freely strikes it, "roll" and "slide" if it does so over the other, "lift"
+            if it leaves the other, with its body's speed.
         until: of what rolls or slides, the last step at which it does.
     """
 

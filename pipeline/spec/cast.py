@@ -22,6 +22,7 @@ from pipeline.spec.keyframes import (
 from pipeline.spec.many import ManyWords
 from pipeline.spec.mood import MoodMix
 from pipeline.spec.pose import PoseKey
+from pipeline.spec.pronk import Pronk
 from pipeline.spec.prop import Hold, Shape
 from pipeline.spec.values import Coordinate, Length, Name, Number, Target, Words
 from pipeline.spec.walk import Walk
@@ -63,7 +64,7 @@ def _keyed(velocity: VelocityWords | None) -> TypeGuard[tuple[VelocityKey, ...]]
 
 
 class Creature(Performer):
-    """A jointed figure that walks or stands."""
+    """A jointed figure that walks, hops or stands."""
 
     figure: Name = Field(
         description="Its figure: from this file, from a file of that name beside it or in "
@@ -72,10 +73,12 @@ class Creature(Performer):
     at: At = Field(
         (0.0, 0.0),
         description="Where it starts, [x, z] on the ground; on a parent [x, z], or [x, y, z] "
-        "with the height that it stands at [m].",
+        "with the height that it stands at; who hops may begin in the air, [x, y, z] with the "
+        "height of its feet above the ground [m].",
     )
     scale: Length = Field(1.0, description="Factor on all lengths of the figure.")
     walk: Walk | None = Field(None, description="How it walks; it stands still if left out.")
+    pronk: Pronk | None = Field(None, description="How it hops, instead of walking.")
     mood: MoodMix = Field(
         {}, description="A mood by name, or weights of several: how it walks and carries itself."
     )
@@ -93,13 +96,26 @@ class Creature(Performer):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         faults = []
-        if self.parent is None and len(self.at) == 3:
+        if self.parent is None and len(self.at) == 3 and self.pronk is None:
             faults.append(Fault(("at",), "a creature stands on the ground: give [x, z]"))
+        if self.pronk is not None:
+            faults += self._faults_of_hopping()
         if self.parent is not None and self.walk is not None:
             message = "who walks does so on the ground; take parent or walk away"
             faults.append(Fault(("walk",), message, at_key=True))
         refuse(faults)
         return self
+
+    def _faults_of_hopping(self) -> Iterator[Fault]:
+        if self.walk is not None:
+            message = "it hops already; take walk or pronk away"
+            yield Fault(("pronk",), message, at_key=True)
+        if self.parent is not None:
+            message = "who hops does so on the ground; take parent or pronk away"
+            yield Fault(("pronk",), message, at_key=True)
+        if self.pose:
+            message = "the legs of who hops are not posed; take pose or pronk away"
+            yield Fault(("pose",), message, at_key=True)
 
     @property
     def called(self) -> str:

@@ -1,0 +1,257 @@
+"""Aiming: with which velocity to leave the ground, and how feet are held out for the landing.
+
+Source: Sims 1987, 11.1 and 11.3; (11.3) is -2 v_y0 / g, (11.13) to (11.15) are with |g|.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.pronking import spin
+from pipeline.simulation.locomotion.pronking.locating import crossing
+from pipeline.simulation.locomotion.pronking.pronker import LANDS, LIFTS, Pronker
+from pipeline.simulation.locomotion.pronking.spin import Quaternion
+from pipeline.simulation.locomotion.pronking.state import State, yawed
+from pipeline.simulation.spatial import Array, heading
+from pipeline.simulation.terrain import Ground
+
+FARTHEST = 0.5
+"""How far ahead feet are held for a landing at most, in leg lengths."""
+
+SAMPLES = 48
+"""Moments of a fall at which the ground is looked at."""
+
+ROUNDS = 14
+"""In which a jump comes to where it is aimed."""
+
+LEAN, MOST_LEAN = 0.6, 0.35
+"""Part of a slope that bodies lean with, and how far at most [rad]."""
+
+LEAST = 0.04
+"""Way of a push at least, in leg lengths."""
+
+SCALES = (1.0, 0.88, 1.12, 0.75, 1.25, 0.6, 0.45, 0.3, 0.15)
+TURNS = tuple(math.radians(a) for a in (0, 10, -10, 22, -22, 36, -36, 52, -52, 70, -70))
+"""Jumps that are tried where landings are chosen, by the one that is asked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """A jump that is about to be made.
+
+    Attributes:
+        velocity: (3,) at lift-off [m/s].
+        rise: of the centre of mass until then [m].
+        flight: how long it will be in the air [s].
+        ends: (n, 3) where feet are held for the landing, in the frame of the body [m].
+        attitude: of the body when it lands.
+        spot: (x, z) middle of the feet then [m].
+    """
+
+    velocity: Array
+    rise: float
+    flight: float
+    ends: Array
+    attitude: Quaternion
+    spot: Array
+
+
+def aim(of: Pronker, state: State, ground: Ground) -> tuple[Aim, bool]:
+    """Return the next jump, and whether its landing is where it may be."""
+    words, k = of.words, state.jumps
+    if words.land_at:
+        spot = np.array(words.land_at[min(k, len(words.land_at) - 1)], dtype=float)
+        return _at_spot(of, state, ground, spot), True
+    way = of.jump.forward
+    first = _jump(of, state, ground, way, state.going)
+    if not words.avoid or _is_good(of, ground, first):
+        return first, True
+    for scale, turn in _others():
+        other = _jump(of, state, ground, scale * way, state.going + turn)
+        if _is_good(of, ground, other):
+            return other, True
+    return _jump(of, state, ground, 0.0, state.going), False
+
+
+def leaves(of: Pronker, state: State) -> bool:
+    """Tell whether it is to jump again."""
+    words = of.words
+    if words.land_at:
+        return state.jumps < len(words.land_at)
+    return words.jumps is None or state.jumps < words.jumps
+
+
+def _others() -> Iterator[tuple[float, float]]:
+    pairs = [(s, t) for s in SCALES for t in TURNS]
+    yield from sorted(pairs, key=lambda one: 2.0 * abs(one[0] - 1.0) + abs(one[1]))[1:]
+
+
+def _is_good(of: Pronker, ground: Ground, one: Aim) -> bool:
+    """Tell whether all feet land where they may be put."""
+    R = np.array(spin.rows(one.attitude))
+    feet = (one.ends - one.ends.mean(axis=0)) @ R.T
+    x, z = one.spot[0] + feet[:, 0], one.spot[1] + feet[:, 2]
+    return bool(ground.steppable(x, z).all())
+
+
+def _jump(of: Pronker, state: State, ground: Ground, way: float, going: float) -> Aim:
+    v = np.array([way * math.cos(going), of.jump.up, -way * math.sin(going)])
+    return _flown(of, state, ground, v, state.facing)
+
+
+def _at_spot(of: Pronker, state: State, ground: Ground, spot: Array) -> Aim:
+    """Return the jump that lands at a spot (x, z)."""
+    height = float(ground.height(spot[0], spot[1]))
+    facing = _facing_at(of, state, spot)
+    stands = state.p[1] - of.mass.centre[1] - of.crouch
+    # The top of the way is to be above the spot by half the height of a jump at least.
+    up = math.sqrt(2.0 * GRAVITY * (of.jump.height + max(height - stands, 0.0)))
+    v = np.array([0.0, up, 0.0])
+    lean = leant(of, ground, spot[0], spot[1], facing)
+    R = np.array(spin.rows(lean))
+    for _ in range(ROUNDS):
+        rise, _, p1 = lift_off(of, state, v)
+        ends = held_out(of, R, v, up, _stops(of, state))
+        middle = R @ (ends - [0.0, 1.0, 0.0] * of.soles[:, None]).mean(axis=0) - (
+            R @ of.mass.centre
+        )
+        fall = up * up - 2.0 * GRAVITY * (height - middle[1] - p1[1])
+        time = (up + math.sqrt(max(fall, 0.0))) / GRAVITY
+        v = np.array(
+            [(spot[0] - middle[0] - p1[0]) / time, up, (spot[1] - middle[2] - p1[2]) / time]
+        )
+    return Aim(v, rise, time, ends, lean, spot)
+
+
+def _facing_at(of: Pronker, state: State, spot: Array) -> float:
+    """Return where to look when it has landed: to the next spot, or as it came."""
+    spots, k = of.words.land_at, state.jumps
+    here = spot if k + 1 < len(spots) else np.array([state.p[0], state.p[2]])
+    there = np.array(spots[k + 1], dtype=float) if k + 1 < len(spots) else spot
+    way = there - here
+    return math.atan2(-way[1], way[0]) if math.hypot(*way) > 0.1 * of.leg else state.facing
+
+
+def _stops(of: Pronker, state: State) -> bool:
+    """Tell whether the jump that is about to be made is the last one."""
+    if of.words.land_at:
+        return state.jumps + 1 >= len(of.words.land_at)
+    return of.words.jumps is not None and state.jumps + 1 >= of.words.jumps
+
+
+def _flown(of: Pronker, state: State, ground: Ground, v: Array, facing: float) -> Aim:
+    """Return how a jump will land that leaves the ground with a velocity (3,)."""
+    rise, _, p1 = lift_off(of, state, v)
+    time = 2.0 * v[1] / GRAVITY
+    attitude = yawed(facing)
+    for _ in range(2):
+        R = np.array(spin.rows(attitude))
+        ends = held_out(of, R, v, max(GRAVITY * time - v[1], 0.3 * v[1]), _stops(of, state))
+        time, spot = _landing(of, ground, p1, v, R, ends)
+        attitude = leant(of, ground, spot[0], spot[1], facing)
+    return Aim(v, rise, time, ends, attitude, spot)
+
+
+def _landing(
+    of: Pronker, ground: Ground, p1: Array, v: Array, R: Array, ends: Array
+) -> tuple[float, Array]:
+    """Return when feet (n, 3) that are held so are on the ground, and (x, z) of their middle."""
+    feet = (ends - of.mass.centre) @ R.T + p1
+    low = float(ground.field.heights.min()) - 1.0
+    top = v[1] / GRAVITY
+    last = top + math.sqrt(2.0 * max(float(feet[:, 1].max()) + 0.5 * v[1] * top - low, 0.1) / 9.0)
+
+    def gaps(times: Array) -> Array:
+        t = times[:, None]
+        x, z = feet[:, 0] + v[0] * t, feet[:, 2] + v[2] * t
+        y = feet[:, 1] + v[1] * t - 0.5 * GRAVITY * t * t
+        result: Array = (y - of.soles - ground.height(x, z)).mean(axis=-1)
+        return result
+
+    times = np.linspace(top, last, SAMPLES)
+    below = gaps(times) <= 0.0
+    k = int(below.argmax()) if below.any() else SAMPLES - 1
+    time = float(times[k])
+    if 0 < k and below[k]:
+        time = crossing(lambda t: float(gaps(np.array([t]))[0]), float(times[k - 1]), time)
+    middle = feet.mean(axis=0) + time * v
+    return time, middle[[0, 2]]
+
+
+def held_out(of: Pronker, R: Array, v: Array, falls: float, stops: bool) -> Array:
+    """Return where feet (n, 3) are held for a landing, in the frame of the body [m].
+
+    They are so far ahead that the body is above them when the landing ends.
+
+    Args:
+        of: whose.
+        R: (3, 3) attitude with which it lands.
+        v: (3,) velocity, of which the horizontal counts [m/s].
+        falls: speed of the fall [m/s].
+        stops: whether it stops there.
+    """
+    x, _, z = R.T @ np.array([v[0], 0.0, v[2]])
+    ahead = aside = 0.0
+    height = of.tallest(LANDS, 0.0)
+    most = FARTHEST * of.leg
+    for _ in range(4):
+        time = 2.0 * max(height - of.crouch, 0.05 * of.leg) / falls * (0.5 if stops else 1.0)
+        size = time * math.hypot(x, z)
+        k = time * min(1.0, most / size) if size > 0.0 else 0.0
+        ahead, aside = k * x, k * z
+        height = max(of.tallest(LANDS, ahead, aside), of.crouch + 0.05 * of.leg)
+    ends: Array = of.rest + np.array([ahead, -height, aside])
+    ends[:, 1] += of.soles
+    return ends
+
+
+def lift_off(of: Pronker, state: State, v: Array) -> tuple[float, float, Array]:
+    """Return how far to push before lift-off, how long that takes, and where (3,) that is.
+
+    It is the longest way at whose end all feet that are down still reach the ground.
+
+    Args:
+        of: who pushes.
+        state: at the begin of the push.
+        v: (3,) velocity at lift-off [m/s].
+    """
+    R = np.array(spin.rows(state.turning[0]))
+    own = state.down
+    arms = (of.hips[own] - of.mass.centre) @ R.T - state.tips[own]
+    reach = (LIFTS * of.lengths[own]) ** 2
+    mean = 0.5 * (state.v + v)
+
+    def there(rise: float) -> Array:
+        place: Array = state.p + (rise / mean[1]) * mean
+        return place
+
+    def spare(rise: float) -> float:
+        way = arms + there(rise)
+        return float((reach - (way * way).sum(axis=-1)).min())
+
+    least, most = LEAST * of.leg, 2.0 * of.leg
+    rise = least
+    if spare(least) > 0.0:
+        rise = crossing(spare, least, most) - 1e-12
+    return rise, rise / float(mean[1]), there(rise)
+
+
+def leant(of: Pronker, ground: Ground, x: float, z: float, facing: float) -> Quaternion:
+    """Return the attitude of a body that looks along a heading and leans with its ground."""
+    (c, _, s), (_, _, _), (_, _, _) = heading(facing).tolist()
+    a, b = (float(w) for w in of.wide)
+    # Forward is (c, -s) and to the right (s, c) in x and z.
+    around = ground.height(
+        x + np.array([a * c, -a * c, b * s, -b * s]), z + np.array([-a * s, a * s, b * c, -b * c])
+    )
+    ahead, back, right, left = (float(h) for h in around)
+    pitch, roll = LEAN * (ahead - back) / (2.0 * a), LEAN * (right - left) / (2.0 * b)
+    size = math.hypot(pitch, roll)
+    k = math.tanh(size / MOST_LEAN) * MOST_LEAN / size if size > 1e-12 else 0.0
+    q = spin.times(spin.of_vector((0.0, facing, 0.0)), spin.of_vector((-k * roll, 0.0, k * pitch)))
+    return q

@@ -1,0 +1,160 @@
+"""Attitude: how the body of a pronker turns, and the moment with which its legs steer that.
+
+Equal forces at the hips turn the body wherever its centre of mass is not at their centroid,
+and nothing brings it back. So legs give a moment besides. What is wanted is to have turned by
+e, and to turn at a rate w₁, when the phase ends in a time τ; of all ways there the one of
+least squared angular acceleration begins with
+
+    α = 6 e / τ² - (4 w + 2 w₁) / τ,
+
+asked for anew at every moment. The moment about horizontal axes is bounded, and so is that
+about the vertical. Past the bound the body turns as it must.
+
+Source: Raibert 1986 for attitude served in stance alone; Sims 1987, 7.1, where (7.6) is L × F
+and (7.7) holds for isotropic inertia only.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from pipeline.simulation.locomotion.pronking import spin
+from pipeline.simulation.locomotion.pronking.spin import Quaternion, Rows, Vector
+
+LONGEST = 1.0 / 180.0
+"""Longest step of the integration [s]."""
+
+SOONEST = 0.06
+"""Time in which legs correct an attitude at the soonest [s]."""
+
+Turning = tuple[Quaternion, Vector]
+"""Attitude, and angular velocity in the world [rad/s]."""
+
+NONE: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Inertia:
+    """Moments of inertia along the axes of the body [kg m²], and their inverse."""
+
+    tensor: Rows
+    inverse: Rows
+
+
+@dataclass(frozen=True, slots=True)
+class Steering:
+    """What turns a body during a phase.
+
+    Attributes:
+        force: of all legs together, in the world [N].
+        lever: from the centre of mass to the middle of the hips that carry, in the body [m].
+        goal: attitude wanted at the end; None while no foot is down.
+        rate: angular velocity wanted then, in the world [rad/s].
+        end: when that is [s].
+        balance, twist: bounds of the moments about horizontal and vertical axes [N m].
+    """
+
+    force: Vector = NONE
+    lever: Vector = NONE
+    goal: Quaternion | None = None
+    rate: Vector = NONE
+    end: float = 0.0
+    balance: float = 0.0
+    twist: float = 0.0
+
+
+FREE = Steering()
+"""Of a body that nothing turns."""
+
+
+def turned(now: Turning, inertia: Inertia, by: Steering, time: float, h: float) -> Turning:
+    """Return attitude and angular velocity a time `h` after `time` [s], by Runge and Kutta."""
+    if now[1] == NONE and not any(_acceleration(now, inertia, by, time)):
+        return now
+    count = max(1, math.ceil(h / LONGEST - 1e-9))
+    for k in range(count):
+        now = _step(now, inertia, by, time + k * h / count, h / count)
+    return now
+
+
+def moment(now: Turning, inertia: Inertia, by: Steering, time: float) -> Vector:
+    """Return the moment of the legs about the centre of mass, in the world [N m]."""
+    q, w = now
+    if by.goal is None:
+        return NONE
+    R = spin.rows(q)
+    own = spin.cross(w, _with_inertia(R, inertia.tensor, w))
+    given = spin.cross(spin.applied(R, by.lever), by.force)
+    need = _with_inertia(R, inertia.tensor, _wanted(now, by, time))
+    x, y, z = (n + o - g for n, o, g in zip(need, own, given, strict=True))
+    level = math.hypot(x, z)
+    k = min(1.0, by.balance / level) if level > 0.0 else 1.0
+    return k * x, min(max(y, -by.twist), by.twist), k * z
+
+
+def _acceleration(now: Turning, inertia: Inertia, by: Steering, time: float) -> Vector:
+    q, w = now
+    R = spin.rows(q)
+    own = spin.cross(w, _with_inertia(R, inertia.tensor, w))
+    given = spin.cross(spin.applied(R, by.lever), by.force)
+    legs = moment(now, inertia, by, time)
+    x, y, z = (a + b - c for a, b, c in zip(given, legs, own, strict=True))
+    if by.goal is not None:
+        # Where no bound is met the moments cancel but for rounding, which is not to turn it.
+        tiny = 1e-12 * (abs(given[0]) + abs(given[1]) + abs(given[2]))
+        x, y, z = (0.0 if abs(c) < tiny else c for c in (x, y, z))
+    return _with_inertia(R, inertia.inverse, (x, y, z))
+
+
+def _wanted(now: Turning, by: Steering, time: float) -> Vector:
+    """Return the angular acceleration that is wanted [rad/s²]."""
+    q, w = now
+    assert by.goal is not None
+    left = by.end - time
+    tau = max(left, SOONEST)
+    e = spin.to_vector(spin.times(by.goal, spin.inverse(q)))
+    on = tau - left
+    x, y, z = (
+        6.0 * (e[i] + on * by.rate[i]) / tau**2 - (4.0 * w[i] + 2.0 * by.rate[i]) / tau
+        for i in range(3)
+    )
+    return x, y, z
+
+
+def _step(now: Turning, inertia: Inertia, by: Steering, t: float, h: float) -> Turning:
+    q, w = now
+
+    def slope(at: Turning, time: float) -> tuple[Quaternion, Vector]:
+        a, b, c, d = spin.times((0.0, *at[1]), at[0])
+        return (0.5 * a, 0.5 * b, 0.5 * c, 0.5 * d), _acceleration(at, inertia, by, time)
+
+    def along(k: tuple[Quaternion, Vector], part: float) -> Turning:
+        turned = tuple(a + part * b for a, b in zip(q, k[0], strict=True))
+        rate = tuple(a + part * b for a, b in zip(w, k[1], strict=True))
+        return spin.normal((turned[0], turned[1], turned[2], turned[3])), (
+            rate[0],
+            rate[1],
+            rate[2],
+        )
+
+    k1 = slope(now, t)
+    k2 = slope(along(k1, 0.5 * h), t + 0.5 * h)
+    k3 = slope(along(k2, 0.5 * h), t + 0.5 * h)
+    k4 = slope(along(k3, h), t + h)
+    mean_q = tuple(
+        (a + 2.0 * b + 2.0 * c + d) / 6.0
+        for a, b, c, d in zip(k1[0], k2[0], k3[0], k4[0], strict=True)
+    )
+    mean_w = tuple(
+        (a + 2.0 * b + 2.0 * c + d) / 6.0
+        for a, b, c, d in zip(k1[1], k2[1], k3[1], k4[1], strict=True)
+    )
+    return along(
+        ((mean_q[0], mean_q[1], mean_q[2], mean_q[3]), (mean_w[0], mean_w[1], mean_w[2])), h
+    )
+
+
+def _with_inertia(R: Rows, tensor: Rows, v: Vector) -> Vector:
+    """Return R I Rᵀ v."""
+    return spin.applied(R, spin.applied(tensor, spin.unapplied(R, v)))

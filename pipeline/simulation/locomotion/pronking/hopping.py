@@ -1,0 +1,201 @@
+"""Hopping: one pronker on its way, from event to event.
+
+Phases of constant acceleration are advanced exactly, the attitude by Runge and Kutta; what
+ends a phase, or happens within it, is located inside the step.
+
+Source: Sims 1987, ch. 11.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.pronking import phases
+from pipeline.simulation.locomotion.pronking.attitude import LONGEST, moment
+from pipeline.simulation.locomotion.pronking.falling import Fall
+from pipeline.simulation.locomotion.pronking.forces import shared
+from pipeline.simulation.locomotion.pronking.happening import Happening
+from pipeline.simulation.locomotion.pronking.locating import crossing
+from pipeline.simulation.locomotion.pronking.pronker import Pronker
+from pipeline.simulation.locomotion.pronking.state import SUPPORT, Moved, State
+from pipeline.simulation.locomotion.pronking.watching import (
+    RISING,
+    Margins,
+    body_gap,
+    margins,
+    over_ground,
+)
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground
+
+DONE = 1e-12
+"""What is left of a step when it is over [s]."""
+
+FALLS_AT = math.radians(68.0)
+"""Tilt from which no leg brings a body back."""
+
+LIES_AT = math.radians(38.0)
+"""Tilt with which a body that strikes the ground falls."""
+
+MOST = 400
+"""Events of one step; more are a creature that is stuck."""
+
+FINEST = 1.0 / 120.0
+"""Longest sub-step: between two of them nothing comes and goes unseen [s]."""
+
+
+class Hopping:
+    """One pronker and what happens to it.
+
+    Attributes:
+        of: its constants.
+        ground: that it hops over.
+        state: how it is.
+        fall: once it has toppled.
+        happened: since that was taken away.
+    """
+
+    def __init__(self, of: Pronker, ground: Ground, above: float | None, fall: Fall) -> None:
+        self.of, self.ground = of, ground
+        self.highest = float(ground.field.heights.max())
+        self.fall = fall
+        self.happened: list[Happening] = []
+        self.state = phases.first_state(of, ground, above)
+
+    def advance(self, end: float) -> None:
+        """Go on until `end` [s]."""
+        for _ in range(MOST):
+            state = self.state
+            left = end - state.time
+            if left <= DONE:
+                break
+            if state.phase == "fallen":
+                self._lie(left)
+                break
+            self._look(self._margins(state.now(self.of)))
+            if self.state.phase != "fallen":
+                self._go(min(left, FINEST))
+        self.state.time = end
+
+    def pose(self) -> tuple[Moved, Array]:
+        """Return the body, and its feet (n, 3) in the world [m]."""
+        state, now = self.state, self.state.now(self.of)
+        if state.down.all():
+            return now, state.tips.copy()
+        tips = now.points(state.swing.tips(state.time))
+        if state.phase != "fallen":
+            tips = over_ground(self.of, self.ground, tips, self.highest)
+        tips[state.down] = state.tips[state.down]
+        return now, tips
+
+    def leg_forces(self) -> Array:
+        """Return the forces (n, 3) that legs give just now [N]."""
+        state, of = self.state, self.of
+        forces = np.zeros_like(of.hips)
+        down = state.down
+        if state.phase in ("flight", "fallen") or not down.any():
+            return forces
+        now = state.now(of)
+        m = moment(state.turning, of.inertia, state.steering, state.time)
+        levers = (of.hips[down] - of.mass.centre) @ now.R.T
+        force = of.mass.mass * (state.a + np.array([0.0, GRAVITY, 0.0]))
+        forces[down] = shared(force, np.array(m), levers, of.most)
+        return forces
+
+    # --- within a step -----------------------------------------------------------
+
+    def _margins(self, at: Moved) -> Margins:
+        return margins(self.of, self.state, self.ground, at, self.highest)
+
+    def _go(self, h: float) -> None:
+        """Go on to the end of a sub-step or of the phase, or to what happens first."""
+        state, of = self.state, self.of
+        ends = state.until - state.time
+        if state.phase == "flight" and state.v[1] > RISING:
+            ends = state.v[1] / GRAVITY
+        ending = ends <= h
+        h = max(min(h, ends), 0.0)
+        there = state.at(h, of)
+        if state.phase == "flight" and ending:
+            there.v[1] = 0.0
+        found = self._margins(there).all
+        before = self._margins(state.now(of)).all
+        crossed = np.flatnonzero((found <= 0.0) & (before > 0.0))
+        if len(crossed):
+
+            def gap(t: float) -> float:
+                return float(self._margins(state.at(t, of)).all[crossed].min())
+
+            there = state.at(crossing(gap, 0.0, h), of)
+            ending = False
+        state.time, state.p, state.v, state.turning = there.time, there.p, there.v, there.turning
+        if there.tilt > FALLS_AT:
+            self._topple("it leaned too far")
+        elif ending and state.phase != "flight":
+            phases.end_of_phase(of, self.ground, state, self.happened)
+        self._arm()
+
+    def _arm(self) -> None:
+        state = self.state
+        if not state.armed and state.phase != "fallen":
+            state.armed = body_gap(self.of, self.ground, state.now(self.of)) > 0.01
+
+    def _look(self, at: Margins) -> None:
+        """Let happen what is due."""
+        of, state, ground = self.of, self.state, self.ground
+        if at.belly[0] <= 0.0 and self._struck():
+            return
+        for leg in np.flatnonzero(at.touch <= 0.0):
+            phases.touch(of, ground, state, int(leg), self.happened)
+        if state.phase == "flight":
+            due = at.grace[0] <= 0.0 or (at.stretch <= 0.0).any() or (at.fold <= 0.0).any()
+            if state.down.all() or (due and state.down.any()):
+                phases.begin_landing(of, ground, state, self.happened)
+        elif state.phase == "landing" and (at.touch <= 0.0).any():
+            phases.go_on_landing(of, ground, state, self.happened)
+        if state.phase in SUPPORT and (at.stretch <= 0.0).any():
+            phases.overstretched(of, ground, state, at.stretch <= 0.0, self.happened)
+        if state.phase == "landing" and (at.fold[state.down] <= 0.0).any():
+            phases.bottomed(of, ground, state, self.happened)
+
+    def _struck(self) -> bool:
+        """Let the body strike the ground; tell whether it falls."""
+        of, state = self.of, self.state
+        now = state.now(of)
+        points = now.points(of.belly)
+        gaps = points[:, 1] - self.ground.height(points[:, 0], points[:, 2])
+        place = points[int(gaps.argmin())]
+        normal = self.ground.normal(place[0], place[2])
+        speed = -float(normal @ state.v)
+        state.armed = False
+        state.hits += 1
+        if speed <= 0.0:
+            return False
+        energy = 0.5 * of.mass.mass * speed * speed
+        self.happened.append(Happening("body", state.time, -1, place, normal, speed, energy))
+        lies = now.tilt > LIES_AT or state.hits > 3
+        if lies or not state.down.any():
+            self._topple("its body struck the ground" + ("" if lies else " before its feet"))
+            return True
+        state.v = state.v + speed * normal
+        if state.phase == "landing":
+            phases.bottomed(of, self.ground, state, self.happened)
+        elif state.phase == "pushing":
+            phases.begin_push(of, self.ground, state, self.happened)
+        return False
+
+    def _topple(self, why: str) -> None:
+        state = self.state
+        self.happened.append(Happening("toppled", state.time, -1, state.p, np.array(UP), 0.0, 0.0, why))
+        now, tips = self.pose()
+        phases.let_go(state, (tips - now.origin) @ now.R)
+        self.fall.begin(self.of, self.ground, state)
+
+    def _lie(self, h: float) -> None:
+        self.happened += self.fall.advance(self.state, h)
+
+
+UP = (0.0, 1.0, 0.0)

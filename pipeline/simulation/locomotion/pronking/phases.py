@@ -1,0 +1,399 @@
+"""Phases: how each begins, and what its events change.
+
+Flight ends when all feet touch, or when the body has sunk a little since the first one did:
+over a ditch some never do. A landing ends at rest above the crouch, a push with the velocity
+of the next jump or when a foot no longer reaches the ground.
+
+Source: Sims 1987, 11.1 to 11.3.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.pronking import spin
+from pipeline.simulation.locomotion.pronking.aiming import aim, held_out, leant, leaves
+from pipeline.simulation.locomotion.pronking.attitude import FREE, NONE, Steering
+from pipeline.simulation.locomotion.pronking.forces import drive
+from pipeline.simulation.locomotion.pronking.happening import Happening
+from pipeline.simulation.locomotion.pronking.pronker import HOLDS, Pronker
+from pipeline.simulation.locomotion.pronking.spin import Quaternion, Vector
+from pipeline.simulation.locomotion.pronking.state import State, level
+from pipeline.simulation.locomotion.pronking.swing import Swing
+from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground
+
+FALLING = np.array([0.0, -GRAVITY, 0.0])
+
+SINKS, EASY = 0.42, 0.7
+"""How long a creature with legs of one metre takes to crouch [s], and with which part of its
+weight it sinks at most."""
+
+BAND = 0.3
+"""How far from above its feet a body may be when a landing ends, in leg lengths."""
+
+ROOM = 0.03
+"""Way of a landing at least, in leg lengths."""
+
+TUCK = 0.3
+"""How high feet are drawn up in the middle of a flight, in leg lengths."""
+
+TRAIL = 0.35
+"""Speed with which feet trail behind after a lift-off, in that of the body."""
+
+RESTRETCHES = 0.15
+"""How long a leg that came off the ground takes to be ready again [s]."""
+
+WALL = 0.06
+"""How high a foot would have to be lifted at once where it meets a wall, in leg lengths."""
+
+Events = list[Happening]
+
+
+def first_state(of: Pronker, ground: Ground, above: float | None) -> State:
+    """Return how it begins: standing, or with its feet `above` the ground [m], to fall."""
+    q = leant(of, ground, float(of.start[0]), float(of.start[1]), of.heading)
+    R = np.array(spin.rows(q))
+    going = of.heading + math.radians(of.words.direction_deg)
+    x, z = (float(c) for c in of.start)
+    if above is None:
+        feet = of.rest @ R.T + [x, 0.0, z]
+        feet[:, 1] = lowest(ground, feet[:, 0], feet[:, 2], of.soles)
+        floor = float((feet[:, 1] - of.soles).mean())
+        origin = np.array([x, _standing(of, R, feet, floor + of.stand, x, z), z])
+        phase, down, until = "standing", True, of.words.start
+    else:
+        feet = held_out(of, R, np.zeros(3), 1.0, stops=False)
+        base = float(ground.height(x, z))
+        origin = np.array([x, base + above - float((feet[:, 1] - of.soles).min()), z])
+        phase, down, until = "flight", False, math.inf
+    n = len(of.hips)
+    state = State(
+        phase="standing" if phase == "standing" else "flight",
+        time=0.0,
+        p=origin + R @ of.mass.centre,
+        v=np.zeros(3),
+        turning=(q, NONE),
+        tips=feet if down else np.zeros((n, 3)),
+        down=np.full(n, down),
+        released=np.zeros(n, dtype=bool),
+        swing=Swing.still(np.zeros((n, 3)) if down else feet),
+        facing=of.heading + (0.0 if of.words.land_at else math.radians(of.words.turn_deg)),
+        going=going,
+        until=until,
+    )
+    state.floor = _floor(of, state)
+    if not down:
+        state.a = FALLING
+    return state
+
+
+def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """Go over from a phase whose time has come to the next."""
+    match state.phase:
+        case "standing":
+            _crouch(of, ground, state, events)
+        case "crouching":
+            begin_landing(of, ground, state, events)
+        case "landing":
+            state.v = np.array([state.v[0], 0.0, state.v[2]])
+            _landed(of, ground, state, events)
+        case "pushing":
+            take_off(of, ground, state, events)
+        case "rising":
+            _straighten(state)
+        case "straightening":
+            _stand(state)
+        case _:
+            pass
+
+
+# --- flight ---------------------------------------------------------------------
+
+
+def touch(of: Pronker, ground: Ground, state: State, leg: int, events: Events) -> None:
+    """Put a foot down where it is: that is its foothold until the next lift-off."""
+    now, time = state.now(of), state.time
+    own = state.swing.tips(time)
+    tip = now.points(own)[leg]
+    least = float(lowest(ground, tip[0], tip[2], float(of.soles[leg])))
+    normal = ground.normal(tip[0], tip[2])
+    v = state.v + np.cross(state.turning[1], tip - state.p)
+    v = v + now.R @ ((own - state.swing.tips(time - 1e-5)) / 1e-5)[leg]
+    if least - tip[1] > WALL * of.leg:
+        _trip(of, state, leg, tip, v, events)
+    else:
+        tip = np.array([tip[0], max(least, float(tip[1])), tip[2]])
+    if not state.down.any():
+        state.first = float(state.p[1])
+    state.tips[leg], state.down[leg] = tip, True
+    speed = max(-float(normal @ v), 0.0)
+    mass = of.mass.mass / len(of.hips)
+    place = np.array([tip[0], tip[1] - of.soles[leg], tip[2]])
+    events.append(
+        Happening("touch", time, leg, place, normal, speed, 0.5 * mass * speed * speed)
+    )
+    if not bool(ground.steppable(tip[0], tip[2])):
+        text = f"a foot landed in a forbidden zone, at ({tip[0]:.2f}, {tip[2]:.2f})"
+        events.append(Happening("misplaced", time, leg, place, normal, 0.0, 0.0, text))
+
+
+def _trip(
+    of: Pronker, state: State, leg: int, tip: Array, v: Array, events: Events
+) -> None:
+    """Catch a foot on a wall: what stops the leg pulls at the body.
+
+    Source: Sims 1987, 9.4.
+    """
+    impulse = -float(of.leg_mass[leg]) * np.array([v[0], 0.0, v[2]])
+    state.v = state.v + impulse / of.mass.mass
+    R = np.array(spin.rows(state.turning[0]))
+    inverse = R @ np.array(of.inertia.inverse) @ R.T
+    x, y, z = (state.turning[1] + inverse @ np.cross(tip - state.p, impulse)).tolist()
+    state.turning = state.turning[0], (x, y, z)
+    text = "a foot caught on a wall"
+    events.append(
+        Happening("tripped", state.time, leg, tip, np.array([0.0, 1.0, 0.0]), 0.0, 0.0, text)
+    )
+
+
+def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """Leave the ground with all feet."""
+    now = state.now(of)
+    down = state.down.copy()
+    tips = np.where(down[:, None], state.tips, now.points(state.swing.tips(state.time)))
+    start = (tips - now.origin) @ now.R
+    for leg in np.flatnonzero(down):
+        place = tips[leg] - [0.0, of.soles[leg], 0.0]
+        normal = ground.normal(place[0], place[2])
+        events.append(Happening("lift", state.time, int(leg), place, normal, float(np.linalg.norm(state.v)), 0.0))
+    time = max(state.flight, 0.1)
+    n = len(start)
+    middle = 0.5 * (start + state.ends)
+    top = np.maximum(start[:, 1], state.ends[:, 1]) + TUCK * of.leg * min(1.0, time / 0.5)
+    room = of.hips[:, 1] - 1.15 * of.folds
+    middle[:, 1] = np.maximum(np.minimum(top, room), np.maximum(start[:, 1], state.ends[:, 1]))
+    own = now.R.T @ state.v
+    trail = np.tile([-TRAIL * own[0], 0.0, -TRAIL * own[2]], (n, 1))
+    state.swing = Swing(
+        np.full(n, state.time), np.full(n, 0.97 * time), start, middle, state.ends, trail
+    )
+    state.lift = state.p.copy(), state.v.copy()
+    state.phase, state.a, state.until, state.steering = "flight", FALLING, math.inf, FREE
+    state.down[:] = state.released[:] = False
+    state.jumps += 1
+    state.first, state.hits, state.saturated = math.inf, 0, False
+    if not of.words.land_at:
+        state.facing += math.radians(of.words.turn_deg)
+        state.going += math.radians(of.words.turn_deg)
+
+
+# --- landing ----------------------------------------------------------------------
+
+
+def begin_landing(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """Let the legs that touch absorb the fall."""
+    state.phase, state.hits = "landing", 0
+    state.floor = _floor(of, state)
+    here = level(of, state.p) - state.floor
+    state.goal = min(of.crouch, here - ROOM * of.leg)
+    go_on_landing(of, ground, state, events)
+
+
+def go_on_landing(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """Share the landing anew among the legs that touch."""
+    if state.v[1] >= -1e-9:
+        _landed(of, ground, state, events)
+        return
+    rise = min(state.goal - (level(of, state.p) - state.floor), -1e-3 * of.leg)
+    time = 2.0 * rise / float(state.v[1])
+    x, z = _carried(of, state, time)
+    one = drive(of.mass.mass, _most(of, state), _plain(state.v), (x, 0.0, z), rise)
+    _say_if(one.saturated, state, events)
+    state.a, state.until = np.array(one.acceleration), state.time + one.time
+    x, y, z = state.tips[state.down].mean(axis=0).tolist()
+    q = leant(of, ground, x, z, state.now(of).heading)
+    state.steering = _steering(of, state, one.force, q, NONE, time)
+
+
+def _carried(of: Pronker, state: State, time: float) -> tuple[float, float]:
+    """Return the horizontal velocity wanted at the end of a landing [m/s].
+
+    It stays what it is, unless the body would get too far from above its feet.
+    """
+    v = state.v[[0, 2]]
+    if not leaves(of, state):
+        return 0.0, 0.0
+    now = state.now(of)
+    own = state.down
+    offset = (now.points(of.rest) - state.tips)[own][:, [0, 2]].mean(axis=0)
+    after = offset + time * v
+    far = float(np.hypot(*after))
+    most = BAND * of.leg
+    if far <= most:
+        return float(v[0]), float(v[1])
+    wanted = after * (most / far)
+    # With a constant acceleration the way is the mean of both velocities times the time.
+    x, z = (2.0 * (wanted - offset) / time - v).tolist()
+    return x, z
+
+
+def bottomed(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """End a landing at once: the body lies on the ground, or knees fold no farther."""
+    state.v = np.array([state.v[0], max(float(state.v[1]), 0.0), state.v[2]])
+    _landed(of, ground, state, events)
+
+
+def overstretched(
+    of: Pronker, ground: Ground, state: State, legs: Array, events: Events
+) -> None:
+    """Lift feet that no longer reach the ground; in a push, with them all others."""
+    if state.phase == "pushing":
+        take_off(of, ground, state, events)
+        return
+    now = state.now(of)
+    own = (np.where(state.down[:, None], state.tips, now.points(state.swing.tips(state.time))) - now.origin) @ now.R
+    which = np.asarray(legs, dtype=bool) & state.down
+    state.swing = state.swing.again(which, state.time, own, RESTRETCHES)
+    state.down[which], state.released[which] = False, True
+    if state.down.any():
+        go_on_landing(of, ground, state, events)
+    else:
+        state.phase, state.a, state.until, state.steering = "flight", FALLING, math.inf, FREE
+        state.first = math.inf
+        state.released[:] = False
+
+
+def _landed(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    if leaves(of, state):
+        begin_push(of, ground, state, events)
+    else:
+        _rise(of, ground, state)
+
+
+# --- pushing -----------------------------------------------------------------------
+
+
+def begin_push(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """Push off for the next jump."""
+    state.phase = "pushing"
+    if state.v[1] < 0.0:
+        state.v = np.array([state.v[0], 0.0, state.v[2]])
+    one, good = aim(of, state, ground)
+    if not good:
+        text = "no landing outside of forbidden zones; it jumps where it is"
+        place = np.array([one.spot[0], 0.0, one.spot[1]])
+        up = np.array([0.0, 1.0, 0.0])
+        events.append(Happening("stopped", state.time, -1, place, up, 0.0, 0.0, text))
+    push = drive(of.mass.mass, _most(of, state), _plain(state.v), _plain(one.velocity), one.rise)
+    _say_if(push.saturated, state, events)
+    state.a, state.until = np.array(push.acceleration), state.time + push.time
+    state.flight, state.ends = one.flight, one.ends
+    q, time = state.turning[0], min(push.time, 1.0)
+    whole = spin.to_vector(spin.times(one.attitude, spin.inverse(q)))
+    # The rate grows during the push and stays in flight: half of its time counts.
+    rate = tuple(c / (0.5 * time + one.flight) for c in whole)
+    part = spin.of_vector((0.5 * time * rate[0], 0.5 * time * rate[1], 0.5 * time * rate[2]))
+    goal = spin.times(part, q)
+    state.steering = _steering(of, state, push.force, goal, (rate[0], rate[1], rate[2]), time)
+
+
+def _crouch(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """Sink for half of the way into the first crouch; the landing ends the other half."""
+    if not leaves(of, state):
+        state.until = math.inf
+        return
+    way = max(level(of, state.p) - state.floor - of.crouch, 0.5 * ROOM * of.leg)
+    time = max(SINKS * math.sqrt(of.leg), math.sqrt(4.0 * way / (EASY * GRAVITY)))
+    state.phase, state.a = "crouching", np.array([0.0, -4.0 * way / time**2, 0.0])
+    state.until = state.time + 0.5 * time
+    force = 0.0, of.mass.mass * (float(state.a[1]) + GRAVITY), 0.0
+    state.steering = _steering(of, state, force, state.turning[0], NONE, time)
+
+
+def _rise(of: Pronker, ground: Ground, state: State) -> None:
+    """Rise from the last crouch, half of the way ever faster."""
+    state.v = np.zeros(3)
+    now = state.now(of)
+    x, _, z = now.origin.tolist()
+    height = _standing(of, now.R, state.tips[state.down], state.floor + of.stand, x, z, state.down)
+    way = max(height - level(of, state.p), 1e-3 * of.leg)
+    time = max(1.4 * SINKS * math.sqrt(of.leg), math.sqrt(4.0 * way / (EASY * GRAVITY)))
+    state.phase, state.a = "rising", np.array([0.0, 4.0 * way / time**2, 0.0])
+    state.until = state.time + 0.5 * time
+    force = 0.0, of.mass.mass * (float(state.a[1]) + GRAVITY), 0.0
+    q = leant(of, ground, x, z, now.heading)
+    state.steering = _steering(of, state, force, q, NONE, 0.5 * time)
+
+
+def _straighten(state: State) -> None:
+    time = float(state.v[1] / state.a[1])
+    state.phase, state.a = "straightening", -state.a
+    state.until = state.time + time
+
+
+def _stand(state: State) -> None:
+    state.phase, state.until = "standing", math.inf
+    state.v, state.a = np.zeros(3), np.zeros(3)
+    state.turning, state.steering = (state.turning[0], NONE), FREE
+
+
+def let_go(state: State, feet: Array) -> None:
+    """Fall as one rigid body, feet (n, 3) where they are in its frame [m]."""
+    state.phase, state.until, state.steering = "fallen", math.inf, FREE
+    state.down[:] = False
+    state.swing = Swing.still(feet)
+
+
+def _standing(
+    of: Pronker,
+    R: Array,
+    feet: Array,
+    height: float,
+    x: float,
+    z: float,
+    down: Array | None = None,
+) -> float:
+    """Return the height of a body at which all feet (n, 3) that are down reach the ground [m]."""
+    own = slice(None) if down is None else down
+    hips = of.hips[own] @ R.T + [x, 0.0, z]
+    across = ((hips - feet)[:, [0, 2]] ** 2).sum(axis=-1)
+    room = np.sqrt(np.maximum((HOLDS * 0.995 * of.lengths[own]) ** 2 - across, 0.0))
+    return min(height, float((feet[:, 1] + room - hips[:, 1]).min()))
+
+
+def _floor(of: Pronker, state: State) -> float:
+    """Return the mean height of the footholds, of the ground without them [m]."""
+    if not state.down.any():
+        return 0.0
+    return float((state.tips[:, 1] - of.soles)[state.down].mean())
+
+
+def _most(of: Pronker, state: State) -> float:
+    return of.most * int(state.down.sum())
+
+
+def _steering(
+    of: Pronker, state: State, force: Vector, goal: Quaternion, rate: Vector, time: float
+) -> Steering:
+    x, y, z = (of.hips[state.down].mean(axis=0) - of.mass.centre).tolist()
+    end = state.time + (time if math.isfinite(time) else 0.3)
+    return Steering(force, (x, y, z), goal, rate, end, of.balance, of.twist)
+
+
+def _say_if(saturated: bool, state: State, events: Events) -> None:
+    if saturated and not state.saturated:
+        state.saturated = True
+        text = "its legs give all they have, which is less than it takes"
+        up = np.array([0.0, 1.0, 0.0])
+        events.append(Happening("saturated", state.time, -1, state.p, up, 0.0, 0.0, text))
+
+
+def _plain(v: Array) -> Vector:
+    x, y, z = v.tolist()
+    return x, y, z
+

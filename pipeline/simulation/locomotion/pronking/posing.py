@@ -1,0 +1,136 @@
+"""Posing: from where bodies and feet of pronkers are to where all their parts are.
+
+Inverse kinematics joins feet to bodies, for dozens of moments at once; heads, tails and arms
+do what they do on any creature.
+
+Source: Sims 1987, 7.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.locomotion.carriage.bearing import Bearing
+from pipeline.simulation.locomotion.carriage.carriage import Carriage
+from pipeline.simulation.locomotion.carriage.idle import Idlers
+from pipeline.simulation.locomotion.carriage.looking import Look, Rows
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.inventory import NodeTable
+from pipeline.simulation.locomotion.ways.route import straight
+from pipeline.simulation.spatial import Array, turn, unturn
+
+LONGEST, SHORTEST = 0.985, 1.01
+"""How far legs stretch at most in the air, in their lengths, and how far they fold, in what
+they can."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A herd at one step.
+
+    Attributes:
+        step: its number.
+        R: (C, 3, 3) and
+        p: (C, 3) of the bodies [m].
+        tips: (L, 3) feet [m].
+        down: (L,) which are on the ground.
+        phase, speed: (C,) of the jump, and over the ground [m/s].
+        limp: (C,) which have fallen.
+    """
+
+    step: int
+    R: Array
+    p: Array
+    tips: Array
+    down: Array
+    phase: Array
+    speed: Array
+    limp: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Where everything is at n moments: (n, J, 3), (n, J, 3, 3), (n, K) and (n, L) misses [m]."""
+
+    positions: Array
+    rotations: Array
+    values: Array
+    residual: Array
+
+
+class Posing:
+    """Works out the poses of one herd."""
+
+    def __init__(
+        self, herd: Herd, idlers: Idlers, table: NodeTable, folds: Array, row_dt: float
+    ) -> None:
+        self.herd, self.idlers, self.table, self.folds = herd, idlers, table, folds
+        self.row_dt = row_dt
+        self.carriage = Carriage(herd, idlers, row_dt)
+        self.bearing = Bearing.neutral(len(herd.names))
+        self._routes = [
+            straight(start, float(angle))
+            for start, angle in zip(herd.starts, herd.headings, strict=True)
+        ]
+        self._limp: Array | None = None
+
+    def poses(
+        self, moments: Sequence[Moment], looks: Mapping[int, Look], time: Array
+    ) -> Poses:
+        """Return where everything is at `moments`, which are at times (n,) [s]."""
+        herd = self.herd
+        R, p, tips, down, phase, speed, limp = (
+            np.stack([getattr(moment, name) for moment in moments])
+            for name in ("R", "p", "tips", "down", "phase", "speed", "limp")
+        )
+        goals = unturn(R[:, herd.owner], tips - p[:, herd.owner])
+        goals = self._reined(goals, down)
+        solution = settle(herd.legs, herd.chains, goals)
+        n, still = len(moments), np.zeros_like(phase)
+        q = self.carriage.values(
+            Rows(
+                time,
+                still,
+                still,
+                still,
+                Bearing.stacked([self.bearing] * n),
+                [self._routes] * n,
+                [looks] * n,
+                R,
+                p,
+            )
+        )
+        q = self._held(q, limp)
+        X_BN = self.table.poses(solution.X_BJ.reshape(n, -1, 4, 4), self.idlers.tree.pose(q))
+        own = R[:, self.table.owner]
+        return Poses(
+            p[:, self.table.owner] + turn(own, X_BN[..., :3, 3]),
+            own @ X_BN[..., :3, :3],
+            np.concatenate([phase, speed, solution.q[:, herd.legs.is_joint], q], axis=1),
+            np.where(down, solution.residual, 0.0),
+        )
+
+    def _reined(self, goals: Array, down: Array) -> Array:
+        """Return feet (n, L, 3) in the air so that no leg stretches or folds too far [m]."""
+        herd = self.herd
+        way = goals - herd.hips
+        far = np.maximum(np.sqrt((way * way).sum(axis=-1)), 1e-9)
+        most, least = LONGEST * herd.legs.lengths, SHORTEST * self.folds
+        k = np.where(down, 1.0, np.minimum(np.maximum(far, least), most) / far)
+        result: Array = herd.hips + k[..., None] * way
+        return result
+
+    def _held(self, q: Array, limp: Array) -> Array:
+        """Return joint values (n, M) that stay what they were on those who have fallen."""
+        fallen = limp[:, self.idlers.owner].astype(bool)
+        if fallen.any():
+            for row in range(len(q)):
+                before = q[row - 1] if row else self._limp
+                if before is not None:
+                    q[row, fallen[row]] = before[fallen[row]]
+        self._limp = q[-1].copy()
+        return q

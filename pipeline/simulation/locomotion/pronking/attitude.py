@@ -22,11 +22,14 @@ from dataclasses import dataclass
 from pipeline.simulation.locomotion.pronking import spin
 from pipeline.simulation.locomotion.pronking.spin import Quaternion, Rows, Vector
 
-LONGEST = 1.0 / 180.0
-"""Longest step of the integration [s]."""
+LONGEST, FREE_LONGEST = 1.0 / 180.0, 1.0 / 60.0
+"""Longest step of the integration, while legs steer and in flight [s]."""
 
 SOONEST = 0.06
 """Time in which legs correct an attitude at the soonest [s]."""
+
+ROUNDS = 5
+"""In which the rate is found with which a body turns to where it is to be."""
 
 Turning = tuple[Quaternion, Vector]
 """Attitude, and angular velocity in the world [rad/s]."""
@@ -72,10 +75,41 @@ def turned(now: Turning, inertia: Inertia, by: Steering, time: float, h: float) 
     """Return attitude and angular velocity a time `h` after `time` [s], by Runge and Kutta."""
     if now[1] == NONE and not any(_acceleration(now, inertia, by, time)):
         return now
-    count = max(1, math.ceil(h / LONGEST - 1e-9))
+    longest = FREE_LONGEST if by.goal is None else LONGEST
+    count = max(1, math.ceil(h / longest - 1e-9))
     for k in range(count):
         now = _step(now, inertia, by, time + k * h / count, h / count)
     return now
+
+
+def rate_for(
+    q: Quaternion, goal: Quaternion, inertia: Inertia, push: float, flight: float
+) -> tuple[Quaternion, Vector]:
+    """Return attitude and rate at lift-off from which a body turns by itself to a goal.
+
+    The rate grows during the push, of which half of the time counts. No axis is free of the
+    others, so where a body gets to is worked out and the rest of the way added.
+
+    Args:
+        q: attitude at the begin of the push.
+        goal: attitude at the end of the flight.
+        inertia: of the body.
+        push: how long the push takes [s].
+        flight: how long the flight takes [s].
+    """
+    way = spin.to_vector(spin.times(goal, spin.inverse(q)))
+    time = 0.5 * push + flight
+    rate: Vector = way[0] / time, way[1] / time, way[2] / time
+    for k in range(ROUNDS):
+        half = 0.5 * push
+        part = spin.of_vector((half * rate[0], half * rate[1], half * rate[2]))
+        start = spin.times(part, q)
+        if rate == NONE or k == ROUNDS - 1:
+            break
+        there, _ = turned((start, rate), inertia, FREE, 0.0, flight)
+        off = spin.to_vector(spin.times(goal, spin.inverse(there)))
+        rate = rate[0] + off[0] / time, rate[1] + off[1] / time, rate[2] + off[2] / time
+    return start, rate
 
 
 def moment(now: Turning, inertia: Inertia, by: Steering, time: float) -> Vector:

@@ -159,7 +159,7 @@ class Hopping:
         if state.phase in SUPPORT and (at.stretch <= 0.0).any():
             phases.overstretched(of, ground, state, at.stretch <= 0.0, self.happened)
         if state.phase == "landing" and (at.fold[state.down] <= 0.0).any():
-            phases.bottomed(of, ground, state, self.happened)
+            phases.sat_down(of, ground, state, self.happened)
 
     def _struck(self) -> bool:
         """Let the body strike the ground; tell whether it falls."""

@@ -21,8 +21,8 @@ from pipeline.spec.pronk import Pronk
 CONTRADICTION = 1e-3
 """Relative difference between a speed and that of the formula that is rounding."""
 
-FAR, HIGH = 1.1, 0.38
-"""Of a jump that nobody describes, in leg lengths."""
+FAR, HIGH = 1.15, 0.4
+"""Of a jump that nobody describes, in heights of the stretched creature."""
 
 STEEP = math.radians(52.0)
 """At which it leaves the ground if only its speed is known."""
@@ -64,7 +64,7 @@ def jump_of(where: str, words: Pronk, leg: float) -> Jump:
     Args:
         where: path of the words in the scene.
         words: what was asked.
-        leg: length of a leg [m].
+        leg: height of the creature on stretched legs [m].
 
     Raises:
         SceneError: no jump is so.

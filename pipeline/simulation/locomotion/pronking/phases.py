@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import spin
 from pipeline.simulation.locomotion.pronking.aiming import aim, held_out, leant, leaves
-from pipeline.simulation.locomotion.pronking.attitude import FREE, NONE, Steering
+from pipeline.simulation.locomotion.pronking.attitude import FREE, NONE, Steering, rate_for
 from pipeline.simulation.locomotion.pronking.forces import drive
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.pronker import HOLDS, Pronker
@@ -50,6 +50,9 @@ RESTRETCHES = 0.15
 
 WALL = 0.06
 """How high a foot would have to be lifted at once where it meets a wall, in leg lengths."""
+
+SITS = 0.2
+"""Speed from which a body that comes down on its folded legs is heard [m/s]."""
 
 Events = list[Happening]
 
@@ -243,9 +246,20 @@ def _carried(of: Pronker, state: State, time: float) -> tuple[float, float]:
 
 
 def bottomed(of: Pronker, ground: Ground, state: State, events: Events) -> None:
-    """End a landing at once: the body lies on the ground, or knees fold no farther."""
+    """End a landing at once: the body lies on the ground."""
     state.v = np.array([state.v[0], max(float(state.v[1]), 0.0), state.v[2]])
     _landed(of, ground, state, events)
+
+
+def sat_down(of: Pronker, ground: Ground, state: State, events: Events) -> None:
+    """Let the body come down on legs that fold no farther, as hard as on the ground."""
+    speed = -float(state.v[1])
+    if speed > SITS:
+        place = state.tips[state.down].mean(axis=0)
+        normal = ground.normal(place[0], place[2])
+        energy = 0.5 * of.mass.mass * speed * speed
+        events.append(Happening("body", state.time, -1, place, normal, speed, energy))
+    bottomed(of, ground, state, events)
 
 
 def overstretched(
@@ -294,12 +308,8 @@ def begin_push(of: Pronker, ground: Ground, state: State, events: Events) -> Non
     state.a, state.until = np.array(push.acceleration), state.time + push.time
     state.flight, state.ends = one.flight, one.ends
     q, time = state.turning[0], min(push.time, 1.0)
-    whole = spin.to_vector(spin.times(one.attitude, spin.inverse(q)))
-    # The rate grows during the push and stays in flight: half of its time counts.
-    rate = tuple(c / (0.5 * time + one.flight) for c in whole)
-    part = spin.of_vector((0.5 * time * rate[0], 0.5 * time * rate[1], 0.5 * time * rate[2]))
-    goal = spin.times(part, q)
-    state.steering = _steering(of, state, push.force, goal, (rate[0], rate[1], rate[2]), time)
+    goal, rate = rate_for(q, one.attitude, of.inertia, time, one.flight)
+    state.steering = _steering(of, state, push.force, goal, rate, time)
 
 
 def _crouch(of: Pronker, ground: Ground, state: State, events: Events) -> None:

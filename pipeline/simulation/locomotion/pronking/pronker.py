@@ -118,11 +118,8 @@ class Pronker:
             ahead: how far feet are before their places at rest [m].
             aside: how far to the right of them [m].
         """
-        x = self.rest[:, 0] - self.hips[:, 0] + ahead
-        z = self.rest[:, 2] - self.hips[:, 2] + aside
-        room = (stretch * self.lengths) ** 2 - x * x - z * z
-        tips = np.sqrt(np.maximum(room, 0.0)) - self.hips[:, 1] + self.soles
-        return float(tips.min())
+        rest = self.rest + [ahead, 0.0, aside]
+        return float(_tall(stretch * self.lengths, self.hips, rest, self.soles).min())
 
 
 def pronkers_of(herd: Herd, numbers: Sequence[int], words: Sequence[Pronk]) -> list[Pronker]:
@@ -154,7 +151,7 @@ def _pronker(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pro
     hips, lengths, soles = herd.hips[own], herd.legs.lengths[own], herd.sole[own]
     rest = np.stack([herd.rest[own, 0], np.zeros(len(own)), herd.rest[own, 1]], axis=-1)
     leg = float(lengths.mean())
-    jump = jump_of(where, words, leg)
+    jump = jump_of(where, words, float(_tall(LIFTS * lengths, hips, rest, soles).min()))
     low = _lowest(figure.belly, hips, rest, folds[own], soles)
     stand = float(herd.body_height[c])
     crouch = _crouch(where, words, low, stand)
@@ -202,6 +199,13 @@ def _crouch(where: str, words: Pronk, low: float, stand: float) -> float:
         )
         raise SceneError([Problem(f"{where}.crouch", message)])
     return words.crouch
+
+
+def _tall(lengths: Array, hips: Array, rest: Array, soles: Array) -> Array:
+    """Return the heights (n,) from which legs of such lengths just reach the ground [m]."""
+    across = ((rest - hips)[:, [0, 2]] ** 2).sum(axis=-1)
+    result: Array = np.sqrt(np.maximum(lengths**2 - across, 0.0)) - hips[:, 1] + soles
+    return result
 
 
 def _lowest(belly: float, hips: Array, rest: Array, folds: Array, soles: Array) -> float:

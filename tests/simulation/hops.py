@@ -1,0 +1,113 @@
+"""Hops: a simulation of one pronker or more, with what was seen of it at every step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.simulation.locomotion.pronking.happening import Happening
+from pipeline.simulation.locomotion.pronking.hopping import Hopping
+from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
+from pipeline.simulation.locomotion.pronking.state import level
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import turn
+from pipeline.simulation.take import Take
+from pipeline.spec import Scene
+
+
+@dataclass
+class Seen:
+    """One pronker at one step."""
+
+    time: float
+    phase: str
+    jumps: int
+    p: np.ndarray
+    v: np.ndarray
+    height: float
+    tilt: float
+    down: np.ndarray
+    forces: np.ndarray
+
+
+@dataclass
+class Hops:
+    """A simulation and what was seen of its pronkers."""
+
+    simulation: Simulation
+    seen: list[list[Seen]] = field(default_factory=list)
+    happened: list[list[Happening]] = field(default_factory=list)
+    _lifts: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+    @property
+    def troupe(self) -> Pronkers:
+        """Its creatures that hop."""
+        return next(t for t in self.simulation.troupes if isinstance(t, Pronkers))
+
+    def look(self) -> None:
+        """Keep the state of this step."""
+        for c, one in enumerate(self.troupe.hoppings):
+            self.seen[c].append(_seen(one))
+            self.happened[c].extend(one.happened)
+        state = self.troupe.hoppings[0].state
+        if state.jumps:
+            self._lifts[state.jumps] = state.lift
+
+    @property
+    def lifts(self) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Centre of mass and its velocity at the lift-offs of the first pronker."""
+        return list(self._lifts.values())
+
+    @property
+    def lift_times(self) -> list[float]:
+        """When these were [s]."""
+        times = [h.time for h in self.happened[0] if h.kind == "lift"]
+        return times[:: len(self.troupe.pronkers[0].hips)]
+
+    @property
+    def take(self) -> Take:
+        """What happened."""
+        return self.simulation.take()
+
+    def tips(self) -> np.ndarray:
+        """(K, L, 3) tips of the legs, by the poses of the last links alone [m]."""
+        recorder, found, first = self.simulation.recorder, [], 0
+        for figure in self.troupe.herd.figures:
+            for leg in figure.skeleton.legs:
+                node = first + leg.links[-1]
+                ends = figure.skeleton.links[leg.links[-1]].ends
+                R, p = recorder.rotations[:, node], recorder.positions[:, node]
+                found.append(p + turn(R, ends[1] - ends[0]))
+            first += len(figure.skeleton.links)
+        return np.stack(found, axis=1)
+
+
+def _seen(one: Hopping) -> Seen:
+    state, of = one.state, one.of
+    return Seen(
+        state.time,
+        state.phase,
+        state.jumps,
+        state.p.copy(),
+        state.v.copy(),
+        level(of, state.p) - state.floor,
+        state.now(of).tilt,
+        state.down.copy(),
+        one.leg_forces(),
+    )
+
+
+def hop_through(scene: Scene, until: int | None = None) -> Hops:
+    """Simulate `scene` and look at every step; with `until`, as far as so many jumps of all."""
+    simulation = Simulation(scene)
+    hops = Hops(simulation)
+    count = len(hops.troupe.hoppings)
+    hops.seen, hops.happened = [[] for _ in range(count)], [[] for _ in range(count)]
+    hops.look()
+    while not simulation.finished:
+        simulation.step()
+        hops.look()
+        if until is not None and all(s.state.jumps > until for s in hops.troupe.hoppings):
+            break
+    return hops

@@ -1,0 +1,325 @@
+"""Pronking: closed forms of flight, landing and pushing; what holds at every step."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.pronking import phases
+from pipeline.simulation.locomotion.pronking.forces import drive, shared
+from pipeline.simulation.locomotion.pronking.parameters import Jump, heights_for, jump_of
+from pipeline.simulation.simulate import simulate
+from pipeline.spec.pronk import Pronk
+from .conftest import scene_of
+from .hops import Hops, hop_through
+
+G = np.array([0.0, -GRAVITY, 0.0])
+
+HOPPERS = {
+    "kangaroo": "{distance: 1.6, height: 0.8}",
+    "antelope": "{distance: 1.2, height: 0.5}",
+    "hopper": "{}",
+    "ostrich": "{speed: 4}",
+    "beetle": "{distance: 0.6, height: 0.4}",
+}
+
+HILLS = "{preset: hills, size: [80, 80], cells: [320, 320]}"
+
+
+def hopper(figure: str, words: str, more: str = "") -> str:
+    return f"{{figure: {figure}, pronk: {words}{more}}}"
+
+
+@pytest.fixture(scope="module", params=HOPPERS)
+def level_hops(request) -> Hops:
+    return hop_through(scene_of(hopper(request.param, HOPPERS[request.param]), duration=4))
+
+
+# --- parameters ---------------------------------------------------------------------
+
+
+def test_speed_distance_and_height_agree_with_the_flight_of_a_mass():
+    jump = Jump(1.6, 0.8)
+    assert jump.speed**2 == pytest.approx(GRAVITY * 1.6**2 / (8 * 0.8) + 2 * GRAVITY * 0.8)
+    time = 2 * jump.up / GRAVITY
+    assert jump.forward * time == pytest.approx(1.6)
+    assert jump.up**2 / (2 * GRAVITY) == pytest.approx(0.8)
+
+
+@pytest.mark.parametrize(("distance", "speed"), [(1.0, 3.2), (1.6, 4.4), (0.3, 7.0)])
+def test_height_follows_from_distance_and_speed_twice(distance, speed):
+    for height in heights_for(distance, speed):
+        assert Jump(distance, height).speed == pytest.approx(speed, rel=1e-12)
+
+
+def test_words_that_say_all_three_right_are_taken():
+    jump = Jump(1.6, 0.8)
+    words = Pronk(distance=1.6, height=0.8, speed=jump.speed)
+    assert jump_of("", words, 1.0) == jump
+
+
+@pytest.mark.parametrize(
+    ("words", "remedies"),
+    [
+        (Pronk(distance=1.6, height=0.8, speed=6.0), ("speed: 4.429", "distance: 3.639", "height: 1.743")),
+        (Pronk(distance=4.0, speed=3.0), ("speed: 6.265", "distance: 0.9174")),
+        (Pronk(height=2.0, speed=3.0), ("speed: 6.265", "height: 0.4587")),
+    ],
+)
+def test_contradictory_words_get_the_formula_and_values_that_work(words, remedies):
+    with pytest.raises(SceneError) as caught:
+        jump_of("cast[0].pronk", words, 1.0)
+    message = caught.value.problems[0].message
+    assert "speed² = g distance² / (8 height) + 2 g height" in message
+    for remedy in remedies:
+        assert remedy in message
+
+
+def test_values_that_a_message_names_work():
+    jump_of("", Pronk(distance=4.0, speed=6.265), 1.0)
+    jump_of("", Pronk(distance=0.9174, speed=3.0), 1.0)
+    jump_of("", Pronk(height=2.0, speed=6.265), 1.0)
+    jump_of("", Pronk(height=0.4587, speed=3.0), 1.0)
+
+
+# --- forces ---------------------------------------------------------------------------
+
+
+def test_a_drive_comes_to_its_velocity_at_its_height():
+    v0, v1, rise = (1.0, -4.0, 0.2), (0.5, 0.0, -0.1), -0.6
+    one = drive(80.0, 1e6, v0, v1, rise)
+    a = np.array(one.acceleration)
+    np.testing.assert_allclose(np.array(v0) + one.time * a, v1, atol=1e-12)
+    assert -4.0 * one.time + 0.5 * a[1] * one.time**2 == pytest.approx(rise)
+    np.testing.assert_allclose(np.array(one.force), 80.0 * (a - G), rtol=1e-12)
+
+
+def test_a_saturated_drive_gives_all_there_is_and_takes_longer():
+    free = drive(80.0, 1e6, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
+    held = drive(80.0, 2000.0, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
+    assert held.saturated
+    assert not free.saturated
+    assert math.hypot(*held.force) == pytest.approx(2000.0)
+    assert held.time > free.time
+
+
+def test_shares_add_up_give_their_moment_and_never_more_than_the_most():
+    rng = np.random.default_rng(4)
+    for _ in range(100):
+        n = int(rng.integers(1, 7))
+        levers = rng.normal(size=(n, 3))
+        force = np.array([*rng.normal(size=2) * 50.0, 0.0])[[0, 2, 1]] + [0.0, 900.0 * n, 0.0]
+        moment = rng.normal(size=3) * 300.0
+        most = 1.3 * float(np.linalg.norm(force)) / n
+        shares = shared(force, moment, levers, most)
+        np.testing.assert_allclose(shares.sum(axis=0), force, atol=1e-9)
+        assert (shares[:, 1] >= -1e-9).all()
+        assert (np.linalg.norm(shares, axis=-1) <= most * (1 + 1e-9)).all()
+
+
+def test_four_hips_around_the_centre_give_the_whole_moment():
+    levers = np.array([[0.5, 0.1, -0.2], [-0.5, 0.1, -0.2], [0.5, 0.1, 0.2], [-0.5, 0.1, 0.2]])
+    shares = shared(np.array([0.0, 4000.0, 0.0]), np.array([60.0, 0.0, 200.0]), levers, 1e5)
+    found = np.cross(levers, shares).sum(axis=0)
+    np.testing.assert_allclose(found[[0, 2]], [60.0, 200.0], atol=1e-9)
+
+
+# --- on level ground -----------------------------------------------------------------------
+
+
+def test_apex_and_travel_are_those_asked_for(level_hops):
+    of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
+    flights = level_hops.lifts
+    assert len(flights) >= 3
+    for p, v in flights:
+        assert v[1] ** 2 / (2 * GRAVITY) == pytest.approx(of.jump.height, rel=0.01)
+        assert 2 * v[1] / GRAVITY * math.hypot(v[0], v[2]) == pytest.approx(
+            of.jump.distance, rel=0.01
+        )
+    # The flight lasts until it is back at the height of its lift-off.
+    for (_, a), (__, b) in itertools.pairwise(enumerate(seen)):
+        if a.phase == "flight" and b.phase == "landing":
+            p, _ = flights[b.jumps - 1]
+            assert b.p[1] <= p[1] + 0.02 * of.leg
+
+
+def test_flights_are_parabolas(level_hops):
+    states = [s for s in level_hops.seen[0] if s.phase == "flight" and s.jumps]
+    flights = level_hops.lifts
+    times = level_hops.lift_times
+    for s in states:
+        (p, v), t = flights[s.jumps - 1], s.time - times[s.jumps - 1]
+        np.testing.assert_allclose(s.p, p + t * v + 0.5 * t * t * G, atol=1e-9)
+        np.testing.assert_allclose(s.v, v + t * G, atol=1e-9)
+
+
+def test_landings_end_at_the_crouch_at_rest(monkeypatch):
+    ends, begins = [], []
+    begin, push = phases.begin_landing, phases.begin_push
+
+    def landing(of, ground, state, events):
+        begins.append((state.p[1], state.v[1]))
+        begin(of, ground, state, events)
+
+    def pushing(of, ground, state, events):
+        ends.append((state.p[1] - of.mass.centre[1], float(state.v[1]), of.crouch))
+        push(of, ground, state, events)
+
+    monkeypatch.setattr(phases, "begin_landing", landing)
+    monkeypatch.setattr(phases, "begin_push", pushing)
+    hop_through(scene_of(hopper("kangaroo", "{distance: 1.6, height: 0.8}"), duration=4))
+    assert len(ends) >= 3
+    for (height, speed, crouch), (top, fall) in zip(ends, begins, strict=True):
+        assert abs(height - crouch) <= 0.01 * (top - crouch)
+        assert abs(speed) <= 0.01 * abs(fall)
+
+
+def test_no_leg_gives_more_than_it_has(level_hops):
+    of = level_hops.troupe.pronkers[0]
+    sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in level_hops.seen[0]]
+    assert max(sizes) <= of.most * (1 + 1e-9)
+    assert max(sizes) > 0.2 * of.most
+
+
+def test_forces_of_legs_are_what_accelerates_the_mass(level_hops):
+    of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
+    for a, b in itertools.pairwise(seen):
+        if a.phase == b.phase and a.phase in ("landing", "pushing") and a.jumps == b.jumps:
+            found = (b.v - a.v) / (b.time - a.time)
+            want = a.forces.sum(axis=0) / of.mass.mass + G
+            np.testing.assert_allclose(found, want, atol=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", ["kangaroo", "antelope", "hopper"])
+def test_landing_points_converge_with_the_step(figure):
+    points = []
+    for steps in (4, 8, 64):
+        scene = scene_of(
+            hopper(figure, "{}"), terrain="flat", duration=4, more=f"steps: {steps}\nsamples: 4"
+        )
+        points.append(landing_points(hop_through(scene, until=3))[:3])
+    coarse, fine = (np.abs(p - points[-1]).max() for p in points[:2])
+    # Phases are exact and events located: what is left is rounding.
+    assert fine <= max(coarse / 1.8, 1e-9)
+
+
+def landing_points(hops: Hops) -> np.ndarray:
+    """Return the middles of the feet (k, 3) of the landings, one after the other."""
+    n = len(hops.troupe.pronkers[0].hips)
+    places = [h.place for h in hops.happened[0] if h.kind == "touch"]
+    count = len(places) // n * n
+    return np.array(places[:count]).reshape(-1, n, 3).mean(axis=1)
+
+
+# --- everywhere -----------------------------------------------------------------------------
+
+CASES = [
+    ("kangaroo", "{}", "flat", 14),
+    ("antelope", "{}", "flat", 12),
+    ("hopper", "{}", "flat", 16),
+    ("ostrich", "{}", "flat", 16),
+    ("beetle", "{}", "flat", 14),
+    ("kangaroo", "{}", HILLS, 24),
+    ("antelope", "{}", HILLS, 20),
+    ("hopper", "{}", HILLS, 24),
+    ("ostrich", "{}", HILLS, 26),
+    ("beetle", "{}", HILLS, 22),
+]
+
+
+@pytest.fixture(scope="module", params=CASES, ids=lambda c: f"{c[0]}-{c[2][:6]}")
+def long_hops(request) -> Hops:
+    figure, words, terrain, duration = request.param
+    at = ", at: [-30, 0]" if terrain != "flat" else ""
+    scene = scene_of(hopper(figure, words, at), terrain=terrain, duration=duration + 6)
+    return hop_through(scene, until=20)
+
+
+@pytest.mark.slow
+def test_twenty_jumps_without_a_fall(long_hops):
+    assert long_hops.seen[0][-1].jumps >= 20
+    assert all(s.phase != "fallen" for s in long_hops.seen[0])
+    if np.ptp(long_hops.simulation.world.ground.field.heights) == 0.0:
+        assert max(s.tilt for s in long_hops.seen[0]) < math.radians(15.0)
+
+
+def kept(hops: Hops) -> int:
+    """Return how many rows are written."""
+    return hops.simulation._written
+
+
+@pytest.mark.slow
+def test_feet_stay_where_they_are_put_and_above_the_ground(long_hops):
+    rows = kept(long_hops)
+    tips, herd = long_hops.tips()[:rows], long_hops.troupe.herd
+    down = np.array([s.down for s in long_hops.seen[0]][:rows])
+    both = down[1:] & down[:-1]
+    same = np.array([a.jumps == b.jumps for a, b in itertools.pairwise(long_hops.seen[0][:rows])])
+    moved = np.linalg.norm(np.diff(tips, axis=0), axis=-1)
+    assert moved[both & same[:, None]].max() < 1e-3
+    ground = long_hops.simulation.world.ground
+    over = tips[..., 1] - herd.sole - ground.height(tips[..., 0], tips[..., 2])
+    assert over.min() > -1e-3
+
+
+@pytest.mark.slow
+def test_knees_keep_their_limits(long_hops):
+    rows = kept(long_hops)
+    skeleton = long_hops.troupe.herd.figures[0].skeleton
+    joints = [j for limb in skeleton.legs for j in limb.joints]
+    q = long_hops.simulation.recorder.values[:rows, 2 : 2 + len(joints)]
+    assert (q >= skeleton.lower[joints] - 1e-9).all()
+    assert (q <= skeleton.upper[joints] + 1e-9).all()
+
+
+# --- falling ------------------------------------------------------------------------------------
+
+
+def test_without_balance_it_falls_and_says_so():
+    scene = scene_of(hopper("kangaroo", "{balance: 0}"), duration=5)
+    hops = hop_through(scene)
+    assert hops.seen[0][-1].phase == "fallen"
+    take = hops.take
+    assert [n.kind for n in take.notes].count("toppled") == 1
+    assert any(c.kind == "hit" for c in take.contacts)
+    assert any(e.cause == "collision" for e in take.events)
+
+
+def test_a_fall_is_the_same_bytes_twice():
+    scene = scene_of(hopper("kangaroo", "{balance: 0}"), duration=4)
+    one, two = (simulate(scene) for _ in range(2))
+    assert one.digest == two.digest
+
+
+def test_legs_that_are_too_weak_let_the_body_strike_the_ground():
+    scene = scene_of(
+        "{figure: antelope, at: [0, 4, 0], pronk: {max_force: 0.7, height: 0.2, distance: 0.4}}",
+        duration=3,
+    )
+    hops = hop_through(scene)
+    of = hops.troupe.pronkers[0]
+    assert any(h.kind == "body" for h in hops.happened[0])
+    assert any(h.kind == "saturated" for h in hops.happened[0])
+    sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in hops.seen[0]]
+    assert max(sizes) == pytest.approx(of.most, rel=1e-9)
+
+
+# --- aiming --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("figure", ["hopper", "kangaroo", "antelope"])
+def test_jumps_land_at_their_spots(figure):
+    spots = [(1.3, 0.2), (2.4, -0.3), (3.2, 0.6), (3.3, 1.7)]
+    words = f"{{land_at: {[list(s) for s in spots]}}}"
+    hops = hop_through(scene_of(hopper(figure, words), duration=7))
+    found = landing_points(hops)[:, [0, 2]]
+    assert len(found) == len(spots)
+    assert np.abs(found - spots).max() < 0.03
+    assert hops.seen[0][-1].phase == "standing"
+

@@ -15,6 +15,7 @@ from pipeline.simulation.locomotion.pronking.forces import drive, shared
 from pipeline.simulation.locomotion.pronking.parameters import Jump, heights_for, jump_of
 from pipeline.simulation.simulate import simulate
 from pipeline.spec.pronk import Pronk
+
 from .conftest import scene_of
 from .hops import Hops, hop_through
 
@@ -66,7 +67,10 @@ def test_words_that_say_all_three_right_are_taken():
 @pytest.mark.parametrize(
     ("words", "remedies"),
     [
-        (Pronk(distance=1.6, height=0.8, speed=6.0), ("speed: 4.429", "distance: 3.639", "height: 1.743")),
+        (
+            Pronk(distance=1.6, height=0.8, speed=6.0),
+            ("speed: 4.429", "distance: 3.639", "height: 1.743"),
+        ),
         (Pronk(distance=4.0, speed=3.0), ("speed: 6.265", "distance: 0.9174")),
         (Pronk(height=2.0, speed=3.0), ("speed: 6.265", "height: 0.4587")),
     ],
@@ -136,7 +140,7 @@ def test_apex_and_travel_are_those_asked_for(level_hops):
     of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
     flights = level_hops.lifts
     assert len(flights) >= 3
-    for p, v in flights:
+    for _, v in flights:
         assert v[1] ** 2 / (2 * GRAVITY) == pytest.approx(of.jump.height, rel=0.01)
         assert 2 * v[1] / GRAVITY * math.hypot(v[0], v[2]) == pytest.approx(
             of.jump.distance, rel=0.01
@@ -237,7 +241,7 @@ CASES = [
 def long_hops(request) -> Hops:
     figure, words, terrain, duration = request.param
     at = ", at: [-30, 0]" if terrain != "flat" else ""
-    scene = scene_of(hopper(figure, words, at), terrain=terrain, duration=duration + 6)
+    scene = scene_of(hopper(figure, words, at), terrain=terrain, duration=duration + 12)
     return hop_through(scene, until=20)
 
 
@@ -322,4 +326,3 @@ def test_jumps_land_at_their_spots(figure):
     assert len(found) == len(spots)
     assert np.abs(found - spots).max() < 0.03
     assert hops.seen[0][-1].phase == "standing"
-

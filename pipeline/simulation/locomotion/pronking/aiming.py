@@ -16,7 +16,7 @@ from pipeline.simulation.locomotion.pronking import spin
 from pipeline.simulation.locomotion.pronking.locating import crossing
 from pipeline.simulation.locomotion.pronking.pronker import LANDS, LIFTS, Pronker
 from pipeline.simulation.locomotion.pronking.spin import Quaternion
-from pipeline.simulation.locomotion.pronking.state import State, yawed
+from pipeline.simulation.locomotion.pronking.state import State, level, yawed
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 
@@ -116,7 +116,7 @@ def _at_spot(of: Pronker, state: State, ground: Ground, spot: Array) -> Aim:
     R = np.array(spin.rows(lean))
     for _ in range(ROUNDS):
         rise, _, p1 = lift_off(of, state, v)
-        ends = held_out(of, R, v, up, _stops(of, state))
+        ends = held_out(of, R, v, up, _stops(of, state), _above(of, state, rise))
         middle = R @ (ends - [0.0, 1.0, 0.0] * of.soles[:, None]).mean(axis=0) - (
             R @ of.mass.centre
         )
@@ -151,7 +151,8 @@ def _flown(of: Pronker, state: State, ground: Ground, v: Array, facing: float) -
     attitude = yawed(facing)
     for _ in range(2):
         R = np.array(spin.rows(attitude))
-        ends = held_out(of, R, v, max(GRAVITY * time - v[1], 0.3 * v[1]), _stops(of, state))
+        falls, above = max(GRAVITY * time - v[1], 0.3 * v[1]), _above(of, state, rise)
+        ends = held_out(of, R, v, falls, _stops(of, state), above)
         time, spot = _landing(of, ground, p1, v, R, ends)
         attitude = leant(of, ground, spot[0], spot[1], facing)
     return Aim(v, rise, time, ends, attitude, spot)
@@ -183,7 +184,9 @@ def _landing(
     return time, middle[[0, 2]]
 
 
-def held_out(of: Pronker, R: Array, v: Array, falls: float, stops: bool) -> Array:
+def held_out(
+    of: Pronker, R: Array, v: Array, falls: float, stops: bool, highest: float = math.inf
+) -> Array:
     """Return where feet (n, 3) are held for a landing, in the frame of the body [m].
 
     They are so far ahead that the body is above them when the landing ends.
@@ -194,17 +197,19 @@ def held_out(of: Pronker, R: Array, v: Array, falls: float, stops: bool) -> Arra
         v: (3,) velocity, of which the horizontal counts [m/s].
         falls: speed of the fall [m/s].
         stops: whether it stops there.
+        highest: height of the body above the ground at most, that of its lift-off [m].
     """
     x, _, z = R.T @ np.array([v[0], 0.0, v[2]])
     ahead = aside = 0.0
-    height = of.tallest(LANDS, 0.0)
+    height = min(of.tallest(LANDS, 0.0), highest)
     most = FARTHEST * of.leg
     for _ in range(4):
         time = 2.0 * max(height - of.crouch, 0.05 * of.leg) / falls * (0.5 if stops else 1.0)
         size = time * math.hypot(x, z)
         k = time * min(1.0, most / size) if size > 0.0 else 0.0
         ahead, aside = k * x, k * z
-        height = max(of.tallest(LANDS, ahead, aside), of.crouch + 0.05 * of.leg)
+        height = min(of.tallest(LANDS, ahead, aside), highest)
+        height = max(height, of.crouch + 0.05 * of.leg)
     ends: Array = of.rest + np.array([ahead, -height, aside])
     ends[:, 1] += of.soles
     return ends
@@ -239,6 +244,11 @@ def lift_off(of: Pronker, state: State, v: Array) -> tuple[float, float, Array]:
     if spare(least) > 0.0:
         rise = crossing(spare, least, most) - 1e-12
     return rise, rise / float(mean[1]), there(rise)
+
+
+def _above(of: Pronker, state: State, rise: float) -> float:
+    """Return the height of the body above its footholds at lift-off [m]."""
+    return level(of, state.p) + rise - state.floor
 
 
 def leant(of: Pronker, ground: Ground, x: float, z: float, facing: float) -> Quaternion:

@@ -14,13 +14,13 @@ import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import phases
-from pipeline.simulation.locomotion.pronking.attitude import LONGEST, moment
+from pipeline.simulation.locomotion.pronking.attitude import moment
 from pipeline.simulation.locomotion.pronking.falling import Fall
 from pipeline.simulation.locomotion.pronking.forces import shared
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.locating import crossing
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
-from pipeline.simulation.locomotion.pronking.state import SUPPORT, Moved, State
+from pipeline.simulation.locomotion.pronking.state import SUPPORT, Moved
 from pipeline.simulation.locomotion.pronking.watching import (
     RISING,
     Margins,
@@ -148,8 +148,8 @@ class Hopping:
         of, state, ground = self.of, self.state, self.ground
         if at.belly[0] <= 0.0 and self._struck():
             return
-        for leg in np.flatnonzero(at.touch <= 0.0):
-            phases.touch(of, ground, state, int(leg), self.happened)
+        if (at.touch <= 0.0).any():
+            phases.touch(of, ground, state, np.flatnonzero(at.touch <= 0.0), self.happened)
         if state.phase == "flight":
             due = at.grace[0] <= 0.0 or (at.stretch <= 0.0).any() or (at.fold <= 0.0).any()
             if state.down.all() or (due and state.down.any()):
@@ -189,7 +189,9 @@ class Hopping:
 
     def _topple(self, why: str) -> None:
         state = self.state
-        self.happened.append(Happening("toppled", state.time, -1, state.p, np.array(UP), 0.0, 0.0, why))
+        self.happened.append(
+            Happening("toppled", state.time, -1, state.p, np.array(UP), 0.0, 0.0, why)
+        )
         now, tips = self.pose()
         phases.let_go(state, (tips - now.origin) @ now.R)
         self.fall.begin(self.of, self.ground, state)

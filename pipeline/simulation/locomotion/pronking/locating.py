@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 EXACT = 1e-13
@@ -22,10 +23,11 @@ def crossing(gap: Callable[[float], float], left: float, right: float) -> float:
     for k in range(MOST):
         if right - left <= EXACT or at_right == 0.0:
             break
-        middle = left + (right - left) * at_left / (at_left - at_right)
+        middle = 0.5 * (left + right)
         # Every third time in the middle: a jump of the gap would hold one end for ever.
-        if k % 3 == 2 or not left < middle < right:
-            middle = 0.5 * (left + right)
+        if k % 3 != 2 and at_left < math.inf and at_right > -math.inf:
+            between = left + (right - left) * at_left / (at_left - at_right)
+            middle = between if left < between < right else middle
         value = gap(middle)
         if value > 0.0:
             left, at_left = middle, value

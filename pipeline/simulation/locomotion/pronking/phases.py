@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import spin
@@ -71,7 +72,7 @@ def first_state(of: Pronker, ground: Ground, above: float | None) -> State:
         phase, down, until = "standing", True, of.words.start
     else:
         feet = held_out(of, R, np.zeros(3), 1.0, stops=False)
-        base = float(ground.height(x, z))
+        base = float(ground.height(of.start[0], of.start[1]))
         origin = np.array([x, base + above - float((feet[:, 1] - of.soles).min()), z])
         phase, down, until = "flight", False, math.inf
     n = len(of.hips)
@@ -118,50 +119,53 @@ def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> N
 # --- flight ---------------------------------------------------------------------
 
 
-def touch(of: Pronker, ground: Ground, state: State, leg: int, events: Events) -> None:
-    """Put a foot down where it is: that is its foothold until the next lift-off."""
-    now, time = state.now(of), state.time
-    own = state.swing.tips(time)
-    tip = now.points(own)[leg]
-    least = float(lowest(ground, tip[0], tip[2], float(of.soles[leg])))
-    normal = ground.normal(tip[0], tip[2])
-    v = state.v + np.cross(state.turning[1], tip - state.p)
-    v = v + now.R @ ((own - state.swing.tips(time - 1e-5)) / 1e-5)[leg]
-    if least - tip[1] > WALL * of.leg:
-        _trip(of, state, leg, tip, v, events)
-    else:
-        tip = np.array([tip[0], max(least, float(tip[1])), tip[2]])
+def touch(
+    of: Pronker, ground: Ground, state: State, legs: NDArray[np.int64], events: Events
+) -> None:
+    """Put feet down where they are: these are their footholds until the next lift-off."""
+    now, own = state.now(of), state.swing.tips(state.time)
+    tips = now.points(own)
+    moves = now.R @ ((own - state.swing.tips(state.time - 1e-5)) / 1e-5).T
+    v = state.v + np.cross(state.turning[1], tips - state.p) + moves.T
     if not state.down.any():
         state.first = float(state.p[1])
-    state.tips[leg], state.down[leg] = tip, True
-    speed = max(-float(normal @ v), 0.0)
-    mass = of.mass.mass / len(of.hips)
-    place = np.array([tip[0], tip[1] - of.soles[leg], tip[2]])
-    events.append(
-        Happening("touch", time, leg, place, normal, speed, 0.5 * mass * speed * speed)
-    )
-    if not bool(ground.steppable(tip[0], tip[2])):
-        text = f"a foot landed in a forbidden zone, at ({tip[0]:.2f}, {tip[2]:.2f})"
-        events.append(Happening("misplaced", time, leg, place, normal, 0.0, 0.0, text))
+    caught, floors = list[int](), lowest(ground, tips[:, 0], tips[:, 2], of.soles)
+    for leg in legs.tolist():
+        (x, y, z), least = tips[leg].tolist(), float(floors[leg])
+        if least - y > WALL * of.leg:
+            caught.append(leg)
+        else:
+            y = max(least, y)
+        state.tips[leg], state.down[leg] = (x, y, z), True
+        place, normal = np.array([x, y - of.soles[leg], z]), ground.normal(x, z)
+        speed = max(-float(normal @ v[leg]), 0.0)
+        energy = 0.5 * of.mass.mass / len(of.hips) * speed * speed
+        events.append(Happening("touch", state.time, leg, place, normal, speed, energy))
+        if not bool(ground.steppable(x, z)):
+            text = f"a foot landed in a forbidden zone, at ({x:.2f}, {z:.2f})"
+            events.append(Happening("misplaced", state.time, leg, place, normal, 0.0, 0.0, text))
+    if caught:
+        _trip(of, state, np.array(caught), tips, v, events)
 
 
 def _trip(
-    of: Pronker, state: State, leg: int, tip: Array, v: Array, events: Events
+    of: Pronker, state: State, legs: NDArray[np.int64], tips: Array, v: Array, events: Events
 ) -> None:
-    """Catch a foot on a wall: what stops the leg pulls at the body.
+    """Catch feet on a wall: what stops the legs pulls at the body.
 
     Source: Sims 1987, 9.4.
     """
-    impulse = -float(of.leg_mass[leg]) * np.array([v[0], 0.0, v[2]])
-    state.v = state.v + impulse / of.mass.mass
+    pull = -of.leg_mass[legs, None] * v[legs] * [1.0, 0.0, 1.0]
+    state.v = state.v + pull.sum(axis=0) / of.mass.mass
     R = np.array(spin.rows(state.turning[0]))
     inverse = R @ np.array(of.inertia.inverse) @ R.T
-    x, y, z = (state.turning[1] + inverse @ np.cross(tip - state.p, impulse)).tolist()
+    twist = np.cross(tips[legs] - state.p, pull).sum(axis=0)
+    x, y, z = (state.turning[1] + inverse @ twist).tolist()
     state.turning = state.turning[0], (x, y, z)
-    text = "a foot caught on a wall"
-    events.append(
-        Happening("tripped", state.time, leg, tip, np.array([0.0, 1.0, 0.0]), 0.0, 0.0, text)
-    )
+    up = np.array([0.0, 1.0, 0.0])
+    for leg in legs.tolist():
+        text = "a foot caught on a wall"
+        events.append(Happening("tripped", state.time, leg, tips[leg], up, 0.0, 0.0, text))
 
 
 def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
@@ -173,7 +177,11 @@ def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
     for leg in np.flatnonzero(down):
         place = tips[leg] - [0.0, of.soles[leg], 0.0]
         normal = ground.normal(place[0], place[2])
-        events.append(Happening("lift", state.time, int(leg), place, normal, float(np.linalg.norm(state.v)), 0.0))
+        events.append(
+            Happening(
+                "lift", state.time, int(leg), place, normal, float(np.linalg.norm(state.v)), 0.0
+            )
+        )
     time = max(state.flight, 0.1)
     n = len(start)
     middle = 0.5 * (start + state.ends)
@@ -241,8 +249,10 @@ def _carried(of: Pronker, state: State, time: float) -> tuple[float, float]:
         return float(v[0]), float(v[1])
     wanted = after * (most / far)
     # With a constant acceleration the way is the mean of both velocities times the time.
-    x, z = (2.0 * (wanted - offset) / time - v).tolist()
-    return x, z
+    end = 2.0 * (wanted - offset) / time - v
+    # Who is thrown far aside is not to be thrown back harder.
+    k = min(1.0, float(np.hypot(*v)) / max(float(np.hypot(*end)), 1e-9))
+    return k * float(end[0]), k * float(end[1])
 
 
 def bottomed(of: Pronker, ground: Ground, state: State, events: Events) -> None:
@@ -263,14 +273,17 @@ def sat_down(of: Pronker, ground: Ground, state: State, events: Events) -> None:
 
 
 def overstretched(
-    of: Pronker, ground: Ground, state: State, legs: Array, events: Events
+    of: Pronker, ground: Ground, state: State, legs: NDArray[np.bool_], events: Events
 ) -> None:
     """Lift feet that no longer reach the ground; in a push, with them all others."""
     if state.phase == "pushing":
         take_off(of, ground, state, events)
         return
     now = state.now(of)
-    own = (np.where(state.down[:, None], state.tips, now.points(state.swing.tips(state.time))) - now.origin) @ now.R
+    own = (
+        np.where(state.down[:, None], state.tips, now.points(state.swing.tips(state.time)))
+        - now.origin
+    ) @ now.R
     which = np.asarray(legs, dtype=bool) & state.down
     state.swing = state.swing.again(which, state.time, own, RESTRETCHES)
     state.down[which], state.released[which] = False, True
@@ -366,7 +379,7 @@ def _standing(
     height: float,
     x: float,
     z: float,
-    down: Array | None = None,
+    down: NDArray[np.bool_] | None = None,
 ) -> float:
     """Return the height of a body at which all feet (n, 3) that are down reach the ground [m]."""
     own = slice(None) if down is None else down
@@ -406,4 +419,3 @@ def _say_if(saturated: bool, state: State, events: Events) -> None:
 def _plain(v: Array) -> Vector:
     x, y, z = v.tolist()
     return x, y, z
-

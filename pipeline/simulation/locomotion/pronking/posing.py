@@ -78,9 +78,7 @@ class Posing:
         ]
         self._limp: Array | None = None
 
-    def poses(
-        self, moments: Sequence[Moment], looks: Mapping[int, Look], time: Array
-    ) -> Poses:
+    def poses(self, moments: Sequence[Moment], looks: Mapping[int, Look], time: Array) -> Poses:
         """Return where everything is at `moments`, which are at times (n,) [s]."""
         herd = self.herd
         R, p, tips, down, phase, speed, limp = (

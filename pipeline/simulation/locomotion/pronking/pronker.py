@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -40,12 +42,7 @@ TWIST = 2.0
 """Greatest moment about the vertical, in body weights times leg length."""
 
 DIRECTIONS = np.array(
-    [
-        (x, y, z)
-        for x in (-1.0, -0.4, 0.0, 0.4, 1.0)
-        for y in (-1.0, -0.4)
-        for z in (-1.0, 0.0, 1.0)
-    ]
+    [(x, y, z) for x in (-1.0, -0.4, 0.0, 0.4, 1.0) for y in (-1.0, -0.4) for z in (-1.0, 0.0, 1.0)]
 )
 """In which the points of a body are looked for that meet the ground first."""
 
@@ -118,7 +115,7 @@ class Pronker:
             ahead: how far feet are before their places at rest [m].
             aside: how far to the right of them [m].
         """
-        rest = self.rest + [ahead, 0.0, aside]
+        rest = self.rest + np.array([ahead, 0.0, aside])
         return float(_tall(stretch * self.lengths, self.hips, rest, self.soles).min())
 
 
@@ -222,6 +219,6 @@ def _extremes(vertices: Array) -> Array:
     return result
 
 
-def _rows(m: Array) -> Rows:
+def _rows(m: NDArray[np.floating[Any]]) -> Rows:
     (a, b, c), (d, e, f), (g, h, i) = m.tolist()
     return (a, b, c), (d, e, f), (g, h, i)

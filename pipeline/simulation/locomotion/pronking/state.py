@@ -136,4 +136,3 @@ def level(of: Pronker, p: Array) -> float:
 def yawed(angle: float) -> Quaternion:
     """Return the attitude of a level body that looks along a heading [rad]."""
     return spin.of_vector((0.0, angle, 0.0))
-

@@ -35,8 +35,8 @@ LEAN, MOST_LEAN = 0.6, 0.35
 LEAST = 0.04
 """Way of a push at least, in leg lengths."""
 
-SCALES = (1.0, 0.88, 1.12, 0.75, 1.25, 0.6, 0.45, 0.3, 0.15)
-TURNS = tuple(math.radians(a) for a in (0, 10, -10, 22, -22, 36, -36, 52, -52, 70, -70))
+SCALES = (1.0, 0.85, 1.15, 0.65, 0.4, 0.2)
+TURNS = tuple(math.radians(a) for a in (0, 12, -12, 30, -30, 55, -55))
 """Jumps that are tried where landings are chosen, by the one that is asked for."""
 
 

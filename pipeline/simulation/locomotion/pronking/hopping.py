@@ -79,6 +79,7 @@ class Hopping:
             if self.state.phase != "fallen":
                 self._go(min(left, FINEST))
         self.state.time = end
+        self._let_go_of_what_is_missed()
 
     def pose(self) -> tuple[Moved, Array]:
         """Return the body, and its feet (n, 3) in the world [m]."""
@@ -137,6 +138,17 @@ class Hopping:
         elif ending and state.phase != "flight":
             phases.end_of_phase(of, self.ground, state, self.happened)
         self._arm()
+
+    def _let_go_of_what_is_missed(self) -> None:
+        """Lift feet that legs do not come to: limits of joints are no sphere around hips."""
+        state, of = self.state, self.of
+        if not state.down.any() or state.phase not in ("flight", *SUPPORT):
+            return
+        now = state.now(of)
+        feet = (state.tips - now.origin) @ now.R
+        missed = state.down & of.legs.misses(feet)
+        if missed.any():
+            phases.overstretched(of, self.ground, state, missed, self.happened)
 
     def _arm(self) -> None:
         state = self.state

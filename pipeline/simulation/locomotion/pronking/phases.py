@@ -52,6 +52,9 @@ RESTRETCHES = 0.15
 WALL = 0.06
 """How high a foot would have to be lifted at once where it meets a wall, in leg lengths."""
 
+LOWER = 0.03
+"""Steps in which who cannot stand upright stands lower, in leg lengths."""
+
 SITS = 0.2
 """Speed from which a body that comes down on its folded legs is heard [m/s]."""
 
@@ -69,6 +72,9 @@ def first_state(of: Pronker, ground: Ground, above: float | None) -> State:
         feet[:, 1] = lowest(ground, feet[:, 0], feet[:, 2], of.soles)
         floor = float((feet[:, 1] - of.soles).mean())
         origin = np.array([x, _standing(of, R, feet, floor + of.stand, x, z), z])
+        # Legs that stand on a slope may come to limits of their joints before they are long.
+        while of.legs.misses((feet - origin) @ R).any() and origin[1] - floor > of.crouch:
+            origin[1] -= LOWER * of.leg
         phase, down, until = "standing", True, of.words.start
     else:
         feet = held_out(of, R, np.zeros(3), 1.0, stops=False)
@@ -226,7 +232,7 @@ def go_on_landing(of: Pronker, ground: Ground, state: State, events: Events) -> 
     one = drive(of.mass.mass, _most(of, state), _plain(state.v), (x, 0.0, z), rise)
     _say_if(one.saturated, state, events)
     state.a, state.until = np.array(one.acceleration), state.time + one.time
-    x, y, z = state.tips[state.down].mean(axis=0).tolist()
+    x, _, z = state.tips[state.down].mean(axis=0).tolist()
     q = leant(of, ground, x, z, state.now(of).heading)
     state.steering = _steering(of, state, one.force, q, NONE, time)
 
@@ -288,7 +294,8 @@ def overstretched(
     state.swing = state.swing.again(which, state.time, own, RESTRETCHES)
     state.down[which], state.released[which] = False, True
     if state.down.any():
-        go_on_landing(of, ground, state, events)
+        if state.phase == "landing":
+            go_on_landing(of, ground, state, events)
     else:
         state.phase, state.a, state.until, state.steering = "flight", FALLING, math.inf, FREE
         state.first = math.inf
@@ -318,6 +325,11 @@ def begin_push(of: Pronker, ground: Ground, state: State, events: Events) -> Non
         events.append(Happening("stopped", state.time, -1, place, up, 0.0, 0.0, text))
     push = drive(of.mass.mass, _most(of, state), _plain(state.v), _plain(one.velocity), one.rise)
     _say_if(push.saturated, state, events)
+    if push.acceleration[1] <= 0.0:
+        text = f"{int(state.down.sum())} legs on the ground cannot lift it"
+        events.append(Happening("stopped", state.time, -1, state.p, np.zeros(3), 0.0, 0.0, text))
+        _stand(state)
+        return
     state.a, state.until = np.array(push.acceleration), state.time + push.time
     state.flight, state.ends = one.flight, one.ends
     q, time = state.turning[0], min(push.time, 1.0)

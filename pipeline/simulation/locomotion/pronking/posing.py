@@ -13,19 +13,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.figures.settling import Settled, settle
 from pipeline.simulation.locomotion.carriage.bearing import Bearing
 from pipeline.simulation.locomotion.carriage.carriage import Carriage
 from pipeline.simulation.locomotion.carriage.idle import Idlers
 from pipeline.simulation.locomotion.carriage.looking import Look, Rows
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
+from pipeline.simulation.locomotion.swings.sole import lowest
 from pipeline.simulation.locomotion.ways.route import straight
 from pipeline.simulation.spatial import Array, turn, unturn
+from pipeline.simulation.terrain import Ground
 
 LONGEST, SHORTEST = 0.985, 1.01
 """How far legs stretch at most in the air, in their lengths, and how far they fold, in what
 they can."""
+
+
+MISSES, LIFTINGS = 1e-4, 8
+"""Distance of a foot in the air from where it is to be from which the ground is looked at [m],
+and how often it is lifted out of that."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +73,15 @@ class Posing:
     """Works out the poses of one herd."""
 
     def __init__(
-        self, herd: Herd, idlers: Idlers, table: NodeTable, folds: Array, row_dt: float
+        self,
+        herd: Herd,
+        ground: Ground,
+        idlers: Idlers,
+        table: NodeTable,
+        folds: Array,
+        row_dt: float,
     ) -> None:
+        self.ground = ground
         self.herd, self.idlers, self.table, self.folds = herd, idlers, table, folds
         self.row_dt = row_dt
         self.carriage = Carriage(herd, idlers, row_dt)
@@ -87,7 +101,7 @@ class Posing:
         )
         goals = unturn(R[:, herd.owner], tips - p[:, herd.owner])
         goals = self._reined(goals, down)
-        solution = settle(herd.legs, herd.chains, goals)
+        solution = self._above(goals, R, p, down | limp[:, herd.owner])
         n, still = len(moments), np.zeros_like(phase)
         q = self.carriage.values(
             Rows(
@@ -112,14 +126,65 @@ class Posing:
             np.where(down, solution.residual, 0.0),
         )
 
+    def _above(self, goals: Array, R: Array, p: Array, leave: Array) -> Settled:
+        """Return legs at their goals (n, L, 3); those that miss them are kept above the ground.
+
+        Args:
+            goals: relative to the bodies [m].
+            R: (n, C, 3, 3) and
+            p: (n, C, 3) of the bodies [m].
+            leave: (n, L) whose feet are where they are.
+        """
+        herd = self.herd
+        found = settle(herd.legs, herd.chains, goals)
+        for _ in range(LIFTINGS):
+            rows, legs = np.nonzero(~leave & (found.residual > MISSES))
+            if not len(rows):
+                break
+            c = herd.owner[legs]
+            tips = p[rows, c] + turn(R[rows, c], self._tips(found, rows, legs))
+            least = lowest(self.ground, tips[:, 0], tips[:, 2], herd.sole[legs])
+            deep = least - tips[:, 1]
+            low = deep > 2e-4
+            if not low.any():
+                break
+            rows, legs, c, deep = rows[low], legs[low], c[low], deep[low]
+            up = np.zeros((len(rows), 3))
+            up[:, 1] = 1.3 * deep + 0.01 * herd.legs.lengths[legs]
+            goals[rows, legs] += unturn(R[rows, c], up)
+            some = np.unique(rows)
+            again = settle(herd.legs, herd.chains, goals[some])
+            for name in ("q", "X_BJ", "residual"):
+                getattr(found, name)[some] = getattr(again, name)
+        return found
+
+    def _tips(self, found: Settled, rows: Array, legs: Array) -> Array:
+        """Return where some tips (k, 3) came to, in the frames of their bodies [m]."""
+        batch = self.herd.legs
+        last = batch.is_joint[legs].sum(axis=-1) - 1
+        X = found.X_BJ[rows, legs, last]
+        arm = batch.tips[legs] - batch.places[legs, last]
+        result: Array = X[:, :3, 3] + turn(X[:, :3, :3], arm)
+        return result
+
     def _reined(self, goals: Array, down: Array) -> Array:
         """Return feet (n, L, 3) in the air so that no leg stretches or folds too far [m]."""
         herd = self.herd
         way = goals - herd.hips
         far = np.maximum(np.sqrt((way * way).sum(axis=-1)), 1e-9)
         most, least = LONGEST * herd.legs.lengths, SHORTEST * self.folds
-        k = np.where(down, 1.0, np.minimum(np.maximum(far, least), most) / far)
-        result: Array = herd.hips + k[..., None] * way
+        near = ~down & (far < least)
+        k = np.where(down, 1.0, np.minimum(far, most) / far)
+        way = k[..., None] * way
+        if near.any():
+            # Out to the side, for below a low body is the ground.
+            side = (herd.legs.tips - herd.hips)[:, [0, 2]] + 1e-6
+            side = np.broadcast_to(side, (*near.shape, 2))[near] + 4.0 * way[near][:, [0, 2]]
+            side /= np.maximum(np.sqrt((side * side).sum(axis=-1)), 1e-9)[:, None]
+            room = np.broadcast_to(least, near.shape)[near] ** 2 - way[near][:, 1] ** 2
+            out = np.sqrt(np.maximum(room, 0.0))[:, None] * side
+            way[near] = np.stack([out[:, 0], way[near][:, 1], out[:, 1]], axis=-1)
+        result: Array = herd.hips + way
         return result
 
     def _held(self, q: Array, limp: Array) -> Array:

@@ -16,6 +16,7 @@ from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.inertia import Inertia as Masses
 from pipeline.simulation.locomotion.footing.folds import folds_of
 from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.pronking.legs import Legs
 from pipeline.simulation.locomotion.pronking.attitude import Inertia
 from pipeline.simulation.locomotion.pronking.parameters import Jump, jump_of
 from pipeline.simulation.locomotion.pronking.spin import Rows
@@ -72,6 +73,7 @@ class Pronker:
         heading: where it looks at the begin [rad].
         start: (x, z) where it begins [m].
         wide: (2,) half extents of its feet along and across [m].
+        legs: how far they come.
     """
 
     name: str
@@ -96,6 +98,7 @@ class Pronker:
     heading: float
     start: Array
     wide: Array
+    legs: Legs
 
     @property
     def leg(self) -> float:
@@ -157,6 +160,12 @@ def _pronker(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pro
     travel = max(stand - crouch, 0.08 * leg)
     pushes = STRONG * (jump.height / travel + 1.0) * math.hypot(1.0, 0.5 * jump.forward / jump.up)
     most = pushes / len(own) if words.max_force is None else words.max_force
+    if most * len(own) <= 1.0:
+        message = (
+            f"{len(own)} legs of {most:g} body weights give {most * len(own):.3g} together, and "
+            f"it takes more than 1 to leave the ground; take more than {1.0 / len(own):.3g}"
+        )
+        raise SceneError([Problem(f"{where}.max_force", message)])
     aside = float(np.hypot(mass.centre[0], mass.centre[2])) / leg
     enough = SLACK + aside * (most * len(own))
     balance = enough if words.balance is None else words.balance
@@ -183,6 +192,7 @@ def _pronker(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pro
         heading=float(herd.headings[c]),
         start=herd.starts[c],
         wide=np.maximum(herd.footprint[c], 0.2 * leg),
+        legs=Legs(herd, own, folds[own]),
     )
 
 

@@ -69,7 +69,7 @@ class Pronkers:
             for c, (of, up) in enumerate(zip(self.pronkers, above, strict=True))
         ]
         row_dt = world.clock.dt * world.clock.steps / world.clock.samples
-        self.posing = Posing(herd, idlers, table, folds_of(herd), row_dt)
+        self.posing = Posing(herd, world.ground, idlers, table, folds_of(herd), row_dt)
         self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
         self.looks = looks_in(herd, cast)
         self._feet = foot_materials(herd, materials)

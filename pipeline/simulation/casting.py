@@ -112,12 +112,6 @@ def refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
         for i, one in enumerate(scene.script)
         if one.who in worms
     ]
-    hoppers = {m.name for _, m in scene.creatures if m.pronk is not None}
-    problems += [
-        Problem(f"script[{i}].who", f"'{one.who}' hops, and follows no script")
-        for i, one in enumerate(scene.script)
-        if one.who in hoppers
-    ]
     problems += [
         Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
         for i, member in scene.creatures

@@ -163,6 +163,8 @@ def _scripted(scene: object) -> Iterator[Fault]:
                 yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
             elif (group := _get(member, "group")) is not None:
                 yield from _directed(group, name, instruction, ("script", i), place)
+            elif _get(member, "pronk") is not None:
+                yield Fault(("script", i, *place), f"'{name}' hops, and follows no script")
             elif not ((isinstance(member, Mapping) and "walk" in member) or _get(member, "walk")):
                 yield Fault(("script", i, *place), f"'{name}' does not walk; give it walk: {{}}")
 

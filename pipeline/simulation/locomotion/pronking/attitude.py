@@ -22,10 +22,10 @@ from dataclasses import dataclass
 from pipeline.simulation.locomotion.pronking import spin
 from pipeline.simulation.locomotion.pronking.spin import Quaternion, Rows, Vector
 
-LONGEST, FREE_LONGEST = 1.0 / 180.0, 1.0 / 60.0
+LONGEST, FREE_LONGEST = 1.0 / 90.0, 1.0 / 60.0
 """Longest step of the integration, while legs steer and in flight [s]."""
 
-SOONEST = 0.06
+SOONEST = 0.08
 """Time in which legs correct an attitude at the soonest [s]."""
 
 ROUNDS = 5

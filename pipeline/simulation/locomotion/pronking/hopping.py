@@ -43,7 +43,7 @@ LIES_AT = math.radians(38.0)
 MOST = 400
 """Events of one step; more are a creature that is stuck."""
 
-FINEST = 1.0 / 120.0
+FINEST = 1.0 / 90.0
 """Longest sub-step: between two of them nothing comes and goes unseen [s]."""
 
 
@@ -63,6 +63,11 @@ class Hopping:
         self.highest = float(ground.field.heights.max())
         self.fall = fall
         self.happened: list[Happening] = []
+        self._known: Margins | None = None
+        # Which feet came to the ground within the last sub-step, and how high each has to be
+        # lifted out of it while the body rises.
+        self._met = np.zeros(len(of.hips), dtype=bool)
+        self._lifted = np.zeros(len(of.hips))
         self.state = phases.first_state(of, ground, above)
 
     def advance(self, end: float) -> None:
@@ -75,9 +80,13 @@ class Hopping:
             if state.phase == "fallen":
                 self._lie(left)
                 break
-            self._look(self._margins(state.now(self.of)))
+            known = self._margins(state.now(self.of)) if self._known is None else self._known
+            due = bool((known.all <= 0.0).any())
+            if due:
+                self._look(known)
+                known = self._margins(state.now(self.of))
             if self.state.phase != "fallen":
-                self._go(min(left, FINEST))
+                self._go(min(left, FINEST), known)
         self.state.time = end
         self._let_go_of_what_is_missed()
 
@@ -111,8 +120,13 @@ class Hopping:
     def _margins(self, at: Moved) -> Margins:
         return margins(self.of, self.state, self.ground, at, self.highest)
 
-    def _go(self, h: float) -> None:
-        """Go on to the end of a sub-step or of the phase, or to what happens first."""
+    def _go(self, h: float, known: Margins) -> None:
+        """Go on to the end of a sub-step or of the phase, or to what happens first.
+
+        Args:
+            h: the sub-step [s].
+            known: margins at its begin.
+        """
         state, of = self.state, self.of
         ends = state.until - state.time
         if state.phase == "flight" and state.v[1] > RISING:
@@ -122,9 +136,8 @@ class Hopping:
         there = state.at(h, of)
         if state.phase == "flight" and ending:
             there.v[1] = 0.0
-        found = self._margins(there).all
-        before = self._margins(state.now(of)).all
-        crossed = np.flatnonzero((found <= 0.0) & (before > 0.0))
+        found = self._margins(there)
+        crossed = np.flatnonzero((found.all <= 0.0) & (known.all > 0.0))
         if len(crossed):
 
             def gap(t: float) -> float:
@@ -132,27 +145,46 @@ class Hopping:
 
             there = state.at(crossing(gap, 0.0, h), of)
             ending = False
+        # What holds at the end holds at the next begin, unless something happens between.
+        self._known = None if ending or len(crossed) else found
+        # While it rose nobody looked, and feet were lifted.
+        self._met = (known.touch > 0.0) & (state.v[1] <= RISING)
         state.time, state.p, state.v, state.turning = there.time, there.p, there.v, there.turning
         if there.tilt > FALLS_AT:
             self._topple("it leaned too far")
         elif ending and state.phase != "flight":
             phases.end_of_phase(of, self.ground, state, self.happened)
+            self._lifted[:] = 0.0
+        elif state.phase == "flight" and state.v[1] > RISING:
+            self._stumble(there)
         self._arm()
 
     def _let_go_of_what_is_missed(self) -> None:
         """Lift feet that legs do not come to: limits of joints are no sphere around hips."""
         state, of = self.state, self.of
-        if not state.down.any() or state.phase not in ("flight", *SUPPORT):
+        if not state.down.any() or state.phase == "fallen":
             return
         now = state.now(of)
         feet = (state.tips - now.origin) @ now.R
         missed = state.down & of.legs.misses(feet)
         if missed.any():
+            self._known = None
             phases.overstretched(of, self.ground, state, missed, self.happened)
+
+    def _stumble(self, at: Moved) -> None:
+        """Let feet that meet a wall while the body rises pull at it; they are lifted over it."""
+        state, of = self.state, self.of
+        tips = at.points(state.swing.tips(at.time))
+        lift = over_ground(of, self.ground, tips, self.highest)[:, 1] - tips[:, 1]
+        walls = np.flatnonzero(lift - self._lifted > phases.WALL * of.leg)
+        self._lifted = lift
+        if len(walls):
+            phases.trip(of, state, walls, tips, self.happened)
 
     def _arm(self) -> None:
         state = self.state
         if not state.armed and state.phase != "fallen":
+            self._known = None
             state.armed = body_gap(self.of, self.ground, state.now(self.of)) > 0.01
 
     def _look(self, at: Margins) -> None:
@@ -161,7 +193,8 @@ class Hopping:
         if at.belly[0] <= 0.0 and self._struck():
             return
         if (at.touch <= 0.0).any():
-            phases.touch(of, ground, state, np.flatnonzero(at.touch <= 0.0), self.happened)
+            legs = np.flatnonzero(at.touch <= 0.0)
+            phases.touch(of, ground, state, legs, self._met, self.happened)
         if state.phase == "flight":
             due = at.grace[0] <= 0.0 or (at.stretch <= 0.0).any() or (at.fold <= 0.0).any()
             if state.down.all() or (due and state.down.any()):

@@ -82,6 +82,9 @@ def first_state(of: Pronker, ground: Ground, above: float | None) -> State:
         origin = np.array([x, base + above - float((feet[:, 1] - of.soles).min()), z])
         phase, down, until = "flight", False, math.inf
     n = len(of.hips)
+    # On rough ground some legs may have nothing to stand on: they hang.
+    stands = ~of.legs.misses((feet - origin) @ R) if down else np.zeros(n, dtype=bool)
+    hangs = of.rest - [0.0, min(of.stand, 0.8 * of.leg), 0.0]
     state = State(
         phase="standing" if phase == "standing" else "flight",
         time=0.0,
@@ -89,9 +92,9 @@ def first_state(of: Pronker, ground: Ground, above: float | None) -> State:
         v=np.zeros(3),
         turning=(q, NONE),
         tips=feet if down else np.zeros((n, 3)),
-        down=np.full(n, down),
+        down=stands,
         released=np.zeros(n, dtype=bool),
-        swing=Swing.still(np.zeros((n, 3)) if down else feet),
+        swing=Swing.still(hangs if down else feet),
         facing=of.heading + (0.0 if of.words.land_at else math.radians(of.words.turn_deg)),
         going=going,
         until=until,
@@ -125,10 +128,30 @@ def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> N
 # --- flight ---------------------------------------------------------------------
 
 
+def trip(of: Pronker, state: State, legs: NDArray[np.int64], tips: Array, events: Events) -> None:
+    """Let feet (n, 3) that go with the body meet a wall."""
+    v = np.broadcast_to(state.v, tips.shape)
+    _trip(of, state, legs, tips, v, events)
+
+
 def touch(
-    of: Pronker, ground: Ground, state: State, legs: NDArray[np.int64], events: Events
+    of: Pronker,
+    ground: Ground,
+    state: State,
+    legs: NDArray[np.int64],
+    met: NDArray[np.bool_],
+    events: Events,
 ) -> None:
-    """Put feet down where they are: these are their footholds until the next lift-off."""
+    """Put feet down where they are: these are their footholds until the next lift-off.
+
+    Args:
+        of: whose feet.
+        ground: that they come to.
+        state: in flight or landing.
+        legs: whose feet they are.
+        met: (n,) which came to it just now; the others were lifted over it.
+        events: to be added to.
+    """
     now, own = state.now(of), state.swing.tips(state.time)
     tips = now.points(own)
     moves = now.R @ ((own - state.swing.tips(state.time - 1e-5)) / 1e-5).T
@@ -138,7 +161,7 @@ def touch(
     caught, floors = list[int](), lowest(ground, tips[:, 0], tips[:, 2], of.soles)
     for leg in legs.tolist():
         (x, y, z), least = tips[leg].tolist(), float(floors[leg])
-        if least - y > WALL * of.leg:
+        if met[leg] and least - y > WALL * of.leg:
             caught.append(leg)
         else:
             y = max(least, y)

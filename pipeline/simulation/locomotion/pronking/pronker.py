@@ -16,8 +16,8 @@ from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.inertia import Inertia as Masses
 from pipeline.simulation.locomotion.footing.folds import folds_of
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.pronking.legs import Legs
 from pipeline.simulation.locomotion.pronking.attitude import Inertia
+from pipeline.simulation.locomotion.pronking.legs import Legs
 from pipeline.simulation.locomotion.pronking.parameters import Jump, jump_of
 from pipeline.simulation.locomotion.pronking.spin import Rows
 from pipeline.simulation.spatial import Array

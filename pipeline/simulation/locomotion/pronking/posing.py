@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.figures.settling import Settled, settle
 from pipeline.simulation.locomotion.carriage.bearing import Bearing
@@ -53,10 +54,10 @@ class Moment:
     R: Array
     p: Array
     tips: Array
-    down: Array
+    down: NDArray[np.bool_]
     phase: Array
     speed: Array
-    limp: Array
+    limp: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,10 +96,12 @@ class Posing:
     def poses(self, moments: Sequence[Moment], looks: Mapping[int, Look], time: Array) -> Poses:
         """Return where everything is at `moments`, which are at times (n,) [s]."""
         herd = self.herd
-        R, p, tips, down, phase, speed, limp = (
+        R, p, tips, phase, speed = (
             np.stack([getattr(moment, name) for moment in moments])
-            for name in ("R", "p", "tips", "down", "phase", "speed", "limp")
+            for name in ("R", "p", "tips", "phase", "speed")
         )
+        down = np.stack([moment.down for moment in moments])
+        limp = np.stack([moment.limp for moment in moments])
         goals = unturn(R[:, herd.owner], tips - p[:, herd.owner])
         goals = self._reined(goals, down)
         solution = self._above(goals, R, p, down | limp[:, herd.owner])
@@ -126,7 +129,7 @@ class Posing:
             np.where(down, solution.residual, 0.0),
         )
 
-    def _above(self, goals: Array, R: Array, p: Array, leave: Array) -> Settled:
+    def _above(self, goals: Array, R: Array, p: Array, leave: NDArray[np.bool_]) -> Settled:
         """Return legs at their goals (n, L, 3); those that miss them are kept above the ground.
 
         Args:
@@ -158,7 +161,7 @@ class Posing:
                 getattr(found, name)[some] = getattr(again, name)
         return found
 
-    def _tips(self, found: Settled, rows: Array, legs: Array) -> Array:
+    def _tips(self, found: Settled, rows: NDArray[np.int64], legs: NDArray[np.int64]) -> Array:
         """Return where some tips (k, 3) came to, in the frames of their bodies [m]."""
         batch = self.herd.legs
         last = batch.is_joint[legs].sum(axis=-1) - 1
@@ -167,7 +170,7 @@ class Posing:
         result: Array = X[:, :3, 3] + turn(X[:, :3, :3], arm)
         return result
 
-    def _reined(self, goals: Array, down: Array) -> Array:
+    def _reined(self, goals: Array, down: NDArray[np.bool_]) -> Array:
         """Return feet (n, L, 3) in the air so that no leg stretches or folds too far [m]."""
         herd = self.herd
         way = goals - herd.hips
@@ -187,9 +190,9 @@ class Posing:
         result: Array = herd.hips + way
         return result
 
-    def _held(self, q: Array, limp: Array) -> Array:
+    def _held(self, q: Array, limp: NDArray[np.bool_]) -> Array:
         """Return joint values (n, M) that stay what they were on those who have fallen."""
-        fallen = limp[:, self.idlers.owner].astype(bool)
+        fallen = limp[:, self.idlers.owner]
         if fallen.any():
             for row in range(len(q)):
                 before = q[row - 1] if row else self._limp

@@ -148,7 +148,8 @@ class Hopping:
         # What holds at the end holds at the next begin, unless something happens between.
         self._known = None if ending or len(crossed) else found
         # While it rose nobody looked, and feet were lifted.
-        self._met = (known.touch > 0.0) & (state.v[1] <= RISING)
+        tested = np.isfinite(known.touch) & (known.touch > 0.0)
+        self._met = tested & (state.v[1] <= RISING)
         state.time, state.p, state.v, state.turning = there.time, there.p, there.v, there.turning
         if there.tilt > FALLS_AT:
             self._topple("it leaned too far")

@@ -103,8 +103,10 @@ class Posing:
         down = np.stack([moment.down for moment in moments])
         limp = np.stack([moment.limp for moment in moments])
         goals = unturn(R[:, herd.owner], tips - p[:, herd.owner])
+        asked = goals
         goals = self._reined(goals, down)
-        solution = self._above(goals, R, p, down | limp[:, herd.owner])
+        reined = np.abs(goals - asked).max(axis=-1) > MISSES
+        solution = self._above(goals, R, p, down | limp[:, herd.owner], reined)
         n, still = len(moments), np.zeros_like(phase)
         q = self.carriage.values(
             Rows(
@@ -129,7 +131,14 @@ class Posing:
             np.where(down, solution.residual, 0.0),
         )
 
-    def _above(self, goals: Array, R: Array, p: Array, leave: NDArray[np.bool_]) -> Settled:
+    def _above(
+        self,
+        goals: Array,
+        R: Array,
+        p: Array,
+        leave: NDArray[np.bool_],
+        reined: NDArray[np.bool_],
+    ) -> Settled:
         """Return legs at their goals (n, L, 3); those that miss them are kept above the ground.
 
         Args:
@@ -137,11 +146,12 @@ class Posing:
             R: (n, C, 3, 3) and
             p: (n, C, 3) of the bodies [m].
             leave: (n, L) whose feet are where they are.
+            reined: (n, L) whose feet are not where they were to be.
         """
         herd = self.herd
         found = settle(herd.legs, herd.chains, goals)
         for _ in range(LIFTINGS):
-            rows, legs = np.nonzero(~leave & (found.residual > MISSES))
+            rows, legs = np.nonzero(~leave & (reined | (found.residual > MISSES)))
             if not len(rows):
                 break
             c = herd.owner[legs]

@@ -27,6 +27,8 @@ HOPPERS = {
     "hopper": "{}",
     "ostrich": "{speed: 4}",
     "beetle": "{distance: 0.6, height: 0.4}",
+    "spider": "{}",
+    "person": "{}",
 }
 
 HILLS = "{preset: hills, size: [80, 80], cells: [320, 320]}"
@@ -326,3 +328,19 @@ def test_jumps_land_at_their_spots(figure):
     assert len(found) == len(spots)
     assert np.abs(found - spots).max() < 0.03
     assert hops.seen[0][-1].phase == "standing"
+
+
+DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4, foot_radius: 0.05}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", ["hopper", "person"])
+def test_landings_are_chosen_outside_of_forbidden_zones(figure):
+    at = ", at: [-9, 0], scale: 0.7"
+    heedless, careful = (
+        hop_through(scene_of(hopper(figure, words, at), terrain=DITCHES, duration=9))
+        for words in ("{}", "{avoid: true}")
+    )
+    assert any(n.kind == "misplaced" for n in heedless.take.notes)
+    assert all(n.kind != "misplaced" for n in careful.take.notes)
+    assert careful.seen[0][-1].p[0] > -9.0 + 5.0

@@ -156,8 +156,8 @@ def _pronker(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pro
     stand = float(herd.body_height[c])
     crouch = _crouch(where, words, low, stand)
     weight = mass.mass * GRAVITY
-    # On level ground a push takes about h / (stretched - crouch) + 1 body weights.
-    travel = max(stand - crouch, 0.08 * leg)
+    # A push takes h / rise + 1 body weights; uneven ground may leave half of the rise.
+    travel = max(0.5 * (stand - crouch), 0.06 * leg)
     pushes = STRONG * (jump.height / travel + 1.0) * math.hypot(1.0, 0.5 * jump.forward / jump.up)
     most = pushes / len(own) if words.max_force is None else words.max_force
     if most * len(own) <= 1.0:

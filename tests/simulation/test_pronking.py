@@ -334,7 +334,7 @@ DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", ["hopper", "person"])
+@pytest.mark.parametrize("figure", ["hopper", "kangaroo"])
 def test_landings_are_chosen_outside_of_forbidden_zones(figure):
     at = ", at: [-9, 0], scale: 0.7"
     heedless, careful = (

@@ -32,6 +32,10 @@ ROUNDS = 14
 LEAN, MOST_LEAN = 0.6, 0.35
 """Part of a slope that bodies lean with, and how far at most [rad]."""
 
+MARGIN, AROUND = 0.09, np.array([[0.0, 1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, -1.0]])
+"""How far around the place of a foot the ground is to be good as well, in leg lengths, and where:
+a foot that comes down askew touches a little beside."""
+
 LEAST = 0.04
 """Way of a push at least, in leg lengths."""
 
@@ -96,7 +100,8 @@ def _is_good(of: Pronker, ground: Ground, one: Aim) -> bool:
     R = np.array(spin.rows(one.attitude))
     feet = (one.ends - one.ends.mean(axis=0)) @ R.T
     x, z = one.spot[0] + feet[:, 0], one.spot[1] + feet[:, 2]
-    return bool(ground.steppable(x, z).all())
+    around = MARGIN * of.leg * AROUND
+    return bool(ground.steppable(x[:, None] + around[0], z[:, None] + around[1]).all())
 
 
 def _jump(of: Pronker, state: State, ground: Ground, way: float, going: float) -> Aim:
@@ -149,12 +154,13 @@ def _flown(of: Pronker, state: State, ground: Ground, v: Array, facing: float) -
     rise, _, p1 = lift_off(of, state, v)
     time = 2.0 * v[1] / GRAVITY
     attitude = yawed(facing)
-    for _ in range(2):
+    for last in (False, False, True):
         R = np.array(spin.rows(attitude))
         falls, above = max(GRAVITY * time - v[1], 0.3 * v[1]), _above(of, state, rise)
         ends = held_out(of, R, v, falls, _stops(of, state), above)
         time, spot = _landing(of, ground, p1, v, R, ends)
-        attitude = leant(of, ground, spot[0], spot[1], facing)
+        # Feet land where they do with the attitude that they are held out for.
+        attitude = attitude if last else leant(of, ground, spot[0], spot[1], facing)
     return Aim(v, rise, time, ends, attitude, spot)
 
 

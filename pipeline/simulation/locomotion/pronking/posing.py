@@ -85,7 +85,7 @@ class Posing:
         self.ground = ground
         self.herd, self.idlers, self.table, self.folds = herd, idlers, table, folds
         self.row_dt = row_dt
-        self.carriage = Carriage(herd, idlers, row_dt)
+        self.carriage = Carriage(herd, idlers, ground, row_dt)
         self.bearing = Bearing.neutral(len(herd.names))
         self._routes = [
             straight(start, float(angle))

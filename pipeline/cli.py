@@ -328,6 +328,23 @@ def effort(
 
 
 @app.command()
+def jumps(
+    scene: SceneName,
+    sets: Sets = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Say how creatures hop: what was asked for, what was resolved, and what a jump takes."""
+    from pipeline.production.jump_report import report_jumps
+    from pipeline.spec import find_scene, load_scene
+
+    reporter = _flags(json_lines, quiet, verbose)
+    told = report_jumps(load_scene(find_scene(scene), sets or []))
+    reporter.result(told.text, jumps=told.facts)
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")],
 ) -> None:

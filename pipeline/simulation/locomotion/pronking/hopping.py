@@ -40,6 +40,9 @@ FALLS_AT = math.radians(68.0)
 LIES_AT = math.radians(38.0)
 """Tilt with which a body that strikes the ground falls."""
 
+DEEP = 0.01
+"""How far a body that lies on the ground is let into it until it strikes again, in leg lengths."""
+
 MOST = 400
 """Events of one step; more are a creature that is stuck."""
 
@@ -89,6 +92,8 @@ class Hopping:
                 self._go(min(left, FINEST), known)
         self.state.time = end
         self._let_go_of_what_is_missed()
+        if phases.gives_way(self.of, self.state):
+            self._topple("the legs that touch cannot carry it")
 
     def pose(self) -> tuple[Moved, Array]:
         """Return the body, and its feet (n, 3) in the world [m]."""
@@ -186,7 +191,8 @@ class Hopping:
         state = self.state
         if not state.armed and state.phase != "fallen":
             self._known = None
-            state.armed = body_gap(self.of, self.ground, state.now(self.of)) > 0.01
+            gap = body_gap(self.of, self.ground, state.now(self.of))
+            state.armed = gap > 0.01 or gap < -DEEP * self.of.leg
 
     def _look(self, at: Margins) -> None:
         """Let happen what is due."""

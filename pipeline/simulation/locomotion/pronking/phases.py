@@ -24,6 +24,7 @@ from pipeline.simulation.locomotion.pronking.pronker import HOLDS, Pronker
 from pipeline.simulation.locomotion.pronking.spin import Quaternion, Vector
 from pipeline.simulation.locomotion.pronking.state import State, level
 from pipeline.simulation.locomotion.pronking.swing import Swing
+from pipeline.simulation.locomotion.pronking.watching import body_gap
 from pipeline.simulation.locomotion.swings.sole import lowest
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
@@ -63,46 +64,67 @@ Events = list[Happening]
 
 def first_state(of: Pronker, ground: Ground, above: float | None) -> State:
     """Return how it begins: standing, or with its feet `above` the ground [m], to fall."""
-    q = leant(of, ground, float(of.start[0]), float(of.start[1]), of.heading)
-    R = np.array(spin.rows(q))
-    going = of.heading + math.radians(of.words.direction_deg)
-    x, z = (float(c) for c in of.start)
     if above is None:
-        feet = of.rest @ R.T + [x, 0.0, z]
-        feet[:, 1] = lowest(ground, feet[:, 0], feet[:, 2], of.soles)
-        floor = float((feet[:, 1] - of.soles).mean())
-        origin = np.array([x, _standing(of, R, feet, floor + of.stand, x, z), z])
-        # Legs that stand on a slope may come to limits of their joints before they are long.
-        while of.legs.misses((feet - origin) @ R).any() and origin[1] - floor > of.crouch:
-            origin[1] -= LOWER * of.leg
-        phase, down, until = "standing", True, of.words.start
-    else:
-        feet = held_out(of, R, np.zeros(3), 1.0, stops=False)
-        base = float(ground.height(of.start[0], of.start[1]))
-        origin = np.array([x, base + above - float((feet[:, 1] - of.soles).min()), z])
-        phase, down, until = "flight", False, math.inf
-    n = len(of.hips)
+        state = _stood(of, ground)
+        if body_gap(of, ground, state.now(of)) >= 0.0 and not gives_way(of, state):
+            return state
+    # Where it cannot stand it comes down from as low as there is room for it.
+    return _held_up(of, ground, above or 0.0)
+
+
+def _stood(of: Pronker, ground: Ground) -> State:
+    """Return it standing, on what legs come to the ground."""
+    state = _put(of, ground)
+    R = np.array(spin.rows(state.turning[0]))
+    x, z = (float(c) for c in of.start)
+    feet = of.rest @ R.T + [x, 0.0, z]
+    feet[:, 1] = lowest(ground, feet[:, 0], feet[:, 2], of.soles)
+    floor = float((feet[:, 1] - of.soles).mean())
+    origin = np.array([x, _standing(of, R, feet, floor + of.stand, x, z), z])
+    # Legs that stand on a slope may come to limits of their joints before they are long.
+    while of.legs.misses((feet - origin) @ R).any() and origin[1] - floor > of.crouch:
+        origin[1] -= LOWER * of.leg
     # On rough ground some legs may have nothing to stand on: they hang.
-    stands = ~of.legs.misses((feet - origin) @ R) if down else np.zeros(n, dtype=bool)
     hangs = of.rest - [0.0, min(of.stand, 0.8 * of.leg), 0.0]
-    state = State(
-        phase="standing" if phase == "standing" else "flight",
+    state.phase, state.until = "standing", of.words.start
+    state.p, state.tips = origin + R @ of.mass.centre, feet
+    state.down, state.swing = ~of.legs.misses((feet - origin) @ R), Swing.still(hangs)
+    state.floor = _floor(of, state)
+    return state
+
+
+def _held_up(of: Pronker, ground: Ground, above: float) -> State:
+    """Return it with its feet so high above the ground, or as low as its body is out of it."""
+    state = _put(of, ground)
+    R = np.array(spin.rows(state.turning[0]))
+    feet = held_out(of, R, np.zeros(3), 1.0, stops=False)
+    base = float(ground.height(of.start[0], of.start[1]))
+    state.p[1] += base + above - float((feet[:, 1] - of.soles).min())
+    state.swing, state.a = Swing.still(feet), FALLING
+    now = state.now(of)
+    tips = now.points(feet)
+    deep = float((lowest(ground, tips[:, 0], tips[:, 2], of.soles) - tips[:, 1]).max())
+    state.p[1] += max(deep, -body_gap(of, ground, now), 0.0)
+    return state
+
+
+def _put(of: Pronker, ground: Ground) -> State:
+    """Return it where it begins, its body at height 0."""
+    q = leant(of, ground, float(of.start[0]), float(of.start[1]), of.heading)
+    n, R = len(of.hips), np.array(spin.rows(q))
+    return State(
+        phase="flight",
         time=0.0,
-        p=origin + R @ of.mass.centre,
+        p=np.array([of.start[0], 0.0, of.start[1]]) + R @ of.mass.centre,
         v=np.zeros(3),
         turning=(q, NONE),
-        tips=feet if down else np.zeros((n, 3)),
-        down=stands,
+        tips=np.zeros((n, 3)),
+        down=np.zeros(n, dtype=bool),
         released=np.zeros(n, dtype=bool),
-        swing=Swing.still(hangs if down else feet),
+        swing=Swing.still(np.zeros((n, 3))),
         facing=of.heading + (0.0 if of.words.land_at else math.radians(of.words.turn_deg)),
-        going=going,
-        until=until,
+        going=of.heading + math.radians(of.words.direction_deg),
     )
-    state.floor = _floor(of, state)
-    if not down:
-        state.a = FALLING
-    return state
 
 
 def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> None:
@@ -237,7 +259,7 @@ def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
 
 def begin_landing(of: Pronker, ground: Ground, state: State, events: Events) -> None:
     """Let the legs that touch absorb the fall."""
-    state.phase, state.hits = "landing", 0
+    state.phase = "landing"
     state.floor = _floor(of, state)
     here = level(of, state.p) - state.floor
     state.goal = min(of.crouch, here - ROOM * of.leg)
@@ -380,7 +402,9 @@ def _rise(of: Pronker, ground: Ground, state: State) -> None:
     x, _, z = now.origin.tolist()
     height = _standing(of, now.R, state.tips[state.down], state.floor + of.stand, x, z, state.down)
     way = max(height - level(of, state.p), 1e-3 * of.leg)
-    time = max(1.4 * SINKS * math.sqrt(of.leg), math.sqrt(4.0 * way / (EASY * GRAVITY)))
+    # Weak legs rise slowly; those that cannot rise at all give way.
+    lift = max(_most(of, state) / of.mass.mass - GRAVITY, 1e-3)
+    time = max(1.4 * SINKS * math.sqrt(of.leg), math.sqrt(4.0 * way / min(EASY * GRAVITY, lift)))
     state.phase, state.a = "rising", np.array([0.0, 4.0 * way / time**2, 0.0])
     state.until = state.time + 0.5 * time
     force = 0.0, of.mass.mass * (float(state.a[1]) + GRAVITY), 0.0
@@ -398,6 +422,14 @@ def _stand(state: State) -> None:
     state.phase, state.until = "standing", math.inf
     state.v, state.a = np.zeros(3), np.zeros(3)
     state.turning, state.steering = (state.turning[0], NONE), FREE
+
+
+def gives_way(of: Pronker, state: State) -> bool:
+    """Tell whether it stands, or sinks and rises slowly, on fewer legs than can carry it."""
+    if state.phase not in ("standing", "crouching", "rising", "straightening"):
+        return False
+    force = of.mass.mass * float(state.a[1] + GRAVITY)
+    return force > _most(of, state) * (1.0 + 1e-9)
 
 
 def let_go(state: State, feet: Array) -> None:

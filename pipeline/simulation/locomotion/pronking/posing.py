@@ -21,6 +21,7 @@ from pipeline.simulation.locomotion.carriage.idle import Idlers
 from pipeline.simulation.locomotion.carriage.looking import Look, Rows
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
+from pipeline.simulation.locomotion.pronking.refuges import refuge
 from pipeline.simulation.locomotion.swings.sole import lowest
 from pipeline.simulation.locomotion.ways.route import straight
 from pipeline.simulation.spatial import Array, turn, unturn
@@ -30,10 +31,12 @@ LONGEST, SHORTEST = 0.985, 1.01
 """How far legs stretch at most in the air, in their lengths, and how far they fold, in what
 they can."""
 
-
 MISSES, LIFTINGS = 1e-4, 8
 """Distance of a foot in the air from where it is to be from which the ground is looked at [m],
 and how often it is lifted out of that."""
+
+LOW = 2e-4
+"""Depth of a foot in the ground from which it is lifted [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,24 +155,48 @@ class Posing:
         found = settle(herd.legs, herd.chains, goals)
         for _ in range(LIFTINGS):
             rows, legs = np.nonzero(~leave & (reined | (found.residual > MISSES)))
+            rows, legs, deep = self._in_the_ground(found, R, p, rows, legs)
             if not len(rows):
                 break
             c = herd.owner[legs]
-            tips = p[rows, c] + turn(R[rows, c], self._tips(found, rows, legs))
-            least = lowest(self.ground, tips[:, 0], tips[:, 2], herd.sole[legs])
-            deep = least - tips[:, 1]
-            low = deep > 2e-4
-            if not low.any():
-                break
-            rows, legs, c, deep = rows[low], legs[low], c[low], deep[low]
             up = np.zeros((len(rows), 3))
             up[:, 1] = 1.3 * deep + 0.01 * herd.legs.lengths[legs]
             goals[rows, legs] += unturn(R[rows, c], up)
-            some = np.unique(rows)
-            again = settle(herd.legs, herd.chains, goals[some])
-            for name in ("q", "X_BJ", "residual"):
-                getattr(found, name)[some] = getattr(again, name)
+            self._again(found, goals, rows)
+        else:
+            self._in_refuges(found, goals, R, p, ~leave & (reined | (found.residual > MISSES)))
         return found
+
+    def _in_refuges(
+        self, found: Settled, goals: Array, R: Array, p: Array, which: NDArray[np.bool_]
+    ) -> None:
+        """Bring feet (n, L) that are in the ground yet to where they are out of it."""
+        herd = self.herd
+        rows, legs = self._in_the_ground(found, R, p, *np.nonzero(which))[:2]
+        for row, leg in zip(rows.tolist(), legs.tolist(), strict=True):
+            c, fold = herd.owner[leg], float(self.folds[leg])
+            place = refuge(herd, self.ground, R[row, c], p[row, c], leg, goals[row, leg], fold)
+            if place is not None:
+                goals[row, leg] = place
+        if len(rows):
+            self._again(found, goals, rows)
+
+    def _in_the_ground(
+        self, found: Settled, R: Array, p: Array, rows: NDArray[np.int64], legs: NDArray[np.int64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+        """Return which of some feet are in the ground, and how deep [m]."""
+        c = self.herd.owner[legs]
+        tips = p[rows, c] + turn(R[rows, c], self._tips(found, rows, legs))
+        deep = lowest(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs]) - tips[:, 1]
+        low = deep > LOW
+        return rows[low], legs[low], deep[low]
+
+    def _again(self, found: Settled, goals: Array, rows: NDArray[np.int64]) -> None:
+        """Bring the legs of some rows to their goals (n, L, 3) anew."""
+        some = np.unique(rows)
+        again = settle(self.herd.legs, self.herd.chains, goals[some])
+        for name in ("q", "X_BJ", "residual"):
+            getattr(found, name)[some] = getattr(again, name)
 
     def _tips(self, found: Settled, rows: NDArray[np.int64], legs: NDArray[np.int64]) -> Array:
         """Return where some tips (k, 3) came to, in the frames of their bodies [m]."""

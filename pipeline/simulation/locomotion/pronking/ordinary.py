@@ -79,7 +79,9 @@ def ordinary(of: Pronker, level: Ground, fall: Fall) -> Ordinary | None:
     lifts = [h.time for h in hopping.happened if h.kind == "lift"]
     if len(found) < 2 or not touches:
         return None
-    return _told(able, found["landing"], found["pushing"], touches[-1] - _before(lifts, touches[-1]))
+    return _told(
+        able, found["landing"], found["pushing"], touches[-1] - _before(lifts, touches[-1])
+    )
 
 
 def _before(lifts: list[float], touch: float) -> float:

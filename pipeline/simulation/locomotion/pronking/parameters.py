@@ -107,7 +107,7 @@ def _height(where: str, d: float, v: float) -> float:
         message = (
             f"{FORMULA} has a height only if speed² ≥ g distance, but {v:g}² = {v * v:.4g} is less "
             f"than {GRAVITY:g} × {d:g} = {GRAVITY * d:.4g}; take speed: "
-            f"{_above(math.sqrt(GRAVITY * d))} or more, or distance: {_below(v * v / GRAVITY)} or "
+            f"{above(math.sqrt(GRAVITY * d))} or more, or distance: {below(v * v / GRAVITY)} or "
             "less"
         )
         raise SceneError([Problem(f"{where}.speed", message)]) from None
@@ -120,34 +120,36 @@ def _distance(where: str, h: float, v: float) -> float:
         message = (
             f"{FORMULA} has a distance only if speed² ≥ 2 g height, but {v:g}² = {v * v:.4g} is "
             f"less than 2 × {GRAVITY:g} × {h:g} = {2 * GRAVITY * h:.4g}; take speed: "
-            f"{_above(math.sqrt(2 * GRAVITY * h))} or more, or height: "
-            f"{_below(v * v / (2 * GRAVITY))} or less"
+            f"{above(math.sqrt(2 * GRAVITY * h))} or more, or height: "
+            f"{below(v * v / (2 * GRAVITY))} or less"
         )
         raise SceneError([Problem(f"{where}.speed", message)])
     return math.sqrt(8.0 * h * max(room, 0.0) / GRAVITY)
 
 
 def _contradiction(where: str, d: float, h: float, v: float) -> Problem:
-    ways = [f"speed: {Jump(d, h).speed:.6g}"]
+    ways, spare = [f"speed: {Jump(d, h).speed:.6g}"], ["speed"]
     room = v * v - 2.0 * GRAVITY * h
     if room >= 0.0:
         ways.append(f"distance: {math.sqrt(8.0 * h * room / GRAVITY):.6g}")
+        spare.append("distance")
     if v * v >= GRAVITY * d:
         ways += [f"height: {one:.6g}" for one in heights_for(d, v) if one > 0.0]
+        spare.append("height")
     message = (
         f"{FORMULA}, but with distance {d:g} and height {h:g} that is {Jump(d, h).speed:.6g}², not "
-        f"{v:g}²; leave one of the three out, or take {', or '.join(ways)}"
+        f"{v:g}²; leave out {' or '.join(spare)}, or take {', or '.join(ways)}"
     )
     return Problem(f"{where}.speed", message)
 
 
-def _above(value: float) -> str:
+def above(value: float) -> str:
     """Return `value` in four digits, never less than it is."""
     step = 10.0 ** (math.floor(math.log10(value)) - 3)
     return f"{math.ceil(value / step - 1e-9) * step:.4g}"
 
 
-def _below(value: float) -> str:
+def below(value: float) -> str:
     """Return `value` in four digits, never more than it is."""
     step = 10.0 ** (math.floor(math.log10(value)) - 3)
     return f"{math.floor(value / step + 1e-9) * step:.4g}"

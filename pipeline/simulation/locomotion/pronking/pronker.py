@@ -18,7 +18,7 @@ from pipeline.simulation.locomotion.footing.folds import folds_of
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.attitude import Inertia
 from pipeline.simulation.locomotion.pronking.legs import Legs
-from pipeline.simulation.locomotion.pronking.parameters import Jump, jump_of
+from pipeline.simulation.locomotion.pronking.parameters import Jump, above, below, jump_of
 from pipeline.simulation.locomotion.pronking.spin import Rows
 from pipeline.simulation.spatial import Array
 from pipeline.spec.pronk import Pronk
@@ -35,6 +35,10 @@ CLEAR = 1.08
 
 STRONG = 1.7
 """Greatest force of legs, in what an ordinary jump takes, if nobody says."""
+
+ABLE, SHALLOW = 1.0001, 0.9999
+"""Force of all legs that lifts a body, in its weight, and height of the highest crouch, in that
+of standing: what is said to who asks for less or more."""
 
 SLACK = 1.0
 """Moment that is left for bumps, in body weights times leg length, if nobody says."""
@@ -163,7 +167,7 @@ def _pronker(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pro
     if most * len(own) <= 1.0:
         message = (
             f"{len(own)} legs of {most:g} body weights give {most * len(own):.3g} together, and "
-            f"it takes more than 1 to leave the ground; take more than {1.0 / len(own):.3g}"
+            f"it takes more than 1 to leave the ground; take {above(ABLE / len(own))} or more"
         )
         raise SceneError([Problem(f"{where}.max_force", message)])
     aside = float(np.hypot(mass.centre[0], mass.centre[2])) / leg
@@ -200,9 +204,12 @@ def _crouch(where: str, words: Pronk, low: float, stand: float) -> float:
     if words.crouch is None:
         return low + LOW * (stand - low)
     if not low <= words.crouch < stand:
+        deep, high = above(low), below(SHALLOW * stand)
+        nearest = deep if words.crouch < low else high
         message = (
-            f"from a crouch of {words.crouch:g} it cannot land or push: at this scale it is "
-            f"{low:.3g} at least, and less than {stand:.3g}, at which it stands"
+            f"from a crouch of {words.crouch:g} it cannot land or push: its body stands "
+            f"{stand:.3g} above the ground and comes down to {low:.3g} at this scale; take "
+            f"{nearest}, or another one from {deep} to {high}"
         )
         raise SceneError([Problem(f"{where}.crouch", message)])
     return words.crouch

@@ -18,7 +18,7 @@ from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene, read_scene
 
-HEAD = "pronk: 1\nduration: 5\nterrain: flat\ncast:\n"
+HEAD = "pronk: 1\nduration: 9\nterrain: flat\ncast:\n"
 ROO = (
     "{name: roo, figure: kangaroo, pronk: {distance: 1.6, height: 0.8, crouch: 0.5, max_force: 6}}"
 )

@@ -205,18 +205,26 @@ def held_out(
         stops: whether it stops there.
         highest: height of the body above the ground at most, that of its lift-off [m].
     """
-    x, _, z = R.T @ np.array([v[0], 0.0, v[2]])
-    ahead = aside = 0.0
-    height = min(of.tallest(LANDS, 0.0), highest)
-    most = FARTHEST * of.leg
-    for _ in range(4):
-        time = 2.0 * max(height - of.crouch, 0.05 * of.leg) / falls * (0.5 if stops else 1.0)
-        size = time * math.hypot(x, z)
-        k = time * min(1.0, most / size) if size > 0.0 else 0.0
-        ahead, aside = k * x, k * z
-        height = min(of.tallest(LANDS, ahead, aside), highest)
-        height = max(height, of.crouch + 0.05 * of.leg)
-    ends: Array = of.rest + np.array([ahead, -height, aside])
+    x, _, z = (R.T @ np.array([v[0], 0.0, v[2]])).tolist()
+    least, share = of.crouch + 0.05 * of.leg, 0.5 if stops else 1.0
+
+    def height(time: float) -> float:
+        return max(min(of.tallest(LANDS, time * x, time * z), highest), least)
+
+    def takes(tall: float) -> float:
+        return 2.0 * share * (tall - of.crouch) / falls
+
+    # The farther ahead feet are, the lower the body, and the sooner the landing ends.
+    time = takes(height(0.0))
+    if takes(height(time)) < time:
+        time = crossing(lambda t: takes(height(t)) - t, 0.0, time)
+    size = math.hypot(x, z)
+    far = FARTHEST * of.leg
+    if time * size > far:
+        time = far / size
+    tall = max(min(height(time), of.crouch + 0.5 * time * falls / share), least)
+    ahead, aside = time * x, time * z
+    ends: Array = of.rest + np.array([ahead, -tall, aside])
     ends[:, 1] += of.soles
     return ends
 

@@ -7,6 +7,7 @@ from pipeline.simulation.detect.collisions import collisions
 from pipeline.simulation.detect.footfalls import footfalls
 from pipeline.simulation.detect.rubs import rubs
 from pipeline.simulation.detect.scuffs import scuffs
+from pipeline.simulation.detect.takeoffs import takeoffs
 
-DETECTORS = (footfalls, scuffs, collisions, rubs)
+DETECTORS = (footfalls, takeoffs, scuffs, collisions, rubs)
 """Functions (contacts of one step, clock) -> sound events."""

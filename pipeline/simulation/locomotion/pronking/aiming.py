@@ -130,8 +130,7 @@ def _at_spot(of: Pronker, state: State, ground: Ground, spot: Array) -> Aim:
         # A faster jump leaves later and lands farther ahead, which asks for a slower one: the
         # middle between both is nearer than either.
         v = 0.5 * (
-            v
-            + [(spot[0] - middle[0] - p1[0]) / time, up, (spot[1] - middle[2] - p1[2]) / time]
+            v + [(spot[0] - middle[0] - p1[0]) / time, up, (spot[1] - middle[2] - p1[2]) / time]
         )
     return Aim(v, rise, time, ends, lean, spot)
 

@@ -28,6 +28,9 @@ LONGEST, FREE_LONGEST = 1.0 / 90.0, 1.0 / 60.0
 SOONEST = 0.08
 """Time in which legs correct an attitude at the soonest [s]."""
 
+TINY = 1e-12
+"""Time that is none [s]."""
+
 ROUNDS = 5
 """In which the rate is found with which a body turns to where it is to be."""
 
@@ -75,6 +78,11 @@ def turned(now: Turning, inertia: Inertia, by: Steering, time: float, h: float) 
     """Return attitude and angular velocity a time `h` after `time` [s], by Runge and Kutta."""
     if now[1] == NONE and not any(_acceleration(now, inertia, by, time)):
         return now
+    # What is wanted has a kink where the time that is left comes to the soonest.
+    kink = by.end - SOONEST - time
+    if by.goal is not None and TINY < kink < h - TINY:
+        now = turned(now, inertia, by, time, kink)
+        time, h = time + kink, h - kink
     longest = FREE_LONGEST if by.goal is None else LONGEST
     count = max(1, math.ceil(h / longest - 1e-9))
     for k in range(count):

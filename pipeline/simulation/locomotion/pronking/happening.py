@@ -21,7 +21,7 @@ class Happening:
         place: (3,) where [m].
         normal: (3,) of the ground.
         speed: with which it came or went [m/s].
-        energy: of what came at this speed [J].
+        energy: of what came or went at this speed [J].
         text: what there is to say.
     """
 

@@ -225,14 +225,12 @@ def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
     down = state.down.copy()
     tips = np.where(down[:, None], state.tips, now.points(state.swing.tips(state.time)))
     start = (tips - now.origin) @ now.R
-    for leg in np.flatnonzero(down):
+    speed = float(np.linalg.norm(state.v))
+    for leg in np.flatnonzero(down).tolist():
         place = tips[leg] - [0.0, of.soles[leg], 0.0]
         normal = ground.normal(place[0], place[2])
-        events.append(
-            Happening(
-                "lift", state.time, int(leg), place, normal, float(np.linalg.norm(state.v)), 0.0
-            )
-        )
+        energy = 0.5 * float(of.leg_mass[leg]) * speed * speed
+        events.append(Happening("lift", state.time, leg, place, normal, speed, energy))
     time = max(state.flight, 0.1)
     n = len(start)
     middle = 0.5 * (start + state.ends)

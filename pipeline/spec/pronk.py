@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -36,6 +36,10 @@ class Pronk(Words):
         None,
         description="Greatest moment with which legs keep the body level [body weights times "
         "leg length]; enough for level ground if left out, with 0 it soon falls.",
+    )
+    fall: Literal["ragdoll", "rigid"] = Field(
+        "ragdoll",
+        description="How it falls once it has toppled: limp, or stiff as one body.",
     )
     direction_deg: Number = Field(
         0.0,

@@ -1,7 +1,7 @@
 """MuJoCo ground: the terrain as MuJoCo needs it.
 
 MuJoCo stands a height field on its local Z: here its X is our Z and its Y our X, so that its
-cells are cut along our diagonal.
+cells are cut along our diagonal. Who builds a model hands in the module, for none but adapters import it.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.dynamics.rigid import Build
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
@@ -35,8 +34,18 @@ def is_level(field: HeightField) -> bool:
     return float(np.ptp(field.heights)) == 0.0
 
 
+def look_upward(option: Any, mujoco: Any) -> None:
+    """Choose the algorithm that finds its way out of a height field upward.
+
+    A height field is prisms side by side, and the way out of one can be through its side. This
+    algorithm looks along the line from inside a prism; with the other boxes were thrown about
+    at 1 m/s and more.
+    """
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)
+
+
 def add_ground(
-    spec: Any, mujoco: Any, field: HeightField, builds: Sequence[Build], matter: Mapping[str, Any]
+    spec: Any, mujoco: Any, field: HeightField, corners: Sequence[Array], matter: Mapping[str, Any]
 ) -> None:
     """Add the terrain to a model.
 
@@ -44,7 +53,7 @@ def add_ground(
         spec: the model.
         mujoco: the module.
         field: the terrain.
-        builds: the bodies that will lie on it.
+        corners: (V, 3) of each solid that may lie on it, balls left out, in its own frame [m].
         matter: what its geoms have in common.
     """
     c, s = math.cos(0.5 * field.heading), math.sin(0.5 * field.heading)
@@ -65,7 +74,7 @@ def add_ground(
     mujoco.mju_mulQuat(quat, turned, np.array([0.5, -0.5, -0.5, -0.5]))
     heights = _triangulated(field)
     whole = (0, heights.shape[1] - 1, 0, heights.shape[0] - 1)
-    spans = _tiles(whole) if _needs_tiles(field, whole, builds) else [whole]
+    spans = _tiles(whole) if _needs_tiles(field, whole, corners) else [whole]
     for k, span in enumerate(spans):
         _add_tile(spec, f"terrain {k}", field, heights, span, low)
         x, z = _middle(field, whole, span)
@@ -87,13 +96,11 @@ def _of(heights: Array, span: Span) -> Array:
     return heights[c : d + 1, a : b + 1]
 
 
-def _needs_tiles(field: HeightField, whole: Span, builds: Sequence[Build]) -> bool:
-    """Tell whether a body can touch more cells at once than a height field has contacts."""
+def _needs_tiles(field: HeightField, whole: Span, corners: Sequence[Array]) -> bool:
+    """Tell whether a solid can touch more cells at once than a height field has contacts."""
     cells = np.array(field.size) / (whole[1], whole[3])
-    for build in builds:
-        if build.hull is None:
-            continue
-        _, b, a = np.sort(np.ptp(build.hull.vertices, axis=0))
+    for one in corners:
+        _, b, a = np.sort(np.ptp(one, axis=0))
         if (a / cells[0] + 1.0) * (b / cells[1] + 1.0) > TILE * TILE:
             return True
     return False

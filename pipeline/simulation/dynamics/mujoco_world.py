@@ -1,8 +1,8 @@
 """MuJoCo world: rigid bodies that meet one another, the terrain and what pushes them.
 
-The only module that imports `mujoco`, when the first such world is built. MuJoCo finds the
-contacts, solves them all together with friction, and lets islands of bodies sleep; how hard
-contacts push is the impact law's, set in every step before MuJoCo works out its forces.
+`mujoco` is imported when the first such world is built. MuJoCo finds the contacts, solves them
+all together with friction, and lets islands of bodies sleep; how hard contacts push is the
+impact law's, set in every step before MuJoCo works out its forces.
 
 World and bodies keep their axes, gravity points down Y; only the height field is turned, see
 `mujoco_ground`.
@@ -27,7 +27,7 @@ from pipeline.simulation.dynamics.brushing import Brushes, Contacts, brushes
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_law import THING
-from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level
+from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level, look_upward
 from pipeline.simulation.dynamics.pressing import Pressing
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.records import zeros
@@ -304,7 +304,8 @@ def _build(
     spec = mujoco.MjSpec()
     _set_options(spec, mujoco, not is_level(field))
     matter = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
-    add_ground(spec, mujoco, field, [c.build for c in colliders], matter)
+    corners = [c.build.hull.vertices for c in colliders if c.build.hull is not None]
+    add_ground(spec, mujoco, field, corners, matter)
     for i, collider in enumerate(colliders):
         _add_body(spec, mujoco, f"body {i}", collider)
     heaviest = max(c.build.mass.mass for c in colliders)
@@ -324,10 +325,7 @@ def _set_options(spec: Any, mujoco: Any, is_uneven: bool) -> None:
     option.sleep_tolerance = STILL
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
     if is_uneven:
-        # A height field is prisms side by side, and the way out of one can be through its
-        # side. This algorithm looks along the line from inside a prism, which is upward;
-        # with the other boxes were thrown about at 1 m/s and more.
-        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)
+        look_upward(option, mujoco)
 
 
 def _matter(friction: float, rolling: float) -> dict[str, Any]:

@@ -23,6 +23,7 @@ class Happening:
         speed: with which it came or went [m/s].
         energy: of what came or went at this speed [J].
         text: what there is to say.
+        link: number of the link that it is about, if it is of the body.
     """
 
     kind: Kind
@@ -33,3 +34,4 @@ class Happening:
     speed: float
     energy: float
     text: str = ""
+    link: int = 0

@@ -9,13 +9,15 @@ Source: Sims 1987, ch. 11.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import phases
 from pipeline.simulation.locomotion.pronking.attitude import moment
-from pipeline.simulation.locomotion.pronking.falling import Fall
+from pipeline.simulation.locomotion.pronking.falling import Fall, Limbs
 from pipeline.simulation.locomotion.pronking.forces import shared
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.locating import crossing
@@ -49,6 +51,9 @@ MOST = 400
 FINEST = 1.0 / 90.0
 """Longest sub-step: between two of them nothing comes and goes unseen [s]."""
 
+LimbsNow = Callable[[Moved, Array, NDArray[np.bool_]], Limbs]
+"""Body, feet (n, 3) [m] and which of them are down (n,) -> joints."""
+
 
 class Hopping:
     """One pronker and what happens to it.
@@ -57,14 +62,16 @@ class Hopping:
         of: its constants.
         ground: that it hops over.
         state: how it is.
-        fall: once it has toppled.
+        fall: once it has toppled; how its limbs are then, it is told from outside.
         happened: since that was taken away.
     """
 
-    def __init__(self, of: Pronker, ground: Ground, above: float | None, fall: Fall) -> None:
+    def __init__(
+        self, of: Pronker, ground: Ground, above: float | None, fall: Fall, limbs: LimbsNow
+    ) -> None:
         self.of, self.ground = of, ground
         self.highest = float(ground.field.heights.max())
-        self.fall = fall
+        self.fall, self._limbs = fall, limbs
         self.happened: list[Happening] = []
         self._known: Margins | None = None
         # Which feet came to the ground within the last sub-step, and how high each has to be
@@ -245,8 +252,9 @@ class Hopping:
             Happening("toppled", state.time, -1, state.p, np.array(UP), 0.0, 0.0, why)
         )
         now, tips = self.pose()
+        limbs = self._limbs(now, tips, state.down)
         phases.let_go(state, (tips - now.origin) @ now.R)
-        self.fall.begin(self.of, self.ground, state)
+        self.fall.begin(self.of, self.ground, state, limbs)
 
     def _lie(self, h: float) -> None:
         self.happened += self.fall.advance(self.state, h)

@@ -9,7 +9,7 @@ Source: Sims 1987, 7.4.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,7 @@ class Moment:
         down: (L,) which are on the ground.
         phase, speed: (C,) of the jump, and over the ground [m/s].
         limp: (C,) which have fallen.
+        hanging: (J,) values of the joints of those whose limbs then hang, by creature.
     """
 
     step: int
@@ -61,6 +62,7 @@ class Moment:
     phase: Array
     speed: Array
     limp: NDArray[np.bool_]
+    hanging: Mapping[int, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,11 +107,7 @@ class Posing:
         )
         down = np.stack([moment.down for moment in moments])
         limp = np.stack([moment.limp for moment in moments])
-        goals = unturn(R[:, herd.owner], tips - p[:, herd.owner])
-        asked = goals
-        goals = self._reined(goals, down)
-        reined = np.abs(goals - asked).max(axis=-1) > MISSES
-        solution = self._above(goals, R, p, down | limp[:, herd.owner], reined)
+        solution = self._settled(R, p, tips, down, limp)
         n, still = len(moments), np.zeros_like(phase)
         q = self.carriage.values(
             Rows(
@@ -125,6 +123,9 @@ class Posing:
             )
         )
         q = self._held(q, limp)
+        for row, moment in enumerate(moments):
+            for c, values in moment.hanging.items():
+                self._let_hang(solution, q, row, c, values)
         X_BN = self.table.poses(solution.X_BJ.reshape(n, -1, 4, 4), self.idlers.tree.pose(q))
         own = R[:, self.table.owner]
         return Poses(
@@ -133,6 +134,39 @@ class Posing:
             np.concatenate([phase, speed, solution.q[:, herd.legs.is_joint], q], axis=1),
             np.where(down, solution.residual, 0.0),
         )
+
+    def legs(self, moment: Moment) -> Array:
+        """Return the joint values (L, n) of legs at a moment [rad or m]."""
+        rows = (moment.R, moment.p, moment.tips, moment.down, moment.limp)
+        result: Array = self._settled(*(row[None] for row in rows)).q[0]
+        return result
+
+    def _settled(
+        self,
+        R: Array,
+        p: Array,
+        tips: Array,
+        down: NDArray[np.bool_],
+        limp: NDArray[np.bool_],
+    ) -> Settled:
+        """Return the legs at some moments; see `Moment`."""
+        owner = self.herd.owner
+        asked = unturn(R[:, owner], tips - p[:, owner])
+        goals = self._reined(asked, down)
+        reined = np.abs(goals - asked).max(axis=-1) > MISSES
+        return self._above(goals, R, p, down | limp[:, owner], reined)
+
+    def _let_hang(self, legs: Settled, q: Array, row: int, c: int, values: Array) -> None:
+        """Put the joints of a creature to values (J,) [rad or m]."""
+        herd, idle = self.herd, self.idlers.owner == c
+        q[row, idle] = values[self.idlers.number[idle]]
+        own = np.flatnonzero(herd.owner == c)
+        joints = [j for limb in herd.figures[c].skeleton.legs for j in limb.joints]
+        # Of legs that are shorter than others the rest is padding.
+        settled = legs.q[row, own]
+        settled[herd.legs.is_joint[own]] = values[joints]
+        legs.q[row, own] = settled
+        legs.X_BJ[row, own] = herd.legs.rows(own).pose(settled).X_BJ
 
     def _above(
         self,

@@ -8,7 +8,8 @@ Source: Sims 1987, 7.4 and ch. 11.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -21,8 +22,11 @@ from pipeline.simulation.locomotion.inventory import NodeTable, describe, foot_m
 from pipeline.simulation.locomotion.pronking.falling import Fall
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.hopping import Hopping
+from pipeline.simulation.locomotion.pronking.kept import Kept
+from pipeline.simulation.locomotion.pronking.limp import LimpFall
 from pipeline.simulation.locomotion.pronking.posing import Moment, Posing
 from pipeline.simulation.locomotion.pronking.pronker import pronkers_of
+from pipeline.simulation.locomotion.pronking.stiff import StiffFall
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, ContactKind, Note
@@ -37,6 +41,7 @@ CYCLE = {"flight": (0.0, 0.5), "landing": (0.5, 0.25), "pushing": (0.75, 0.25)}
 """Where the phases begin in a cycle that runs from 0 to 1, and how long they are."""
 
 CONTACTS: dict[str, ContactKind] = {"touch": "touch", "lift": "lift", "body": "hit"}
+FALLS: dict[str, Callable[[Figure], Fall]] = {"ragdoll": LimpFall, "rigid": StiffFall}
 NOTES = {
     "toppled": "toppled",
     "saturated": "clamped",
@@ -64,19 +69,24 @@ class Pronkers:
         words = [member.pronk or Pronk() for _, member, _ in cast]
         self.pronkers = pronkers_of(herd, [number for number, _, _ in cast], words)
         above = [float(m.at[1]) if len(m.at) == 3 else None for _, m, _ in cast]
-        self.hoppings = [
-            Hopping(of, world.ground, up, Fall(herd, c))
-            for c, (of, up) in enumerate(zip(self.pronkers, above, strict=True))
-        ]
         row_dt = world.clock.dt * world.clock.steps / world.clock.samples
         self.posing = Posing(herd, world.ground, idlers, table, folds_of(herd), row_dt)
+        self.kept = Kept(self.posing, looks_in(herd, cast), world.clock.dt)
+        self.hoppings = [
+            Hopping(
+                of,
+                world.ground,
+                up,
+                FALLS[of.words.fall](herd.figures[c]),
+                partial(self.kept.limbs, c),
+            )
+            for c, (of, up) in enumerate(zip(self.pronkers, above, strict=True))
+        ]
         self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
-        self.looks = looks_in(herd, cast)
         self._feet = foot_materials(herd, materials)
         self.step = 0
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
-        self._kept: list[Moment] = []
 
     def read(self, orders: Orders) -> None:
         """Take in nothing: who hops is not directed yet, which is said when it is asked for."""
@@ -96,7 +106,8 @@ class Pronkers:
     def keep(self) -> None:
         """Keep the present state as the next row."""
         poses = [hopping.pose() for hopping in self.hoppings]
-        self._kept.append(
+        hanging = ((c, one.fall.q) for c, one in enumerate(self.hoppings))
+        self.kept.keep(
             Moment(
                 step=self.step,
                 R=np.stack([moved.R for moved, _ in poses]),
@@ -106,21 +117,23 @@ class Pronkers:
                 phase=np.array([_phase(one) for one in self.hoppings]),
                 speed=np.array([np.hypot(*one.state.v[[0, 2]]) for one in self.hoppings]),
                 limp=np.array([one.state.phase == "fallen" for one in self.hoppings]),
+                hanging={c: q for c, q in hanging if q is not None},
             )
         )
 
     def write(self, rows: Rows) -> None:
         """Write nodes and channels of all rows kept."""
-        times = np.array([moment.step for moment in self._kept]) * self.world.clock.dt
-        poses = self.posing.poses(self._kept, self.looks, times)
-        rows.positions[:], rows.rotations[:] = poses.positions, poses.rotations
-        rows.alive[:] = True
-        rows.values[:] = poses.values
-        for row, leg in np.argwhere(poses.residual > SLIP):
-            gap = 1000.0 * float(poses.residual[row, leg])
-            text = f"{gap:.2g} mm from its foothold"
-            self._notes.append(Note("clamped", self._kept[row].step, self._part(int(leg)), text))
-        self._kept.clear()
+        first = 0
+        for moments, poses in self.kept.taken():
+            here = slice(first, first + len(moments))
+            rows.positions[here], rows.rotations[here] = poses.positions, poses.rotations
+            rows.alive[here] = True
+            rows.values[here] = poses.values
+            for row, leg in np.argwhere(poses.residual > SLIP):
+                gap = 1000.0 * float(poses.residual[row, leg])
+                text = f"{gap:.2g} mm from its foothold"
+                self._notes.append(Note("clamped", moments[row].step, self._part(int(leg)), text))
+            first = here.stop
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
@@ -132,7 +145,7 @@ class Pronkers:
     def _tell(self, step: int, c: int, one: Happening) -> None:
         """Take down an event of creature `c`."""
         herd, name = self.herd, self.herd.names[c]
-        link = herd.figures[c].skeleton.links[0]
+        link = herd.figures[c].skeleton.links[one.link]
         leg = int(herd.first_leg[c]) + one.leg
         part = f"{name}.{link.name}" if one.leg < 0 else self._part(leg)
         if one.kind in NOTES:
@@ -141,7 +154,7 @@ class Pronkers:
         dt = self.world.clock.dt
         fraction = min(max(one.time / dt - step, 0.0), float(np.nextafter(1.0, 0.0)))
         body = link.material or self.materials[c]
-        length = float(np.ptp(herd.figures[c].body.vertices, axis=0).max())
+        length = self._length(c, one.link)
         self._contacts.append(
             Contact(
                 step=step,
@@ -159,6 +172,11 @@ class Pronkers:
                 kind=CONTACTS[one.kind],
             )
         )
+
+    def _length(self, c: int, link: int) -> float:
+        """Return the size of a link [m]."""
+        figure = self.herd.figures[c]
+        return next(piece.size for piece in figure.pieces if piece.link == link)
 
 
 def _phase(hopping: Hopping) -> float:

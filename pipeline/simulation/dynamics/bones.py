@@ -20,7 +20,7 @@ from pipeline.simulation.spatial import Array
 WORLD = -1
 """In place of a bone: what the first one hangs on."""
 
-STIFF, DAMPED, RUBS = 0.12, 0.3, 0.0
+STIFF, DAMPED, RUBS = 0.12, 0.4, 0.0
 """How joints are drawn to their rest, damped and rubbed, in parts of the weight that hangs on
 them, of what damps it critically, and of the weight again."""
 

@@ -45,9 +45,13 @@ HEARD, AGAIN = 0.06, 0.35
 """Speed from which a bone is heard on the ground, in size / τ, and how long it has to be clear of
 it to be heard again, in τ."""
 
-SLOW, DROWSES, SLEEPS = 0.12, 0.5, 6.0
-"""Speed below which what lies is on its way to rest, in size / τ, how long it takes, in τ,
-until what still moves is braked e times as hard, and after how many such times it rests."""
+SLOW, TWITCH = 0.02, 0.5
+"""Speed of the first bone below which a ragdoll is on its way to rest, in size / τ, and of its
+joints, in 1 / τ: limbs may tremble, but what still topples is let topple."""
+
+DROWSES, SLEEPS = 0.5, 6.0
+"""How long it takes, in τ, until what still moves is braked e times as hard, and after how many
+such times it rests."""
 
 STOPS = 4.0
 """Damping of the limits of joints, in the critical one: so they give nothing back."""
@@ -225,12 +229,13 @@ class Ragdoll:
         Joints and contacts that give way a little creep on for long. Taking speed away takes
         energy away, and nothing else.
         """
-        v = self.data.qvel
-        speed = max(float(np.abs(v[:3]).max()), self.size * float(np.abs(v[3:]).max()))
-        slow = speed < SLOW * self.size / self.tau and self.data.ncon > 0
-        self._drowsy = self._drowsy + h / (DROWSES * self.tau) if slow else 0.0
-        if self._drowsy > 1.0:
-            v *= math.exp(-h / self.tau * math.expm1(self._drowsy - 1.0))
+        v, tau = self.data.qvel, self.tau
+        first = max(float(np.abs(v[:3]).max()), self.size * float(np.abs(v[3:6]).max()))
+        joints = float(np.abs(v[6:]).max(initial=0.0))
+        slow = first < SLOW * self.size / tau and joints < TWITCH / tau and self.data.ncon > 0
+        # What is woken again and again by one that trembles falls asleep all the same.
+        self._drowsy = max(self._drowsy + (1.0 if slow else -2.0) * h / (DROWSES * tau), 0.0)
+        v *= math.exp(-h / tau * math.expm1(max(self._drowsy - 0.5, 0.0)))
 
 
 # --- the model --------------------------------------------------------------------------

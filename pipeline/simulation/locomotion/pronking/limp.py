@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 QUICK = 4.0
-"""Speed of joints at most, in that of a leg that swings freely."""
+"""Speed from which a limb has not moved but was put elsewhere, in that of a leg that swings."""
 
 
 class LimpFall:
@@ -48,8 +48,6 @@ class LimpFall:
 
         own = bones_of(self.figure)
         now = state.now(of)
-        # Inverse kinematics may turn a joint in no time.
-        quick = QUICK * math.sqrt(GRAVITY / of.leg)
         w = np.array(state.turning[1])
         begin = Attitude(
             p=now.origin,
@@ -57,7 +55,7 @@ class LimpFall:
             v=state.v + np.cross(w, now.origin - now.p),
             w=unturn(now.R, w),
             joints=limbs.q[own.joints],
-            speeds=np.clip(limbs.speeds, -quick, quick)[own.joints],
+            speeds=self._calm(limbs.speeds, QUICK * math.sqrt(GRAVITY / of.leg))[own.joints],
         )
         self._order, self._centre = own.joints, of.mass.centre
         self._ragdoll = Ragdoll(own.bones, begin, ground.field)
@@ -86,6 +84,15 @@ class LimpFall:
             )
             for one in knocks
         ]
+
+    def _calm(self, speeds: Array, quick: float) -> Array:
+        """Return speeds of joints (J,), of limbs that inverse kinematics turned in no time none."""
+        result = speeds.copy()
+        for limb in self.figure.skeleton.limbs:
+            own = list(limb.joints)
+            if float(np.abs(speeds[own]).max()) > quick:
+                result[own] = 0.0
+        return result
 
     @property
     def q(self) -> Array | None:

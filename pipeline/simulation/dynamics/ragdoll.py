@@ -111,13 +111,20 @@ class Ragdoll:
         bones: the first one moves freely.
         begin: how it is.
         field: the terrain.
+
+    Attributes:
+        size: greatest extent of it [m].
+        tau: time that it takes to fall over, about [s].
+        mass: [kg].
+        is_at_rest: whether it moves no more.
+        is_gone: whether that is because it fell off the terrain.
     """
 
     def __init__(self, bones: Sequence[Bone], begin: Attitude, field: HeightField) -> None:
         self.size = size_of(bones)
         self.tau = math.sqrt(self.size / GRAVITY)
         self.mass = sum(bone.mass.mass for bone in bones)
-        self.is_at_rest = False
+        self.is_at_rest = self.is_gone = False
         self.model, self.data, self._mujoco = _build(
             bones, begin, field, self.mass, self.size, self.tau
         )
@@ -169,7 +176,8 @@ class Ragdoll:
             # Contacts are those of the begin of the sub-step.
             found += self._knocks(began + k * one, k * one)
             self._brake(one)
-        if self._drowsy > SLEEPS or float(self.data.qpos[1]) < self._floor:
+        self.is_gone = float(self.data.qpos[1]) < self._floor
+        if self._drowsy > SLEEPS or self.is_gone:
             self.is_at_rest = True
             self.data.qvel[:] = 0.0
         return found
@@ -177,24 +185,29 @@ class Ragdoll:
     # --- within a step ---------------------------------------------------------------
 
     def _slowly(self) -> Array:
-        """Return the time constants of bones (n,) that begin in the ground [s]."""
+        """Return the time constants of contacts of bones (n,), long if they begin deep [s]."""
         self._mujoco.mj_forward(self.model, self.data)
-        contact, hard = self.data.contact, HARD * self.tau
-        times = np.full(len(self._touched), hard)
-        for bone, dist in zip(self._bones(), contact.dist.tolist(), strict=True):
-            self._touched[bone] = 0.0
-            # A critically damped spring comes out at depth / (e τ) at most.
-            slow = -dist / (math.e * OUT * self.size / self.tau)
-            times[bone] = max(times[bone], slow)
-        return times
+        deep = self._depths()
+        self._touched[deep > -math.inf] = 0.0
+        return self._times(deep)
 
     def _harden(self) -> None:
-        """Make contacts of what began in the ground as hard as all others in the end."""
-        hard = HARD * self.tau
-        if float(self._soft.max()) <= hard:
-            return
-        self.model.geom_solref[self._geoms, 0] = self._soft
-        self._soft = np.maximum(self._soft - 0.2 * self.model.opt.timestep, hard)
+        """Make contacts of what began in the ground as hard as all others, as it comes out."""
+        if float(self._soft.max()) > HARD * self.tau:
+            self._soft = np.minimum(self._soft, self._times(self._depths()))
+            self.model.geom_solref[self._geoms, 0] = self._soft
+
+    def _times(self, deep: Array) -> Array:
+        # An overdamped spring comes out by depth / (2 SPENT² time) a second.
+        slow = deep / (2.0 * SPENT**2 * OUT * self.size / self.tau)
+        result: Array = np.maximum(slow, HARD * self.tau)
+        return result
+
+    def _depths(self) -> Array:
+        """Return how deep bones (n,) are in the ground, less than any where they are not [m]."""
+        deep = np.full(len(self._touched), -math.inf)
+        np.maximum.at(deep, self._bones(), -self.data.contact.dist)
+        return deep
 
     def _bones(self) -> list[int]:
         """Return the bones that contacts are of: the ground is the first geom."""

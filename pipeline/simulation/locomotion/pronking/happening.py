@@ -7,7 +7,9 @@ from typing import Literal
 
 from pipeline.simulation.spatial import Array
 
-Kind = Literal["touch", "lift", "body", "toppled", "saturated", "stopped", "misplaced", "tripped"]
+Kind = Literal[
+    "touch", "lift", "body", "toppled", "saturated", "stopped", "misplaced", "tripped", "dropped"
+]
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,7 +80,8 @@ class Kept:
         """Return the values of the leg joints of one creature, one after the other [rad or m]."""
         herd = self.posing.herd
         own = herd.owner == c
-        R, p, feet, on = (a.copy() for a in (moment.R, moment.p, moment.tips, moment.down))
+        R, p, feet = moment.R.copy(), moment.p.copy(), moment.tips.copy()
+        on = moment.down.copy()
         R[c], p[c], feet[own], on[own] = now.R, now.origin, tips, down
         q = self.posing.legs(replace(moment, R=R, p=p, tips=feet, down=on))
         result: Array = q[own][herd.legs.is_joint[own]]

@@ -16,11 +16,11 @@ from pipeline.simulation.locomotion.pronking.falling import Limbs
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
-from pipeline.simulation.spatial import Array, matrix, turn, unturn
+from pipeline.simulation.spatial import UP, Array, matrix, turn, unturn
 from pipeline.simulation.terrain import Ground
 
 if TYPE_CHECKING:
-    from pipeline.simulation.dynamics.ragdoll import Ragdoll
+    from pipeline.simulation.dynamics.ragdoll import Knock, Ragdoll
 
 
 QUICK = 4.0
@@ -62,28 +62,24 @@ class LimpFall:
 
     def advance(self, state: State, h: float) -> list[Happening]:
         """Go on by `h` [s]; return what struck the ground."""
-        assert self._ragdoll is not None
-        knocks = self._ragdoll.advance(h)
-        it = self._ragdoll.attitude
+        ragdoll = self._ragdoll
+        assert ragdoll is not None
+        if ragdoll.is_at_rest:
+            return []
+        knocks = ragdoll.advance(h)
+        it = ragdoll.attitude
         R = matrix(it.q)
         w, arm = turn(R, it.w), turn(R, self._centre)
         state.p, state.v = it.p + arm, it.v + np.cross(w, arm)
         a, b, c, d = it.q.tolist()
         x, y, z = w.tolist()
         state.turning = (a, b, c, d), (x, y, z)
-        return [
-            Happening(
-                "body",
-                state.time + one.time,
-                -1,
-                one.place,
-                one.normal,
-                one.speed,
-                one.energy,
-                link=one.bone,
-            )
-            for one in knocks
-        ]
+        found = [_body(state.time, one) for one in knocks]
+        if ragdoll.is_gone:
+            text = "left the terrain, and is followed no farther"
+            end = state.time + h
+            found.append(Happening("dropped", end, -1, it.p, UP, 0.0, 0.0, text))
+        return found
 
     def _calm(self, speeds: Array, quick: float) -> Array:
         """Return speeds of joints (J,), of limbs that inverse kinematics turned in no time none."""
@@ -102,3 +98,8 @@ class LimpFall:
         q = np.empty(len(self._order))
         q[self._order] = self._ragdoll.attitude.joints
         return q
+
+
+def _body(began: float, one: Knock) -> Happening:
+    time, place, normal = began + one.time, one.place, one.normal
+    return Happening("body", time, -1, place, normal, one.speed, one.energy, link=one.bone)

@@ -137,8 +137,8 @@ class Posing:
 
     def legs(self, moment: Moment) -> Array:
         """Return the joint values (L, n) of legs at a moment [rad or m]."""
-        rows = (moment.R, moment.p, moment.tips, moment.down, moment.limp)
-        result: Array = self._settled(*(row[None] for row in rows)).q[0]
+        R, p, tips = moment.R[None], moment.p[None], moment.tips[None]
+        result: Array = self._settled(R, p, tips, moment.down[None], moment.limp[None]).q[0]
         return result
 
     def _settled(

@@ -48,6 +48,7 @@ NOTES = {
     "stopped": "stopped",
     "misplaced": "misplaced",
     "tripped": "tripped",
+    "dropped": "dropped",
 }
 
 

@@ -1,8 +1,8 @@
 """Bones: the rigid bodies of a ragdoll and the joints between them, as plain arrays.
 
 How flesh holds a joint follows from what hangs on it: a mass m whose radius of gyration about
-the joint is l swings with √(g / l) and weighs m g l at most, which stiffness, damping and
-friction are parts of. So a ragdoll falls limply in the same way at any scale.
+the joint is l swings with √(g / l) and weighs m g l at most, which stiffness and damping
+are parts of. So a ragdoll falls limply in the same way at any scale.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from pipeline.simulation.spatial import Array
 WORLD = -1
 """In place of a bone: what the first one hangs on."""
 
-STIFF, DAMPED, RUBS = 0.12, 0.4, 0.0
-"""How joints are drawn to their rest, damped and rubbed, in parts of the weight that hangs on
-them, of what damps it critically, and of the weight again."""
+STIFF, DAMPED, HEAVY = 0.12, 0.4, 0.05
+"""How joints are drawn to their rest and damped, in parts of the weight that hangs on them and of
+what damps it critically; inertia that they have besides, in that of what hangs on them: a thin
+tail is easily twisted, and would be by a body that lies on it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,19 +70,19 @@ class Flesh:
     Attributes:
         stiffness: [N m/rad].
         damping: [N m s/rad].
-        friction: [N m].
+        inertia: [kg m²].
         length: by which what slides is divided [m].
     """
 
     stiffness: float
     damping: float
-    friction: float
+    inertia: float
     length: float
 
     def of_sliding(self) -> Flesh:
-        """Return the same for a joint that slides, [N/m], [N s/m] and [N]."""
+        """Return the same for a joint that slides, [N/m], [N s/m] and [kg]."""
         one = self.length
-        return Flesh(self.stiffness / one**2, self.damping / one**2, self.friction / one, one)
+        return Flesh(self.stiffness / one**2, self.damping / one**2, self.inertia / one**2, one)
 
 
 def flesh_of(bones: Sequence[Bone]) -> list[Flesh]:
@@ -96,7 +97,7 @@ def _flesh(hangs: MassProperties, place: Array) -> Flesh:
     length = math.sqrt(0.5 * float(np.trace(hangs.about(place))) / hangs.mass)
     weight = hangs.mass * GRAVITY * length
     critical = 2.0 * hangs.mass * length**2 * math.sqrt(GRAVITY / length)
-    return Flesh(STIFF * weight, DAMPED * critical, RUBS * weight, length)
+    return Flesh(STIFF * weight, DAMPED * critical, HEAVY * hangs.mass * length**2, length)
 
 
 def size_of(bones: Sequence[Bone]) -> float:

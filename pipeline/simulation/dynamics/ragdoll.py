@@ -344,7 +344,7 @@ def _add_joints(
             stiffness=held.stiffness / mass,
             springref=joint.rest,
             damping=held.damping / mass,
-            frictionloss=held.friction / mass,
+            armature=held.inertia / mass,
             solref_limit=[hard[0], STOPS],
-            solimp_limit=[0.98, 0.999, 0.001, 0.5, 2.0],
+            solimp_limit=[0.995, 0.9999, 0.001, 0.5, 2.0],
         )

@@ -79,7 +79,7 @@ def hops_of(scene: Scene) -> list[Hop]:
         if isinstance(troupe, Pronkers):
             level = level_ground(0.0, troupe.world.ground)
             for c, (of, hopping) in enumerate(zip(troupe.pronkers, troupe.hoppings, strict=True)):
-                jump = ordinary(of, level, hopping.fall)
+                jump = ordinary(of, level, hopping)
                 found.append(Hop(troupe.herd.figures[c].name, of, jump))
     if not found:
         raise UsageError(

@@ -72,7 +72,7 @@ def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     troupes = list[Troupe]()
     for level in dict.fromkeys(_level(member) for _, member in scene.creatures):
         here = [(i, m, figures[m.name]) for i, m in scene.creatures if _level(m) == level]
-        hop = [one for one in here if one[1].pronk is not None]
+        hop = [one for one in here if one[1].pronk is not None and one[1].walk is None]
         worms = [one for one in here if one not in hop and _inches(one)]
         walkers = [one for one in here if one not in hop and one not in worms]
         ground = world.ground if level is None else level_ground(level, world.ground)

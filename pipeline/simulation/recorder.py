@@ -8,13 +8,14 @@ and sound events alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pipeline.simulation.attaching import Bond
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.reel import put_down, reel
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
@@ -119,6 +120,20 @@ class Recorder:
         for rows in (self.positions, self.quaternions, self.alive, self.values, self.scales):
             put_down(rows)
         return None
+
+    def solids(
+        self, obstacles: Iterable[Obstacle], names: Collection[str], row: int
+    ) -> dict[str, list[Array]]:
+        """Return the corners (n, 3) of the solids of performers in a row that is kept [m]."""
+        found: dict[str, list[Array]] = {name: [] for name in names}
+        for one in obstacles:
+            if one.performer in found and self.alive[row, one.node]:
+                corners = one.corners
+                if one.node in self.scaled:
+                    corners = corners * self.scales[row, self.scaled.index(one.node)]
+                R = matrix(self.quaternions[row, one.node])
+                found[one.performer].append(self.positions[row, one.node] + corners @ R.T)
+        return found
 
     def happened(
         self,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
 
@@ -17,11 +17,12 @@ from pipeline.simulation.attaching import Bond, bonds_of, split
 from pipeline.simulation.casting import figures_of, refuse_to_direct, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect import DETECTORS
+from pipeline.simulation.obstacles import Obstacle, obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Script
 from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
 from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.troupe import Follows, Meets, Troupe, World
+from pipeline.simulation.troupe import Follows, Meets, Sees, Troupe, World
 from pipeline.spec.scene import VERSION, Scene
 
 ROWS_AT_ONCE = 96
@@ -49,6 +50,7 @@ class Simulation:
             self.world = World(ground, clock, scene.seed, scene.script, scene.all_moods)
             figures = figures_of(scene)
             self.troupes: list[Troupe] = troupes_of(scene, figures, self.world)
+            self._lookers = [troupe for troupe in self.troupes if isinstance(troupe, Sees)]
             self._groups = [troupe for troupe in self.troupes if isinstance(troupe, Follows)]
             self.recorder = Recorder(
                 _header(scene, key), clock, self.world.ground, [t.inventory for t in self.troupes]
@@ -85,6 +87,10 @@ class Simulation:
         first = sum(len(one.inventory.nodes) for one in before)
         return range(first, first + len(troupe.inventory.nodes))
 
+    @cached_property
+    def _obstacles(self) -> list[Obstacle]:
+        return obstacles_of([troupe.inventory for troupe in self.troupes])
+
     @property
     def finished(self) -> bool:
         """Whether the last row is written."""
@@ -107,6 +113,10 @@ class Simulation:
     def _read(self) -> None:
         """Show everybody what the script asks of them, and let them see the step before."""
         orders = self.script.orders(self.step_number, self._arrived)
+        for looker in self._lookers:
+            if sought := looker.sought(orders):
+                self._write_kept()
+                looker.see(self.recorder.solids(self._obstacles, sought, self._kept - 1))
         for troupe in self.troupes:
             troupe.read(orders)
 
@@ -123,6 +133,11 @@ class Simulation:
         self._kept += 1
         begins = self._kept == 1 and self.colliders is not None
         if begins or self._kept - self._written == self._at_once or self.finished:
+            self._write_kept()
+
+    def _write_kept(self) -> None:
+        """Write the rows that are kept and not written yet."""
+        if self._kept > self._written:
             self._write(slice(self._written, self._kept))
             self._written = self._kept
 

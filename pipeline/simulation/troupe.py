@@ -6,7 +6,7 @@ matter, and writes nothing but its own state and its own slice of the take.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
@@ -122,6 +122,17 @@ class Meets(Troupe, Protocol):
 
     def meet(self, step: int, p: Array, R: Array) -> None:
         """Go on to the row at `step`, all nodes (J, 3), (J, 3, 3) that push standing there."""
+
+
+@runtime_checkable
+class Sees(Troupe, Protocol):
+    """A troupe that looks at the solids of others before it does what it is told."""
+
+    def sought(self, orders: Orders) -> Collection[str]:
+        """Return whose solids somebody has to see now."""
+
+    def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
+        """Take in the corners (n, 3) of the solids of each that was sought, as they are now [m]."""
 
 
 @runtime_checkable

@@ -22,7 +22,7 @@ from pipeline.spec.keyframes import (
 from pipeline.spec.many import ManyWords
 from pipeline.spec.mood import MoodMix
 from pipeline.spec.pose import PoseKey
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.pronk import ITINERARY, Pronk
 from pipeline.spec.prop import Hold, Shape
 from pipeline.spec.values import Coordinate, Length, Name, Number, Target, Words
 from pipeline.spec.walk import Walk
@@ -78,7 +78,10 @@ class Creature(Performer):
     )
     scale: Length = Field(1.0, description="Factor on all lengths of the figure.")
     walk: Walk | None = Field(None, description="How it walks; it stands still if left out.")
-    pronk: Pronk | None = Field(None, description="How it hops, instead of walking.")
+    pronk: Pronk | None = Field(
+        None,
+        description="How it hops, instead of walking; with walk, how it jumps when it is told to.",
+    )
     mood: MoodMix = Field(
         {}, description="A mood by name, or weights of several: how it walks and carries itself."
     )
@@ -96,7 +99,7 @@ class Creature(Performer):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         faults = []
-        if self.parent is None and len(self.at) == 3 and self.pronk is None:
+        if self.parent is None and len(self.at) == 3 and (self.pronk is None or self.walk):
             faults.append(Fault(("at",), "a creature stands on the ground: give [x, z]"))
         if self.pronk is not None:
             faults += self._faults_of_hopping()
@@ -108,8 +111,9 @@ class Creature(Performer):
 
     def _faults_of_hopping(self) -> Iterator[Fault]:
         if self.walk is not None:
-            message = "it hops already; take walk or pronk away"
-            yield Fault(("pronk",), message, at_key=True)
+            message = "who walks jumps when a script says so; take it away, or walk"
+            for word in sorted(self.pronk.model_fields_set & ITINERARY if self.pronk else ()):
+                yield Fault(("pronk", word), message, at_key=True)
         if self.parent is not None:
             message = "who hops does so on the ground; take parent or pronk away"
             yield Fault(("pronk",), message, at_key=True)

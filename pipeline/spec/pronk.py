@@ -9,6 +9,9 @@ from pydantic import Field, model_validator
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.values import Length, LengthOrZero, Number, Point, Whole, Words
 
+ITINERARY = frozenset({"direction_deg", "turn_deg", "land_at", "avoid", "start", "jumps"})
+"""Words that say when and where it hops by itself, which a creature that walks does not."""
+
 
 class Pronk(Words):
     """How a figure hops; what is left out is chosen to suit its legs.

@@ -17,9 +17,16 @@ from pipeline.spec.faults import MOST_FAULTS, Fault, Step
 from pipeline.spec.group import DIRECTED
 from pipeline.spec.mood import MOODS
 from pipeline.spec.nearest import hint
+from pipeline.spec.script import FORMS
 from render.words import MATERIALS
 
 Place = tuple[Step, ...]
+
+JUMPS = ("hop_over", "jump")
+"""What is jumped at once."""
+
+HOPPING = ("hop", "stop", *JUMPS, "go_to", "turn_deg", "speed", "wait", "look_at", "look")
+"""What a creature can be told that hops and does not walk."""
 
 
 def faults_of_references(scene: object) -> list[Fault]:
@@ -36,6 +43,7 @@ def faults_of_references(scene: object) -> list[Fault]:
         _followed,
         _attached,
         _scripted,
+        _hopped,
         _moods,
         _seen,
     )
@@ -163,10 +171,51 @@ def _scripted(scene: object) -> Iterator[Fault]:
                 yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
             elif (group := _get(member, "group")) is not None:
                 yield from _directed(group, name, instruction, ("script", i), place)
-            elif _get(member, "pronk") is not None:
-                yield Fault(("script", i, *place), f"'{name}' hops, and follows no script")
-            elif not ((isinstance(member, Mapping) and "walk" in member) or _get(member, "walk")):
-                yield Fault(("script", i, *place), f"'{name}' does not walk; give it walk: {{}}")
+            elif not _walks(member) and not _hops(member):
+                message = f"'{name}' neither walks nor hops; give it walk: {{}} or pronk: {{}}"
+                yield Fault(("script", i, *place), message)
+            elif place == ("who",):
+                yield from _told(member, name, instruction, ("script", i, "do"))
+
+
+def _walks(member: object) -> bool:
+    return (isinstance(member, Mapping) and "walk" in member) or _get(member, "walk") is not None
+
+
+def _hops(member: object) -> bool:
+    return (isinstance(member, Mapping) and "pronk" in member) or _get(member, "pronk") is not None
+
+
+def _told(member: object, name: str, instruction: object, path: Place) -> Iterator[Fault]:
+    """Find what a creature is told that it cannot do, as it goes."""
+    do = _get(instruction, "do")
+    word = do if isinstance(do, str) else next((w for w in FORMS if _get(do, w) is not None), None)
+    if word in JUMPS and _get(member, "pose"):
+        yield Fault(path, f"'{name}' is posed, and who is posed does not jump; take pose away")
+    elif word == "hop" and _walks(member):
+        yield Fault(path, f"'{name}' walks; tell it walk, or to jump")
+    elif word is not None and not _walks(member) and word not in HOPPING:
+        right = "; tell it hop" if word == "walk" else ""
+        message = f"'{name}' hops, and can be told {', '.join(HOPPING)}{right}"
+        yield Fault(path if word == do else (*path, word), message, at_key=word != do)
+
+
+def _hopped(scene: object) -> Iterator[Fault]:
+    """Find what nobody can jump over."""
+    names, cast = _names(scene), dict(_items(_get(scene, "cast")))
+    for i, one in _items(_get(scene, "script")):
+        whom = _get(_get(one, "do"), "hop_over")
+        if not isinstance(whom, str):
+            continue
+        if whom not in names:
+            message = f"nobody in the cast is called '{whom}', {hint(whom, names)}"
+        elif whom == _get(one, "who"):
+            message = f"'{whom}' cannot jump over itself"
+        elif _thing(cast[names.index(whom)]) == "group" or _get(cast[names.index(whom)], "many"):
+            message = f"'{whom}' is many things; name a prop, a body or a creature"
+        else:
+            continue
+        yield Fault(("script", i, "do", "hop_over"), message)
 
 
 def _directed(

@@ -10,18 +10,18 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.mood import MoodMix
-from pipeline.spec.values import Name, Number, Point, Target, Words
+from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Target, Words
 from pipeline.spec.walk import GAIT, Gait, Manner
 
 
 class GoTo(Words):
-    """Walk to a place and stop there."""
+    """Go to a place and stop there."""
 
     go_to: Point = Field(description="Where to, [x, z] [m].")
 
 
 class TurnBy(Words):
-    """Turn: on the spot who stands, along an arc who walks."""
+    """Turn: on the spot who stands, along an arc who walks; who hops turns in the air."""
 
     turn_deg: Angle = Field(description="By how much; positive turns to the left [degrees].")
 
@@ -66,8 +66,42 @@ class LookAhead(Words):
     look: Literal["ahead"] = Field(description="ahead.")
 
 
-Plain = Literal["stop", "walk"]
-"""Stop here; walk straight on."""
+class HopOver(Words):
+    """Jump over somebody or something, and go on."""
+
+    hop_over: Name = Field(description="Over whom or what: a prop, a body or a creature.")
+
+
+class JumpWords(Words):
+    """One jump; what is left out is as the creature's `pronk` block says, or suits its legs."""
+
+    distance: LengthOrZero | None = Field(
+        None, description="From lift-off until back at that height, over the ground [m]."
+    )
+    height: Length | None = Field(None, description="Above the lift-off [m].")
+    speed: Annotated[Number, Field(gt=0, le=1000)] | None = Field(
+        None, description="At lift-off, along the way of the jump [m/s]."
+    )
+    land_at: Point | None = Field(
+        None, description="Where the middle of its feet is to land, [x, z] [m]."
+    )
+
+    @model_validator(mode="after")
+    def _aims_or_goes(self) -> Self:
+        message = "land_at says how far it jumps; take one of the two away"
+        given = [word for word in ("distance", "speed") if getattr(self, word) is not None]
+        refuse([Fault((word,), message, at_key=True) for word in given if self.land_at])
+        return self
+
+
+class JumpOnce(Words):
+    """Make one jump, and go on."""
+
+    jump: JumpWords = Field(description="The jump; {} is an ordinary one.")
+
+
+Plain = Literal["stop", "walk", "hop"]
+"""Stop here; walk, or hop, straight on."""
 
 FORMS: Mapping[str, type[Words]] = {
     "gait": ChangeGait,
@@ -78,6 +112,8 @@ FORMS: Mapping[str, type[Words]] = {
     "wait": Wait,
     "look_at": LookAt,
     "look": LookAhead,
+    "hop_over": HopOver,
+    "jump": JumpOnce,
 }
 """What can be done, by the key that says it."""
 
@@ -99,7 +135,9 @@ Do = Annotated[
     | Annotated[SetSpeed, Tag("SetSpeed")]
     | Annotated[Wait, Tag("Wait")]
     | Annotated[LookAt, Tag("LookAt")]
-    | Annotated[LookAhead, Tag("LookAhead")],
+    | Annotated[LookAhead, Tag("LookAhead")]
+    | Annotated[HopOver, Tag("HopOver")]
+    | Annotated[JumpOnce, Tag("JumpOnce")],
     Discriminator(_form),
 ]
 
@@ -121,7 +159,8 @@ class Instruction(Words):
     )
     who: Name = Field(description="Who is to do it.")
     do: Do = Field(
-        description="stop, walk, or go_to, turn_deg, speed, gait, mood, look_at, look or wait."
+        description="stop, walk, hop, or go_to, turn_deg, speed, gait, mood, look_at, look, wait, "
+        "hop_over or jump."
     )
 
     @model_validator(mode="after")

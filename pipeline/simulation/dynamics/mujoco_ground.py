@@ -1,7 +1,8 @@
 """MuJoCo ground: the terrain as MuJoCo needs it.
 
 MuJoCo stands a height field on its local Z: here its X is our Z and its Y our X, so that its
-cells are cut along our diagonal. Who builds a model hands in the module, for none but adapters import it.
+cells are cut along our diagonal. Who builds a model hands in the module, for none but adapters
+import it.
 """
 
 from __future__ import annotations

@@ -304,8 +304,8 @@ def _build(
     spec = mujoco.MjSpec()
     _set_options(spec, mujoco, not is_level(field))
     matter = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
-    corners = [c.build.hull.vertices for c in colliders if c.build.hull is not None]
-    add_ground(spec, mujoco, field, corners, matter)
+    lying = [c.build.hull.vertices for c in colliders if c.build.hull is not None]
+    add_ground(spec, mujoco, field, lying, matter)
     for i, collider in enumerate(colliders):
         _add_body(spec, mujoco, f"body {i}", collider)
     heaviest = max(c.build.mass.mass for c in colliders)

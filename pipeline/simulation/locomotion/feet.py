@@ -171,7 +171,7 @@ class Feet:
         may = self.going.may_lift()[herd.owner[due]]
         if self.going.may_rest:
             rests = zip(due.tolist(), self.going.arrived[herd.owner[due]], strict=True)
-            may &= [not rest or self._is_astray(leg) for leg, rest in rests]
+            may &= [not rest or self.is_astray(leg) for leg, rest in rests]
         lifting = [(leg, float(up_at[leg])) for leg in due[may].tolist()]
         self._foresee(lifting, soon=True)
         for leg, up in self._stuck_first(lifting):
@@ -301,7 +301,7 @@ class Feet:
         way = float(gone[0, c] + back * math.sqrt(part))
         return Lift(leg, way, phase, paces.step(leg, phase), part, self.end[leg].copy())
 
-    def _is_astray(self, leg: int) -> bool:
+    def is_astray(self, leg: int) -> bool:
         """Tell whether a foot of a body at rest is not where it would rest."""
         way, phase = self.going.way[self.herd.owner[leg]], self.going.phase[self.herd.owner[leg]]
         rest = self.footholds.rest(leg, float(way), float(phase))
@@ -371,6 +371,14 @@ class Feet:
     def _bend(self, leg: int) -> Array | None:
         """Return what the swing of a leg has beside its arch."""
         return None if self.bend is None else self.bend[leg]
+
+    def stand_at(self, leg: int, place: Foothold) -> None:
+        """Let a foot stand somewhere, wherever it has been."""
+        self.start[leg] = self.end[leg] = place.tip
+        self.stoop[:, leg], self.height[leg] = place.stoop, 0.0
+        self.holds[leg], self.swinging[leg] = place, False
+        if self.bend is not None:
+            self.bend[leg] = 0.0
 
     def _touch(self, step: int, leg: int, fraction: float, rate: float) -> None:
         """Put a foot down, `fraction` of a step after `step`, at a rate of the phase [1/s]."""

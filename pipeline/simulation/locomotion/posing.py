@@ -8,7 +8,7 @@ moments together, which costs a fraction of doing it step by step.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.posed_limb import Miss
-from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.figures.settling import Settled, settle
 from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.locomotion.carriage.bearing import Bearing
 from pipeline.simulation.locomotion.carriage.carriage import Carriage
@@ -25,7 +25,9 @@ from pipeline.simulation.locomotion.carriage.idle import Idlers
 from pipeline.simulation.locomotion.carriage.looking import Look, Rows
 from pipeline.simulation.locomotion.herd import REACH, Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
+from pipeline.simulation.locomotion.leaping.aloft import Aloft, Carried
 from pipeline.simulation.locomotion.postures import Postures
+from pipeline.simulation.locomotion.pronking.reaching import Reaching
 from pipeline.simulation.locomotion.swings.sole import lowest
 from pipeline.simulation.locomotion.swings.swing import swing
 from pipeline.simulation.locomotion.ways.body_path import BodyPath
@@ -68,9 +70,10 @@ class Moment:
     routes: Sequence[Route]
     looks: Mapping[int, Look]
     bend: Array | None = None
+    aloft: Mapping[int, Aloft] = field(default_factory=dict)
 
 
-ALONE = ("step", "bearing", "routes", "looks", "bend")
+ALONE = ("step", "bearing", "routes", "looks", "bend", "aloft")
 ARRAYS = tuple(name for name in Moment.__slots__ if name not in ALONE)
 """What of a moment is arrays, to be stacked."""
 
@@ -114,6 +117,7 @@ class Posing:
         self.yielding = Yielding(herd, path)
         self.give = Give(herd, self.row_dt)
         self.carriage = Carriage(herd, idlers, path.ground, self.row_dt)
+        self._last = np.zeros(len(idlers.owner))
 
     def poses(self, moments: Sequence[Moment]) -> Poses:
         """Return where everything is at `moments`."""
@@ -135,6 +139,8 @@ class Posing:
         planned = p_WB[..., 1].copy()
         p_WB[..., 1] -= _stooped(herd, stoop, s)
         tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
+        carried = Carried(herd, [moment.aloft for moment in moments])
+        carried.bodies(R_WB, p_WB)
         self.give.apply(R_WB, p_WB)
         around = self._posed_bodies(steps * self.dt, way, tall, R_WB, p_WB)
         free = self.postures.free(steps * self.dt)
@@ -148,20 +154,24 @@ class Posing:
         touches = Touches(lifted + span, YIELDS * span, end, stoop[:, 1], swinging)
         self.yielding.give_way(R_WB, p_WB, tips, (grip, free), going, touches)
         tips = self._reined(tips, R_WB, p_WB, aloft, swinging)
+        carried.bodies(R_WB, p_WB)
+        tips = carried.feet(tips)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
-        solution = settle(herd.legs, herd.chains, goals)
-        residual = solution.residual
+        solution = self._settled(goals, R_WB, p_WB, carried)
+        residual = np.where(carried.down, solution.residual, 0.0)
         routes, looks = [m.routes for m in moments], [m.looks for m in moments]
         q_idle = self.carriage.values(
             Rows(steps * self.dt, way, phase, drive, bearing, routes, looks, R_WB, p_WB)
         )
         q_legs, X_legs = solution.q, solution.X_BJ
         self.postures.keep_feet(goals, q_legs, residual)
+        q_idle = self._held(q_idle, carried.limp)
         X_idle = self.idlers.tree.pose(q_idle)
         misses = self.postures.move_joints(around, (q_legs, X_legs), (q_idle, X_idle))
         X_BN = self.table.poses(X_legs.reshape(n, -1, 4, 4), X_idle)
         R_own = R_WB[:, self.table.owner]
         speed = self._speeds(creature, phase) * drive
+        carried.speeds(speed)
         return Poses(
             positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
             rotations=R_own @ X_BN[..., :3, :3],
@@ -173,6 +183,23 @@ class Posing:
                 *(self._missed(steps, c, miss) for c, miss in misses),
             ],
         )
+
+    def _settled(self, goals: Array, R_WB: Array, p_WB: Array, carried: Carried) -> Settled:
+        """Return legs at goals (n, L, 3) relative to their bodies; see `Reaching`."""
+        herd = self.herd
+        if carried.down.all():
+            return settle(herd.legs, herd.chains, goals)
+        reaching = Reaching(herd, self.path.ground, self.yielding.folds)
+        limp = carried.limp[:, herd.owner]
+        return reaching.settled(goals, R_WB, p_WB, carried.down, limp)
+
+    def _held(self, q: Array, limp: NDArray[np.bool_]) -> Array:
+        """Return joint values (n, M) that stay what they were on those who have fallen."""
+        for row in np.flatnonzero(limp.any(axis=1)).tolist():
+            before, fallen = q[row - 1] if row else self._last, limp[row, self.idlers.owner]
+            q[row, fallen] = before[fallen]
+        self._last = q[-1].copy()
+        return q
 
     def _reined(
         self,

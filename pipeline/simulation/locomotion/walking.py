@@ -8,7 +8,7 @@ Source: Sims 1987, ch. 10.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from pipeline.simulation.locomotion.inventory import (
     NodeTable,
     describe,
 )
+from pipeline.simulation.locomotion.leaping.leaps import Leaps
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.ways.body_path import BodyPath
@@ -72,6 +73,7 @@ class Walkers:
         self.going = Going(herd, path, manners, world.clock.dt)
         self.going.looks = looks_in(herd, cast)
         self.feet = Feet(cast, world, self.going, Footfalls(herd, world, self.postures, materials))
+        self.leaps = Leaps(cast, world, self.going, self.feet, materials)
         self._notes: list[Note] = []
         self._told: list[Note] = []
         self._arrived: list[str] = []
@@ -96,12 +98,22 @@ class Walkers:
 
     # --- the passes of the step -------------------------------------------------
 
+    def sought(self, orders: Orders) -> Collection[str]:
+        """Return over whom somebody is to jump."""
+        return self.leaps.sought(orders)
+
+    def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
+        """Take in where those are."""
+        self.leaps.see(solids)
+
     def read(self, orders: Orders) -> None:
         """Take in what the script asks from this step on."""
         for name, given in orders.items():
             if name in self.herd.names:
                 for order in given:
                     c = self.herd.names.index(name)
+                    if self.leaps.take(self.step, c, order):
+                        continue
                     unable = obey(self.going, c, order)
                     if self.going.changes(c):
                         self.feet.changing.add(c)
@@ -118,7 +130,10 @@ class Walkers:
         going.path.bearing = going.manners.bearing(going.time)
         self._arrived = self._go_on()
         feet.take_steps(step, before)
-        self._notes, self._told = [*self._told, *feet.notes], []
+        self.leaps.advance(step)
+        self._arrived = [one for one in self._arrived if not self.leaps.is_coming(one)]
+        self._arrived += self.leaps.arrived
+        self._notes, self._told = [*self._told, *feet.notes, *self.leaps.notes], []
         self.step = step + 1
 
     def _farthest(self, manners: Manners) -> Array:
@@ -160,9 +175,10 @@ class Walkers:
                 stoop=feet.stoop.copy(),
                 tuck=feet.tuck.copy(),
                 bearing=self.going.path.bearing,
-                routes=self.going.path.routes,
+                routes=self.leaps.routes(),
                 looks=self.going.looks,
                 bend=None if feet.bend is None else feet.bend.copy(),
+                aloft=self.leaps.aloft(self.step * self.world.clock.dt),
             )
         )
 
@@ -177,7 +193,8 @@ class Walkers:
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
-        return Facts(tuple(self.feet.footfalls.contacts), tuple(self._notes), tuple(self._arrived))
+        contacts = *self.feet.footfalls.contacts, *self.leaps.contacts
+        return Facts(contacts, tuple(self._notes), tuple(self._arrived))
 
     def _go_on(self) -> list[str]:
         """Advance on the routes; return who has come to its end."""

@@ -68,6 +68,11 @@ class Scout:
             return None
         return Barrier(0.0, barrier.cause) if barrier.way < SETS_OUT * stride else barrier
 
+    def forget(self, c: int) -> None:
+        """Forget what was seen on the way of a creature that goes another one."""
+        self._seen[self.herd.owner == c] = -math.inf
+        self._clear[c] = 0.0
+
     def _first(self, leg: int) -> Lift:
         """Return what is known of the first step of a leg after the start."""
         phase = float(np.mod(self.herd.up[leg], 1.0))

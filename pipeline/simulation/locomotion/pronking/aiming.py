@@ -13,6 +13,7 @@ import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import spin
+from pipeline.simulation.locomotion.pronking.course import Leap
 from pipeline.simulation.locomotion.pronking.locating import crossing
 from pipeline.simulation.locomotion.pronking.pronker import LANDS, LIFTS, Pronker
 from pipeline.simulation.locomotion.pronking.spin import Quaternion
@@ -67,11 +68,15 @@ class Aim:
 
 def aim(of: Pronker, state: State, ground: Ground) -> tuple[Aim, bool]:
     """Return the next jump, and whether its landing is where it may be."""
-    words, k = of.words, state.jumps
+    words, course = of.words, state.course
+    if course.leap is not None:
+        return leaping(of, state, ground, course.leap), True
     if words.land_at:
-        spot = np.array(words.land_at[min(k, len(words.land_at) - 1)], dtype=float)
-        return _at_spot(of, state, ground, spot), True
-    way = of.jump.forward
+        k = min(course.made, len(words.land_at) - 1)
+        spot = np.array(words.land_at[k], dtype=float)
+        up = _up_to(of, state, ground, spot)
+        return _at_spot(of, state, ground, spot, up, _facing_at(of, state, spot)), True
+    way = course.jump.forward
     first = _jump(of, state, ground, way, state.going)
     if not words.avoid or _is_good(of, ground, first):
         return first, True
@@ -82,12 +87,28 @@ def aim(of: Pronker, state: State, ground: Ground) -> tuple[Aim, bool]:
     return _jump(of, state, ground, 0.0, state.going), False
 
 
+def leaping(of: Pronker, state: State, ground: Ground, leap: Leap, rounds: int = ROUNDS) -> Aim:
+    """Return how to make a jump that was asked for, in fewer rounds only about."""
+    if leap.spot is not None:
+        spot = np.array(leap.spot)
+        return _at_spot(of, state, ground, spot, leap.up, leap.facing, rounds)
+    x, z = leap.forward * np.array([math.cos(state.going), -math.sin(state.going)])
+    return _flown(of, state, ground, np.array([x, leap.up, z]), leap.facing)
+
+
 def leaves(of: Pronker, state: State) -> bool:
     """Tell whether it is to jump again."""
+    return bool(state.course.errands) or _goes_on(of, state, state.course.made)
+
+
+def _goes_on(of: Pronker, state: State, made: int) -> bool:
+    """Tell whether it jumps by its words when it has made so many such jumps."""
     words = of.words
+    if not state.course.onward:
+        return False
     if words.land_at:
-        return state.jumps < len(words.land_at)
-    return words.jumps is None or state.jumps < words.jumps
+        return made < len(words.land_at)
+    return words.jumps is None or made < words.jumps
 
 
 def _others() -> Iterator[tuple[float, float]]:
@@ -105,21 +126,34 @@ def _is_good(of: Pronker, ground: Ground, one: Aim) -> bool:
 
 
 def _jump(of: Pronker, state: State, ground: Ground, way: float, going: float) -> Aim:
-    v = np.array([way * math.cos(going), of.jump.up, -way * math.sin(going)])
+    up = state.course.jump.up
+    v = np.array([way * math.cos(going), up, -way * math.sin(going)])
     return _flown(of, state, ground, v, state.facing)
 
 
-def _at_spot(of: Pronker, state: State, ground: Ground, spot: Array) -> Aim:
-    """Return the jump that lands at a spot (x, z)."""
+def _up_to(of: Pronker, state: State, ground: Ground, spot: Array) -> float:
+    """Return with which upward speed to jump to a spot (x, z) [m/s]."""
     height = float(ground.height(spot[0], spot[1]))
-    facing = _facing_at(of, state, spot)
     stands = state.p[1] - of.mass.centre[1] - of.crouch
     # The top of the way is to be above the spot by half the height of a jump at least.
-    up = math.sqrt(2.0 * GRAVITY * (of.jump.height + max(height - stands, 0.0)))
+    return math.sqrt(2.0 * GRAVITY * (state.course.jump.height + max(height - stands, 0.0)))
+
+
+def _at_spot(
+    of: Pronker,
+    state: State,
+    ground: Ground,
+    spot: Array,
+    up: float,
+    facing: float,
+    rounds: int = ROUNDS,
+) -> Aim:
+    """Return the jump that lands at a spot (x, z)."""
+    height = float(ground.height(spot[0], spot[1]))
     v = np.array([0.0, up, 0.0])
     lean = leant(of, ground, spot[0], spot[1], facing)
     R = np.array(spin.rows(lean))
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         rise, _, p1 = lift_off(of, state, v)
         ends = held_out(of, R, v, up, _stops(of, state), _above(of, state, rise))
         middle = R @ (ends - [0.0, 1.0, 0.0] * of.soles[:, None]).mean(axis=0) - (
@@ -129,15 +163,14 @@ def _at_spot(of: Pronker, state: State, ground: Ground, spot: Array) -> Aim:
         time = (up + math.sqrt(max(fall, 0.0))) / GRAVITY
         # A faster jump leaves later and lands farther ahead, which asks for a slower one: the
         # middle between both is nearer than either.
-        v = 0.5 * (
-            v + [(spot[0] - middle[0] - p1[0]) / time, up, (spot[1] - middle[2] - p1[2]) / time]
-        )
+        x, z = (spot[0] - middle[0] - p1[0]) / time, (spot[1] - middle[2] - p1[2]) / time
+        v = 0.5 * (v + np.array([x, up, z]))
     return Aim(v, rise, time, ends, lean, spot)
 
 
 def _facing_at(of: Pronker, state: State, spot: Array) -> float:
     """Return where to look when it has landed: to the next spot, or as it came."""
-    spots, k = of.words.land_at, state.jumps
+    spots, k = of.words.land_at, state.course.made
     here = spot if k + 1 < len(spots) else np.array([state.p[0], state.p[2]])
     there = np.array(spots[k + 1], dtype=float) if k + 1 < len(spots) else spot
     way = there - here
@@ -146,9 +179,11 @@ def _facing_at(of: Pronker, state: State, spot: Array) -> float:
 
 def _stops(of: Pronker, state: State) -> bool:
     """Tell whether the jump that is about to be made is the last one."""
-    if of.words.land_at:
-        return state.jumps + 1 >= len(of.words.land_at)
-    return of.words.jumps is not None and state.jumps + 1 >= of.words.jumps
+    course = state.course
+    if course.leap is None:
+        return not course.errands and not _goes_on(of, state, course.made + 1)
+    more = len(course.errands) > 1 or not course.leap.last
+    return not more and not _goes_on(of, state, course.made)
 
 
 def _flown(of: Pronker, state: State, ground: Ground, v: Array, facing: float) -> Aim:

@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.pronking.forces import shared
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.locating import crossing
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
-from pipeline.simulation.locomotion.pronking.state import SUPPORT, Moved
+from pipeline.simulation.locomotion.pronking.state import SUPPORT, Moved, State
 from pipeline.simulation.locomotion.pronking.watching import (
     RISING,
     Margins,
@@ -62,23 +62,30 @@ class Hopping:
         of: its constants.
         ground: that it hops over.
         state: how it is.
-        fall: once it has toppled; how its limbs are then, it is told from outside.
+        fall: once it has toppled.
+        limbs: how its limbs are then, which it is told from outside.
         happened: since that was taken away.
     """
 
     def __init__(
-        self, of: Pronker, ground: Ground, above: float | None, fall: Fall, limbs: LimbsNow
+        self,
+        of: Pronker,
+        ground: Ground,
+        above: float | None,
+        fall: Fall,
+        limbs: LimbsNow,
+        state: State | None = None,
     ) -> None:
         self.of, self.ground = of, ground
         self.highest = float(ground.field.heights.max())
-        self.fall, self._limbs = fall, limbs
+        self.fall, self.limbs = fall, limbs
         self.happened: list[Happening] = []
         self._known: Margins | None = None
         # Which feet came to the ground within the last sub-step, and how high each has to be
         # lifted out of it while the body rises.
         self._met = np.zeros(len(of.hips), dtype=bool)
         self._lifted = np.zeros(len(of.hips))
-        self.state = phases.first_state(of, ground, above)
+        self.state = phases.first_state(of, ground, above) if state is None else state
 
     def advance(self, end: float) -> None:
         """Go on until `end` [s]."""
@@ -252,7 +259,7 @@ class Hopping:
             Happening("toppled", state.time, -1, state.p, np.array(UP), 0.0, 0.0, why)
         )
         now, tips = self.pose()
-        limbs = self._limbs(now, tips, state.down)
+        limbs = self.limbs(now, tips, state.down)
         phases.let_go(state, (tips - now.origin) @ now.R)
         self.fall.begin(self.of, self.ground, state, limbs)
 

@@ -6,13 +6,11 @@ from where they were.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.locomotion.carriage.looking import Look
 from pipeline.simulation.locomotion.pronking.falling import Limbs
 from pipeline.simulation.locomotion.pronking.posing import Moment, Poses, Posing
 from pipeline.simulation.locomotion.pronking.state import Moved
@@ -27,12 +25,11 @@ class Kept:
 
     Attributes:
         posing: works out the poses.
-        looks: where heads are told to look.
         dt: time of a step [s].
     """
 
-    def __init__(self, posing: Posing, looks: Mapping[int, Look], dt: float) -> None:
-        self.posing, self.looks, self.dt = posing, looks, dt
+    def __init__(self, posing: Posing, dt: float) -> None:
+        self.posing, self.dt = posing, dt
         self._waiting: list[Moment] = []
         self._posed: list[tuple[list[Moment], Poses]] = []
         # The last two moments, and all values that were written of them.
@@ -103,7 +100,7 @@ class Kept:
         if not self._waiting:
             return
         times = np.array([moment.step for moment in self._waiting]) * self.dt
-        poses = self.posing.poses(self._waiting, self.looks, times)
+        poses = self.posing.poses(self._waiting, times)
         self._posed.append((self._waiting, poses))
         self._last += zip(self._waiting, poses.values, strict=True)
         self._last, self._waiting = self._last[-2:], []

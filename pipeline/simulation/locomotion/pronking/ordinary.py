@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.falling import Fall
 from pipeline.simulation.locomotion.pronking.hopping import Hopping
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
@@ -55,17 +54,18 @@ class Ordinary:
         return max(self.push_force, self.landing_force)
 
 
-def ordinary(of: Pronker, level: Ground, fall: Fall) -> Ordinary | None:
+def ordinary(of: Pronker, level: Ground, as_now: Hopping) -> Ordinary | None:
     """Return the jump that a creature makes on level ground, None if its legs cannot make it.
 
     Args:
         of: the creature.
         level: ground without ups and downs.
-        fall: how it would fall, which with legs that are strong enough it does not.
+        as_now: it as it hops in its scene, whose fall it has, though with legs that are strong
+            enough it does not.
     """
     words = {name: getattr(of.words, name) for name in ("direction_deg", "turn_deg", "crouch")}
     able = replace(of, words=Pronk(**words), most=math.inf, balance=math.inf, twist=math.inf)
-    hopping = Hopping(able, level, None, fall)
+    hopping = Hopping(able, level, None, as_now.fall, as_now.limbs)
     until = LONGEST + REHEARSED * 2.0 * of.jump.up / GRAVITY
     found: dict[str, State] = {}
     while hopping.state.time < until and hopping.state.phase != "fallen":

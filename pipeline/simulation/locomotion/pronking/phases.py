@@ -10,6 +10,7 @@ Source: Sims 1987, 11.1 to 11.3.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import spin
 from pipeline.simulation.locomotion.pronking.aiming import aim, held_out, leant, leaves
 from pipeline.simulation.locomotion.pronking.attitude import FREE, NONE, Steering, rate_for
+from pipeline.simulation.locomotion.pronking.course import Course
 from pipeline.simulation.locomotion.pronking.forces import drive
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.pronker import HOLDS, Pronker
@@ -26,7 +28,7 @@ from pipeline.simulation.locomotion.pronking.state import State, level
 from pipeline.simulation.locomotion.pronking.swing import Swing
 from pipeline.simulation.locomotion.pronking.watching import body_gap
 from pipeline.simulation.locomotion.swings.sole import lowest
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, quaternion
 from pipeline.simulation.terrain import Ground
 
 FALLING = np.array([0.0, -GRAVITY, 0.0])
@@ -124,7 +126,45 @@ def _put(of: Pronker, ground: Ground) -> State:
         swing=Swing.still(np.zeros((n, 3))),
         facing=of.heading + (0.0 if of.words.land_at else math.radians(of.words.turn_deg)),
         going=of.heading + math.radians(of.words.direction_deg),
+        course=Course(of.jump),
     )
+
+
+def taken_over(of: Pronker, R: Array, origin: Array, tips: Array, time: float) -> State:
+    """Return the state of one that stands, and has come there by other ways than jumps.
+
+    Args:
+        of: who.
+        R: (3, 3) and
+        origin: (3,) of its body [m].
+        tips: (n, 3) its feet, which are on the ground [m].
+        time: since the start of the film [s].
+    """
+    a, b, c, d = quaternion(R[None])[0].tolist()
+    angle = math.atan2(-R[2, 0], R[0, 0])
+    own = (tips - origin) @ R
+    state = State(
+        phase="standing",
+        time=time,
+        p=origin + R @ of.mass.centre,
+        v=np.zeros(3),
+        turning=((a, b, c, d), NONE),
+        tips=tips.copy(),
+        down=~of.legs.misses(own),
+        released=np.zeros(len(tips), dtype=bool),
+        swing=Swing.still(own),
+        facing=angle,
+        going=angle,
+        course=Course(of.jump, onward=False),
+    )
+    state.floor = _floor(of, state)
+    return state
+
+
+def crouched(of: Pronker, state: State) -> State:
+    """Return the state of one that stands as it will be at the begin of a push."""
+    low = min(state.floor + of.crouch, level(of, state.p))
+    return replace(state, p=np.array([state.p[0], low + of.mass.centre[1], state.p[2]]))
 
 
 def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> None:
@@ -143,6 +183,7 @@ def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> N
             _straighten(state)
         case "straightening":
             _stand(state)
+            wake(of, state)
         case _:
             pass
 
@@ -232,24 +273,43 @@ def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
         energy = 0.5 * float(of.leg_mass[leg]) * speed * speed
         events.append(Happening("lift", state.time, leg, place, normal, speed, energy))
     time = max(state.flight, 0.1)
-    n = len(start)
-    middle = 0.5 * (start + state.ends)
-    top = np.maximum(start[:, 1], state.ends[:, 1]) + TUCK * of.leg * min(1.0, time / 0.5)
-    room = of.hips[:, 1] - 1.15 * of.folds
-    middle[:, 1] = np.maximum(np.minimum(top, room), np.maximum(start[:, 1], state.ends[:, 1]))
-    own = now.R.T @ state.v
-    trail = np.tile([-TRAIL * own[0], 0.0, -TRAIL * own[2]], (n, 1))
-    state.swing = Swing(
-        np.full(n, state.time), np.full(n, 0.97 * time), start, middle, state.ends, trail
-    )
+    leap = state.course.leap
+    folds = leap is not None and leap.folds
+    state.swing = drawn_up(of, start, state.ends, state.time, time, now.R.T @ state.v, folds)
     state.lift = state.p.copy(), state.v.copy()
     state.phase, state.a, state.until, state.steering = "flight", FALLING, math.inf, FREE
     state.down[:] = state.released[:] = False
     state.jumps += 1
     state.first, state.hits, state.saturated = math.inf, 0, False
-    if not of.words.land_at:
+    state.course.took_off()
+    if leap is not None:
+        state.facing = leap.facing
+    elif not of.words.land_at:
         state.facing += math.radians(of.words.turn_deg)
         state.going += math.radians(of.words.turn_deg)
+
+
+def drawn_up(
+    of: Pronker, start: Array, ends: Array, begin: float, time: float, v: Array, folds: bool
+) -> Swing:
+    """Return the ways of feet that leave the ground and are held out for the landing.
+
+    Args:
+        of: whose feet.
+        start: (n, 3) where they leave it, and
+        ends: (n, 3) where they are held, in the frame of the body [m].
+        begin: when it leaves the ground [s].
+        time: how long the flight takes [s].
+        v: (3,) velocity of the body, in its frame [m/s].
+        folds: whether they are drawn up as far as legs fold.
+    """
+    n = len(start)
+    middle = 0.5 * (start + ends)
+    low, room = np.maximum(start[:, 1], ends[:, 1]), of.hips[:, 1] - 1.15 * of.folds
+    top = room if folds else np.minimum(low + TUCK * of.leg * min(1.0, time / 0.5), room)
+    middle[:, 1] = np.maximum(top, low)
+    trail = np.tile([-TRAIL * v[0], 0.0, -TRAIL * v[2]], (n, 1))
+    return Swing(np.full(n, begin), np.full(n, 0.97 * time), start, middle, ends, trail)
 
 
 # --- landing ----------------------------------------------------------------------
@@ -360,6 +420,12 @@ def begin_push(of: Pronker, ground: Ground, state: State, events: Events) -> Non
     state.phase = "pushing"
     if state.v[1] < 0.0:
         state.v = np.array([state.v[0], 0.0, state.v[2]])
+    for text in state.course.choose(of, state, ground):
+        up = np.array([0.0, 1.0, 0.0])
+        events.append(Happening("stopped", state.time, -1, state.p, up, 0.0, 0.0, text))
+    if not leaves(of, state):
+        _rise(of, ground, state)
+        return
     one, good = aim(of, state, ground)
     if not good:
         text = "no landing outside of forbidden zones; it jumps where it is"
@@ -428,6 +494,12 @@ def gives_way(of: Pronker, state: State) -> bool:
         return False
     force = of.mass.mass * float(state.a[1] + GRAVITY)
     return force > _most(of, state) * (1.0 + 1e-9)
+
+
+def wake(of: Pronker, state: State) -> None:
+    """Let who stands begin to crouch if it is to jump again."""
+    if state.phase == "standing" and leaves(of, state):
+        state.until = min(state.until, max(state.time, of.words.start))
 
 
 def let_go(state: State, feet: Array) -> None:

@@ -19,6 +19,7 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.attitude import Inertia
 from pipeline.simulation.locomotion.pronking.legs import Legs
 from pipeline.simulation.locomotion.pronking.parameters import Jump, above, below, jump_of
+from pipeline.simulation.locomotion.pronking.silhouette import Silhouette
 from pipeline.simulation.locomotion.pronking.spin import Rows
 from pipeline.simulation.spatial import Array
 from pipeline.spec.pronk import Pronk
@@ -78,6 +79,7 @@ class Pronker:
         start: (x, z) where it begins [m].
         wide: (2,) half extents of its feet along and across [m].
         legs: how far they come.
+        silhouette: by which it passes over things.
     """
 
     name: str
@@ -103,6 +105,7 @@ class Pronker:
     start: Array
     wide: Array
     legs: Legs
+    silhouette: Silhouette
 
     @property
     def leg(self) -> float:
@@ -136,7 +139,7 @@ def pronkers_of(herd: Herd, numbers: Sequence[int], words: Sequence[Pronk]) -> l
     problems, found = list[Problem](), list[Pronker]()
     for c, (number, one) in enumerate(zip(numbers, words, strict=True)):
         try:
-            found.append(_pronker(herd, c, number, one, folds))
+            found.append(pronker_of(herd, c, number, one, folds))
         except SceneError as error:
             problems += error.problems
     if problems:
@@ -144,7 +147,19 @@ def pronkers_of(herd: Herd, numbers: Sequence[int], words: Sequence[Pronk]) -> l
     return found
 
 
-def _pronker(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pronker:
+def pronker_of(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pronker:
+    """Return one creature of a herd as it hops.
+
+    Args:
+        herd: that it belongs to.
+        c: its number there.
+        number: its place in the scene's cast.
+        words: how it was asked to hop.
+        folds: least distances from hips to feet of all legs of the herd (L,) [m].
+
+    Raises:
+        SceneError: it cannot hop so.
+    """
     where, figure = f"cast[{number}].pronk", herd.figures[c]
     own = np.flatnonzero(herd.owner == c)
     if not len(own):
@@ -197,6 +212,7 @@ def _pronker(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Pro
         start=herd.starts[c],
         wide=np.maximum(herd.footprint[c], 0.2 * leg),
         legs=Legs(herd, own, folds[own]),
+        silhouette=Silhouette(herd, own),
     )
 
 

@@ -8,31 +8,32 @@ Source: Sims 1987, 7.4 and ch. 11.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.carriage.idle import gather_idlers
-from pipeline.simulation.locomotion.carriage.looking import looks_in
+from pipeline.simulation.locomotion.carriage.looking import look_of, looks_in
 from pipeline.simulation.locomotion.footing.folds import folds_of
 from pipeline.simulation.locomotion.herd import gather
-from pipeline.simulation.locomotion.inventory import NodeTable, describe, foot_materials
+from pipeline.simulation.locomotion.inventory import NodeTable, describe
+from pipeline.simulation.locomotion.pronking.directing import Solids, jump_for, obey
 from pipeline.simulation.locomotion.pronking.falling import Fall
-from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.hopping import Hopping
 from pipeline.simulation.locomotion.pronking.kept import Kept
 from pipeline.simulation.locomotion.pronking.limp import LimpFall
 from pipeline.simulation.locomotion.pronking.posing import Moment, Posing
 from pipeline.simulation.locomotion.pronking.pronker import pronkers_of
 from pipeline.simulation.locomotion.pronking.stiff import StiffFall
+from pipeline.simulation.locomotion.pronking.telling import Telling
 from pipeline.simulation.script import Orders
-from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Contact, ContactKind, Note
+from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.pronk import Pronk
+from pipeline.spec.script import HopOver, JumpOnce, LookAhead, LookAt
 
 SLIP = 1e-4
 """Distance between a foot and its foothold that is worth a note [m]."""
@@ -40,16 +41,7 @@ SLIP = 1e-4
 CYCLE = {"flight": (0.0, 0.5), "landing": (0.5, 0.25), "pushing": (0.75, 0.25)}
 """Where the phases begin in a cycle that runs from 0 to 1, and how long they are."""
 
-CONTACTS: dict[str, ContactKind] = {"touch": "touch", "lift": "lift", "body": "hit"}
 FALLS: dict[str, Callable[[Figure], Fall]] = {"ragdoll": LimpFall, "rigid": StiffFall}
-NOTES = {
-    "toppled": "toppled",
-    "saturated": "clamped",
-    "stopped": "stopped",
-    "misplaced": "misplaced",
-    "tripped": "tripped",
-    "dropped": "dropped",
-}
 
 
 class Pronkers:
@@ -63,16 +55,21 @@ class Pronkers:
     def __init__(
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
-        self.world, self.materials = world, list(materials)
+        self.world = world
         self.herd = herd = gather(cast, world.moods)
         idlers = gather_idlers(herd, world.seed)
         table = NodeTable.of(herd, idlers)
         words = [member.pronk or Pronk() for _, member, _ in cast]
         self.pronkers = pronkers_of(herd, [number for number, _, _ in cast], words)
         above = [float(m.at[1]) if len(m.at) == 3 else None for _, m, _ in cast]
+        for i, one in enumerate(world.script):
+            if one.who in herd.names and isinstance(one.do, JumpOnce):
+                of = self.pronkers[herd.names.index(one.who)]
+                jump_for(of, one.do.jump, f"script[{i}].do.jump")
         row_dt = world.clock.dt * world.clock.steps / world.clock.samples
         self.posing = Posing(herd, world.ground, idlers, table, folds_of(herd), row_dt)
-        self.kept = Kept(self.posing, looks_in(herd, cast), world.clock.dt)
+        self.kept = Kept(self.posing, world.clock.dt)
+        self.looks = looks_in(herd, cast)
         self.hoppings = [
             Hopping(
                 of,
@@ -84,24 +81,66 @@ class Pronkers:
             for c, (of, up) in enumerate(zip(self.pronkers, above, strict=True))
         ]
         self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
-        self._feet = foot_materials(herd, materials)
+        self._telling = Telling(herd, world, materials)
         self.step = 0
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
+        self._told: list[Note] = []
+        self._arrived: list[str] = []
+        self._solids: Solids = {}
+
+    def sought(self, orders: Orders) -> Collection[str]:
+        """Return over whom somebody is to jump now."""
+        return {
+            order.hop_over
+            for name in self.herd.names
+            for order in orders.get(name, ())
+            if isinstance(order, HopOver)
+        }
+
+    def see(self, solids: Solids) -> None:
+        """Take in where those are."""
+        self._solids = {**self._solids, **solids}
 
     def read(self, orders: Orders) -> None:
-        """Take in nothing: who hops is not directed yet, which is said when it is asked for."""
+        """Take in what the script asks from this step on."""
+        for c, name in enumerate(self.herd.names):
+            for order in orders.get(name, ()):
+                if isinstance(order, LookAt | LookAhead):
+                    self._look(c, order)
+                elif self.hoppings[c].state.phase != "fallen":
+                    obey(self.hoppings[c], order, self._solids)
+
+    def _look(self, c: int, order: LookAt | LookAhead) -> None:
+        others = {who: look for who, look in self.looks.items() if who != c}
+        if isinstance(order, LookAhead):
+            self.looks = others
+            return
+        try:
+            self.looks = {**others, c: look_of(self.herd, c, order.look_at)}
+        except ValueError as error:
+            self._told.append(Note("clamped", self.step, self.herd.names[c], str(error)))
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         self._contacts.clear()
-        self._notes.clear()
+        self._notes, self._told = self._told, []
+        stood = [hopping.state.phase == "standing" for hopping in self.hoppings]
         end = (step + 1) * self.world.clock.dt
         for c, hopping in enumerate(self.hoppings):
             hopping.happened.clear()
             hopping.advance(end)
             for one in hopping.happened:
-                self._tell(step, c, one)
+                told = self._telling.of(step, c, one)
+                if isinstance(told, Note):
+                    self._notes.append(told)
+                else:
+                    self._contacts.append(told)
+        self._arrived = [
+            self.herd.names[c]
+            for c, hopping in enumerate(self.hoppings)
+            if hopping.state.phase == "standing" and not stood[c]
+        ]
         self.step = step + 1
 
     def keep(self) -> None:
@@ -115,8 +154,9 @@ class Pronkers:
                 p=np.stack([moved.origin for moved, _ in poses]),
                 tips=np.concatenate([tips for _, tips in poses]),
                 down=np.concatenate([one.state.down for one in self.hoppings]),
-                phase=np.array([_phase(one) for one in self.hoppings]),
+                phase=np.array([phase_of(one) for one in self.hoppings]),
                 speed=np.array([np.hypot(*one.state.v[[0, 2]]) for one in self.hoppings]),
+                looks=self.looks,
                 limp=np.array([one.state.phase == "fallen" for one in self.hoppings]),
                 hanging={c: q for c, q in hanging if q is not None},
             )
@@ -131,56 +171,17 @@ class Pronkers:
             rows.alive[here] = True
             rows.values[here] = poses.values
             for row, leg in np.argwhere(poses.residual > SLIP):
-                gap = 1000.0 * float(poses.residual[row, leg])
+                part, gap = self._telling.part(int(leg)), 1000.0 * float(poses.residual[row, leg])
                 text = f"{gap:.2g} mm from its foothold"
-                self._notes.append(Note("clamped", moments[row].step, self._part(int(leg)), text))
+                self._notes.append(Note("clamped", moments[row].step, part, text))
             first = here.stop
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
-        return Facts(tuple(self._contacts), tuple(self._notes))
-
-    def _part(self, leg: int) -> str:
-        return f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
-
-    def _tell(self, step: int, c: int, one: Happening) -> None:
-        """Take down an event of creature `c`."""
-        herd, name = self.herd, self.herd.names[c]
-        link = herd.figures[c].skeleton.links[one.link]
-        leg = int(herd.first_leg[c]) + one.leg
-        part = f"{name}.{link.name}" if one.leg < 0 else self._part(leg)
-        if one.kind in NOTES:
-            self._notes.append(Note(NOTES[one.kind], step, part, one.text))
-            return
-        dt = self.world.clock.dt
-        fraction = min(max(one.time / dt - step, 0.0), float(np.nextafter(1.0, 0.0)))
-        body = link.material or self.materials[c]
-        length = self._length(c, one.link)
-        self._contacts.append(
-            Contact(
-                step=step,
-                fraction=fraction,
-                performer=name,
-                part=part,
-                other="terrain",
-                place=_plain(one.place),
-                normal=_plain(one.normal),
-                speed=one.speed,
-                energy=one.energy,
-                material=body if one.leg < 0 else self._feet[leg],
-                surface=self.world.ground.material,
-                size=length if one.leg < 0 else float(herd.legs.lengths[leg]),
-                kind=CONTACTS[one.kind],
-            )
-        )
-
-    def _length(self, c: int, link: int) -> float:
-        """Return the size of a link [m]."""
-        figure = self.herd.figures[c]
-        return next(piece.size for piece in figure.pieces if piece.link == link)
+        return Facts(tuple(self._contacts), tuple(self._notes), tuple(self._arrived))
 
 
-def _phase(hopping: Hopping) -> float:
+def phase_of(hopping: Hopping) -> float:
     """Return where in the cycle of a jump a creature is, 0 to 1; 0 before and after all."""
     state = hopping.state
     if state.phase not in CYCLE:
@@ -196,8 +197,3 @@ def _phase(hopping: Hopping) -> float:
         up = v + float(state.a[1]) * (state.until - state.time)
         done = v / up if up > 0.0 and np.isfinite(up) else 0.0
     return begins + long * min(max(done, 0.0), 1.0)
-
-
-def _plain(v: Array) -> tuple[float, float, float]:
-    x, y, z = (float(c) for c in v)
-    return x, y, z

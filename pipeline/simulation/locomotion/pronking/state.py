@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.pronking import spin
 from pipeline.simulation.locomotion.pronking.attitude import FREE, Steering, Turning, turned
+from pipeline.simulation.locomotion.pronking.course import Course
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.spin import Quaternion
 from pipeline.simulation.locomotion.pronking.swing import Swing
@@ -46,6 +47,7 @@ class State:
         goal: height of the body above that, at which the landing is to end [m].
         first: height of the centre of mass at which the first foot touched [m].
         facing, going: where it is to look and to jump next [rad].
+        course: which jumps it is to make.
         jumps: how often it has left the ground.
         hits: how often its body struck the ground in this phase.
         armed: whether its body was clear of the ground in this phase.
@@ -66,6 +68,7 @@ class State:
     swing: Swing
     facing: float
     going: float
+    course: Course
     floor: float = 0.0
     goal: float = 0.0
     first: float = math.inf
@@ -90,6 +93,10 @@ class State:
             turning,
             of,
         )
+
+    def elsewhere(self, way: Array) -> State:
+        """Return the state of one that is so elsewhere, by (3,) [m]."""
+        return replace(self, p=self.p + way, tips=self.tips + way, floor=self.floor + way[1])
 
     def now(self, of: Pronker) -> Moved:
         """Return where it is."""

@@ -118,6 +118,17 @@ class Route:
             stops=True,
         )
 
+    def beyond(self, s: float) -> Route:
+        """Return what of it lies after `s` [m], beginning there."""
+        xz, turned = self.at(np.array([s]))
+        after = self.s > s + 1e-9
+        return Route(
+            np.append(0.0, self.s[after] - s),
+            np.concatenate([xz, self.xz[after]]),
+            np.append(turned, self.heading[after]),
+            self.stops,
+        )
+
     def then(self, other: Route) -> Route:
         """Return this route and after its last entry another, which begins there."""
         whole = round((self.heading[-1] - other.heading[0]) / (2.0 * math.pi))
@@ -182,6 +193,15 @@ def through(points: Sequence[Array], heading: float | None, closed: bool = False
     ]
     line = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
     return _measured(line, FINE * len(gaps))
+
+
+def joining(here: tuple[Array, float], there: tuple[Array, float]) -> Route:
+    """Return the curve between two places (2,) [m] that are passed at headings [rad]."""
+    (a, turned_a), (b, turned_b) = here, there
+    chord = float(np.linalg.norm(b - a))
+    u = np.linspace(0.0, 1.0, 8 * FINE + 1)[:, None]
+    line = _hermite(a, b, chord * direction(turned_a), chord * direction(turned_b), u)
+    return _measured(line, FINE)
 
 
 def _tangents(p: Array, gaps: Array, closed: bool) -> Array:

@@ -1,0 +1,426 @@
+"""Leaps: the jumps of a herd that walks.
+
+Who is told to jump comes to rest where it jumps best, all feet down. From there its body and
+its feet are those of a pronker, from the crouch until it stands again; then it is set down on
+the footholds where it landed, and its way goes on.
+
+Source: Sims 1987, 3.2.4 and ch. 11.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.curves import ease
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.locomotion.feet import Feet
+from pipeline.simulation.locomotion.footing.folds import folds_of
+from pipeline.simulation.locomotion.footing.footholds import Foothold
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.leaping.aloft import Aloft
+from pipeline.simulation.locomotion.leaping.coming import come_to, onward
+from pipeline.simulation.locomotion.pronking import phases
+from pipeline.simulation.locomotion.pronking.course import Errand
+from pipeline.simulation.locomotion.pronking.directing import Solids, jump_for
+from pipeline.simulation.locomotion.pronking.errands import HopOver, Once, OnceTo
+from pipeline.simulation.locomotion.pronking.falling import Limbs
+from pipeline.simulation.locomotion.pronking.hopping import Hopping
+from pipeline.simulation.locomotion.pronking.pronker import Pronker, pronker_of
+from pipeline.simulation.locomotion.pronking.state import Moved
+from pipeline.simulation.locomotion.pronking.stiff import StiffFall
+from pipeline.simulation.locomotion.pronking.telling import Telling
+from pipeline.simulation.locomotion.ways.directing import obey
+from pipeline.simulation.locomotion.ways.going import CLOSING, Going
+from pipeline.simulation.locomotion.ways.route import Route, straight, turning
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Contact, Note
+from pipeline.simulation.troupe import World
+from pipeline.spec.cast import Creature
+from pipeline.spec.pronk import Pronk
+from pipeline.spec.script import (
+    ChangeGait,
+    ChangeMood,
+    Do,
+    GoTo,
+    JumpOnce,
+    SetSpeed,
+    TurnBy,
+    Wait,
+)
+from pipeline.spec.script import HopOver as HopOverWords
+
+HANDS_OVER = 0.35
+"""Time in which a body comes from where it walks to where it jumps, and back [s]."""
+
+STANDS = 0.1
+"""How long it stands before it crouches [s]."""
+
+SOON = 2.0
+"""Steps before the first foot lifts at which a creature sets out again."""
+
+SLOWLY, CYCLES = 0.15, 1.5
+"""Part of its speed with which it does so, and in how many cycles it comes to all of it: its
+feet are where they rest, and not where they would be had it come walking."""
+
+TURNS = math.radians(8.0)
+"""How far aside a place is that is turned to before a jump to it."""
+
+Stage = Literal["coming", "leaping", "landed"]
+
+
+@dataclass(eq=False)
+class Trip:
+    """One jump of a walker, from the order until it walks again.
+
+    Attributes:
+        order: what it is to do.
+        rest: its way before the order.
+        left: where on it that was [m].
+        stage: coming to where it jumps, leaping, or standing where it has landed.
+        ready: whether it stands there, and looks once more at what it jumps over.
+        since: when the last two began [s].
+        hopping: the jump, once it is made.
+        later: orders that wait for its end.
+    """
+
+    order: HopOverWords | JumpOnce
+    rest: Route
+    left: float
+    stage: Stage = "coming"
+    ready: bool = False
+    since: float = 0.0
+    hopping: Hopping | None = None
+    later: list[Do] = field(default_factory=list)
+
+
+class Leaps:
+    """Who of a herd jumps, and how.
+
+    Attributes:
+        of: how creatures jump of whom a script asks it.
+        trips: of those who are about it.
+        contacts, notes: of the last step.
+        arrived: who came to the end of its way by a jump in it.
+    """
+
+    def __init__(
+        self,
+        cast: Sequence[tuple[int, Creature, Figure]],
+        world: World,
+        going: Going,
+        feet: Feet,
+        materials: Sequence[str],
+    ) -> None:
+        self.world, self.going, self.feet = world, going, feet
+        self.herd: Herd = going.herd
+        self.of = _pronkers(cast, world, self.herd)
+        self.trips: dict[int, Trip] = {}
+        self.contacts: list[Contact] = []
+        self.notes: list[Note] = []
+        self.arrived: list[str] = []
+        # Throttle that those come to who set out, and the phase at which they did.
+        self._out: dict[int, tuple[float, float]] = {}
+        self._told: list[Note] = []
+        self._solids: Solids = {}
+        self._telling = Telling(self.herd, world, materials)
+        self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
+
+    # --- orders -----------------------------------------------------------------
+
+    def sought(self, orders: Orders) -> Collection[str]:
+        """Return over whom somebody is told to jump, or is about to."""
+        if not self.of:
+            return ()
+        given = [one for c in self.of for one in orders.get(self.herd.names[c], ())]
+        given += [trip.order for trip in self.trips.values() if trip.ready]
+        landed = [trip for trip in self.trips.values() if trip.stage == "landed"]
+        given += [one for trip in landed for one in trip.later]
+        return {one.hop_over for one in given if isinstance(one, HopOverWords)}
+
+    def see(self, solids: Solids) -> None:
+        """Take in where the solids of others are."""
+        self._solids = {**self._solids, **solids}
+
+    def take(self, step: int, c: int, order: Do) -> bool:
+        """Take an order; return whether it is for a jump, or waits for the end of one."""
+        trip = self.trips.get(c)
+        if isinstance(order, SetSpeed | ChangeGait | ChangeMood) and c in self._out:
+            self.going.let(c, self._out.pop(c)[0])
+        if trip is None:
+            if isinstance(order, HopOverWords | JumpOnce):
+                self._begin(step, c, order)
+                return True
+            return False
+        jumps = isinstance(order, HopOverWords | JumpOnce)
+        leads = isinstance(order, GoTo | TurnBy | Wait) or order in ("stop", "walk")
+        if trip.stage == "coming" and leads:
+            del self.trips[c]
+            return False
+        if jumps or leads:
+            trip.later.append(order)
+        return jumps or leads
+
+    def _begin(self, step: int, c: int, order: HopOverWords | JumpOnce) -> None:
+        """Let a creature come to where it jumps."""
+        going, of = self.going, self.of[c]
+        rest, left = going.path.routes[c], float(going.way[c])
+        cause = self._unable(c)
+        if isinstance(order, HopOverWords) and not cause:
+            solids = self._solids.get(order.hop_over, ())
+            found = come_to(going, c, of, self.world.ground, solids) if solids else "it is not seen"
+            if isinstance(found, str):
+                cause = f"cannot jump over '{order.hop_over}': {found}"
+            else:
+                going.lead(c, found)
+        elif not cause:
+            obey(going, c, "stop")
+            spot = order.jump.land_at if isinstance(order, JumpOnce) else None
+            if spot is not None:
+                self._face(c, np.array(spot))
+        if cause:
+            self._told.append(Note("stopped", step, self.herd.names[c], cause))
+        else:
+            self.trips[c] = Trip(order, rest, left)
+
+    def _unable(self, c: int) -> str:
+        """Return why a creature cannot jump, whatever over; empty if it can."""
+        if self.going.halted[c]:
+            return "cannot jump where it has no foothold to go on"
+        if self.feet.tuck[1, self.herd.owner == c].any():
+            return "cannot jump with legs held up"
+        return ""
+
+    def _face(self, c: int, spot: Array) -> None:
+        """Let who comes to rest turn to a place (2,) there [m]."""
+        route = self.going.path.routes[c]
+        way = spot - route.xz[-1]
+        towards = math.atan2(-way[1], way[0]) - float(route.heading[-1])
+        angle = math.remainder(towards, 2.0 * math.pi)
+        if abs(angle) > TURNS and np.linalg.norm(way) > 0.1 * self.of[c].leg:
+            radius = float(np.hypot(*self.herd.footprint[c]))
+            spin = turning(route.xz[-1], float(route.heading[-1]), angle, radius)
+            self.going.lead(c, route.then(spin))
+
+    # --- a step -------------------------------------------------------------------
+
+    def advance(self, step: int) -> None:
+        """Go on to the end of a step that all have walked."""
+        self.contacts.clear()
+        self.arrived.clear()
+        self.notes, self._told = self._told, []
+        time = (step + 1) * self.world.clock.dt
+        self._set_out()
+        for c, trip in sorted(self.trips.items()):
+            if trip.stage == "coming" and trip.ready:
+                self._leap(c, trip, time)
+            elif trip.stage == "coming":
+                trip.ready = self._rests(c)
+            elif trip.stage == "leaping":
+                self._fly(step, c, trip, time)
+            elif trip.stage == "landed" and time - trip.since >= HANDS_OVER and self._rests(c):
+                self._go_on(step, c, trip)
+
+    def _set_out(self) -> None:
+        """Let those who set out go a little faster."""
+        for c, (throttle, since) in list(self._out.items()):
+            part = SLOWLY + (float(self.going.phase[c]) - since) / CYCLES
+            self.going.let(c, min(part, 1.0) * throttle)
+            if part >= 1.0:
+                del self._out[c]
+
+    def is_coming(self, name: str) -> bool:
+        """Tell whether somebody rests only to jump."""
+        return self.herd.names.index(name) in self.trips
+
+    def _rests(self, c: int) -> bool:
+        """Tell whether a creature stands at the end of its way, on closed feet."""
+        going, own = self.going, self.herd.owner == c
+        if not going.arrived[c]:
+            return False
+        closed = going.halted[c] or going.phase[c] >= going.closed[c]
+        return bool(closed and not self.feet.swinging[own].any() and going.vigour[c] == 0.0)
+
+    def _leap(self, c: int, trip: Trip, time: float) -> None:
+        """Hand a creature that stands over to its jump."""
+        of, own, trip.ready = self.of[c], self.herd.owner == c, False
+        if self.feet.is_barred(c):
+            text = "what bars its way keeps it from where it would jump"
+            self._told.append(Note("stopped", round(time / self.world.clock.dt), of.name, text))
+            del self.trips[c]
+            return
+        R, p = self._stands(c)
+        state = phases.taken_over(of, R, p, self.feet.end[own], time)
+        state.course.errands = [self._errand(of, trip.order)]
+        state.until = time + STANDS
+        fall = StiffFall(self.herd.figures[c])
+        trip.hopping = Hopping(of, self.world.ground, None, fall, partial(self._limbs, c), state)
+        trip.stage, trip.since = "leaping", time
+
+    def _limbs(self, c: int, now: Moved, tips: Array, _: NDArray[np.bool_]) -> Limbs:
+        """Return the joints of a creature whose body and feet (n, 3) are somewhere [m]."""
+        herd, skeleton = self.herd, self.herd.figures[c].skeleton
+        own, goals = herd.owner == c, herd.legs.tips[None].copy()
+        goals[0, own] = (tips - now.origin) @ now.R
+        q = skeleton.preferred.copy()
+        values = settle(herd.legs, herd.chains, goals).q[0, own]
+        for limb, some in zip(skeleton.legs, values, strict=True):
+            q[list(limb.joints)] = some[: len(limb.joints)]
+        return Limbs(q, np.zeros_like(q))
+
+    def _errand(self, of: Pronker, order: HopOverWords | JumpOnce) -> Errand:
+        if isinstance(order, HopOverWords):
+            return HopOver(order.hop_over, self._solids[order.hop_over], comes=False)
+        jump, spot = jump_for(of, order.jump, "do.jump"), order.jump.land_at
+        return Once(jump) if spot is None else OnceTo(spot, jump)
+
+    def _stands(self, c: int) -> tuple[Array, Array]:
+        """Return the pose (3, 3), (3,) of a body that stands at the end of its way [m]."""
+        going = self.going
+        at = np.array([c]), going.way[c : c + 1], going.phase[c : c + 1]
+        R, p = going.path.pose(*at, going.vigour[c : c + 1])
+        low = (self.feet.stoop[1, self.herd.owner == c] ** 4).sum() ** 0.25
+        return R[0], p[0] - [0.0, low, 0.0]
+
+    def _fly(self, step: int, c: int, trip: Trip, time: float) -> None:
+        hopping = trip.hopping
+        assert hopping is not None
+        hopping.happened.clear()
+        hopping.advance(time)
+        for one in hopping.happened:
+            told = self._telling.of(step, c, one)
+            if isinstance(told, Note):
+                self.notes.append(told)
+            else:
+                self.contacts.append(told)
+        state = hopping.state
+        if state.phase == "standing" and not math.isfinite(state.until):
+            trip.stage, trip.since = "landed", time
+            if state.jumps:
+                self._set_down(c, hopping)
+
+    def _set_down(self, c: int, hopping: Hopping) -> None:
+        """Let a creature stand, as a walker, where and as it has landed."""
+        feet, going = self.feet, self.going
+        moved, tips = hopping.pose()
+        for leg, tip in zip(np.flatnonzero(self.herd.owner == c).tolist(), tips, strict=True):
+            normal = self.world.ground.normal(tip[0], tip[2])
+            feet.stand_at(leg, Foothold(tip - self.herd.sole[leg] * normal, normal, tip, 0.0))
+        route = going.path.routes[c].upto(float(going.way[c]))
+        place = moved.origin[[0, 2]]
+        route = route.then(_leg(route, place, moved.heading))
+        going.gone = going.gone.copy()
+        going.gone[0, c] = route.length
+        going.lead(c, route)
+        feet.scout.forget(c)
+        own = np.flatnonzero(self.herd.owner == c)
+        astray = any(feet.is_astray(leg) for leg in own.tolist())
+        # Who sets out when a foot is about to lift leaves no other behind.
+        at = float(going.phase[c]) + (CLOSING if astray else 0.0)
+        soon = SOON * self.world.clock.dt / float(going.cycle[c])
+        going.closed[c] = at + float(np.mod(feet.up[own] - soon - at, 1.0).min())
+
+    def _go_on(self, step: int, c: int, trip: Trip) -> None:
+        """Let a creature that has landed walk on."""
+        going, hopping = self.going, trip.hopping
+        assert hopping is not None
+        del self.trips[c]
+        here = going.path.routes[c]
+        if hopping.state.jumps:
+            landed = here.xz[-1], float(here.heading[-1])
+            on = onward(trip.rest, trip.left, landed, float(going.full[c]))
+            if on is not None:
+                going.lead(c, here.then(on))
+                self._out[c] = float(going.throttle[c]), float(going.phase[c])
+                self._set_out()
+            elif trip.rest.length > trip.left + 1e-9:
+                self.arrived.append(self.herd.names[c])
+        for order in trip.later:
+            if not self.take(step, c, order):
+                obey(going, c, order)
+
+    # --- rows ---------------------------------------------------------------------
+
+    def aloft(self, time: float) -> dict[int, Aloft]:
+        """Return where creatures are that jump."""
+        found = dict[int, Aloft]()
+        for c, trip in self.trips.items():
+            if trip.hopping is None:
+                continue
+            moved, tips = trip.hopping.pose()
+            state = trip.hopping.state
+            done = float(ease(np.array(min((time - trip.since) / HANDS_OVER, 1.0))))
+            found[c] = Aloft(
+                part=done if trip.stage == "leaping" else 1.0 - done,
+                R=moved.R,
+                p=moved.origin,
+                tips=tips if trip.stage == "leaping" else None,
+                down=state.down | (trip.stage == "landed"),
+                speed=float(np.hypot(*state.v[[0, 2]])),
+                limp=state.phase == "fallen",
+            )
+        return found
+
+    def routes(self) -> Sequence[Route]:
+        """Return the ways that creatures look along; who jumps looks straight ahead."""
+        routes = self.going.path.routes
+        away = tuple(c for c, trip in self.trips.items() if trip.hopping is not None)
+        if not away:
+            return routes
+        if self._routes is None or self._routes[0] is not routes or self._routes[1] != away:
+            seen = [
+                straight(route.xz[-1], float(route.heading[-1])) if c in away else route
+                for c, route in enumerate(routes)
+            ]
+            self._routes = routes, away, seen
+        return self._routes[2]
+
+
+def _pronkers(
+    cast: Sequence[tuple[int, Creature, Figure]], world: World, herd: Herd
+) -> dict[int, Pronker]:
+    """Return how those jump of whom a script asks it.
+
+    Raises:
+        SceneError: one cannot.
+    """
+    found, problems, folds = dict[int, Pronker](), list[Problem](), folds_of(herd)
+    for i, one in enumerate(world.script):
+        if one.who not in herd.names or not isinstance(one.do, HopOverWords | JumpOnce):
+            continue
+        c = herd.names.index(one.who)
+        number, member, figure = cast[c]
+        try:
+            if not figure.skeleton.legs:
+                message = f"figure '{figure.name}' has no legs to jump on"
+                raise SceneError([Problem(f"script[{i}].do", message)])
+            if c not in found:
+                found[c] = pronker_of(herd, c, number, member.pronk or Pronk(), folds)
+            if isinstance(one.do, JumpOnce):
+                jump_for(found[c], one.do.jump, f"script[{i}].do.jump")
+        except SceneError as error:
+            problems += error.problems
+    if problems:
+        raise SceneError(list(dict.fromkeys(problems)))
+    return found
+
+
+def _leg(route: Route, place: Array, turned: float) -> Route:
+    """Return the straight way from the end of a route to where a jump has landed."""
+    start, before = route.xz[-1], float(route.heading[-1])
+    length = float(np.linalg.norm(place - start))
+    if length < 1e-6:
+        angle = math.remainder(turned - before, 2.0 * math.pi)
+        return turning(start, before, angle, 1.0)
+    return Route(
+        np.array([0.0, length]), np.array([start, place]), np.array([before, turned]), stops=True
+    )

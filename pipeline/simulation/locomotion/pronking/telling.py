@@ -1,0 +1,80 @@
+"""Telling: what happens to creatures that hop, as contacts and notes of a take."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.inventory import foot_materials
+from pipeline.simulation.locomotion.pronking.happening import Happening
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Contact, ContactKind, Note
+from pipeline.simulation.troupe import World
+
+CONTACTS: dict[str, ContactKind] = {"touch": "touch", "lift": "lift", "body": "hit"}
+NOTES = {
+    "toppled": "toppled",
+    "saturated": "clamped",
+    "stopped": "stopped",
+    "misplaced": "misplaced",
+    "tripped": "tripped",
+    "dropped": "dropped",
+}
+
+
+class Telling:
+    """What a herd's events are called in a take.
+
+    Attributes:
+        herd: to which they happen.
+        world: that it is in.
+        materials: of each creature, where its figure names none.
+    """
+
+    def __init__(self, herd: Herd, world: World, materials: Sequence[str]) -> None:
+        self.herd, self.world, self.materials = herd, world, list(materials)
+        self._feet = foot_materials(herd, materials)
+
+    def part(self, leg: int) -> str:
+        """Return what a leg is called."""
+        return f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
+
+    def of(self, step: int, c: int, one: Happening) -> Contact | Note:
+        """Return an event of creature `c` in a step, as the take has it."""
+        herd, name = self.herd, self.herd.names[c]
+        link = herd.figures[c].skeleton.links[one.link]
+        leg = int(herd.first_leg[c]) + one.leg
+        part = f"{name}.{link.name}" if one.leg < 0 else self.part(leg)
+        if one.kind in NOTES:
+            return Note(NOTES[one.kind], step, part, one.text)
+        dt = self.world.clock.dt
+        fraction = min(max(one.time / dt - step, 0.0), float(np.nextafter(1.0, 0.0)))
+        body = link.material or self.materials[c]
+        length = self._length(c, one.link)
+        return Contact(
+            step=step,
+            fraction=fraction,
+            performer=name,
+            part=part,
+            other="terrain",
+            place=_plain(one.place),
+            normal=_plain(one.normal),
+            speed=one.speed,
+            energy=one.energy,
+            material=body if one.leg < 0 else self._feet[leg],
+            surface=self.world.ground.material,
+            size=length if one.leg < 0 else float(herd.legs.lengths[leg]),
+            kind=CONTACTS[one.kind],
+        )
+
+    def _length(self, c: int, link: int) -> float:
+        """Return the size of a link [m]."""
+        figure = self.herd.figures[c]
+        return next(piece.size for piece in figure.pieces if piece.link == link)
+
+
+def _plain(v: Array) -> tuple[float, float, float]:
+    x, y, z = (float(c) for c in v)
+    return x, y, z

@@ -1,0 +1,381 @@
+"""Leaping: walkers that jump over things and walk on, and what a script asks of hoppers."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.locomotion.leaping.leaps import HANDS_OVER
+from pipeline.simulation.locomotion.pronking.hurdle import hurdle_on
+from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.spatial import Array, heading, matrix, turn
+from pipeline.simulation.take import Take
+from pipeline.spec import Scene
+
+from .conftest import scene_of
+from .hops import Hops, hop_through
+
+MILLIMETRE = 1e-3
+
+BOXES = {
+    "antelope": (0.5, 0.55),
+    "person": (0.3, 0.3),
+    "beetle": (0.2, 0.2),
+}
+"""Length and height of what each jumps over [m]."""
+
+QUICKEST = 40.0
+"""Speed that no joint of a leg reaches [rad/s]."""
+
+AT = 4.0
+"""Where it stands [m]."""
+
+
+def over(figure: str, length: float, high: float, duration: float = 14) -> Scene:
+    """Return a scene of a walker that is told to jump over a box."""
+    return scene_of(
+        f"{{name: a, figure: {figure}, walk: {{path: [[{AT + 4}, 0]]}}}}",
+        f"{{name: box, prop: {{shape: box, size: [{length}, {high}, 3]}}, at: [{AT}, 0]}}",
+        duration=duration,
+        more="script: [{at: 0.5, who: a, do: {hop_over: box}}]",
+    )
+
+
+@dataclass
+class Leap:
+    """A walk with a jump, and what was seen of it at every step."""
+
+    simulation: Simulation
+    length: float
+    high: float
+    down: list[Array] = field(default_factory=list)
+    stages: list[str] = field(default_factory=list)
+
+    @property
+    def walkers(self) -> Walkers:
+        """Its creatures that walk."""
+        return next(t for t in self.simulation.troupes if isinstance(t, Walkers))
+
+    @property
+    def take(self) -> Take:
+        """What happened."""
+        return self.simulation.take()
+
+    def look(self) -> None:
+        """Keep the state of this step."""
+        walkers = self.walkers
+        trip = walkers.leaps.trips.get(0)
+        leaping = trip is not None and trip.stage == "leaping" and trip.hopping is not None
+        self.stages.append("walking" if trip is None else trip.stage)
+        hopping = trip.hopping if trip is not None and leaping else None
+        self.down.append(~walkers.feet.swinging if hopping is None else hopping.state.down.copy())
+
+    @property
+    def changes(self) -> list[int]:
+        """Rows at which it goes over from walking to jumping and back."""
+        return [k for k in range(1, len(self.stages)) if self.stages[k] != self.stages[k - 1]]
+
+    def tips(self) -> Array:
+        """(K, L, 3) tips of the legs, by the poses of the last links alone [m]."""
+        recorder, figure = self.simulation.recorder, self.walkers.herd.figures[0]
+        found = []
+        for leg in figure.skeleton.legs:
+            link = leg.links[-1]
+            ends = figure.skeleton.links[link].ends
+            arm = ends[1] - ends[0]
+            R, p = recorder.rotations[:, link], recorder.positions[:, link]
+            found.append(p + turn(R, np.broadcast_to(arm, p.shape)))
+        return np.stack(found, axis=1)
+
+
+@pytest.fixture(scope="module", params=BOXES)
+def leap(request) -> Leap:
+    length, high = BOXES[request.param]
+    one = Leap(Simulation(over(request.param, length, high)), length, high)
+    one.look()
+    while not one.simulation.finished:
+        one.simulation.step()
+        one.look()
+    return one
+
+
+def lowest_over(take: Take, who: str, first: float, last: float) -> float:
+    """Return the height of the lowest vertex of a performer between two places along x [m]."""
+    lowest = math.inf
+    for part in (one for one in take.parts if one.performer == who):
+        mesh = take.meshes[part.mesh]
+        node = int(mesh.nodes[0, 0])
+        own = mesh.vertices.astype(float) - take.nodes[node].rest
+        for rows in np.array_split(np.arange(len(take.positions)), 24):
+            R, p = matrix(take.rotations[rows, node]), take.positions[rows, node]
+            v = p[:, None] + own @ R.transpose(0, 2, 1)
+            inside = (v[..., 0] > first) & (v[..., 0] < last)
+            lowest = min(lowest, float(np.where(inside, v[..., 1], np.inf).min()))
+    return lowest
+
+
+# --- walkers that jump ----------------------------------------------------------------
+
+
+def test_walks_jumps_and_walks_on_to_the_end_of_its_way(leap: Leap) -> None:
+    order = [leap.stages[k] for k in leap.changes]
+    assert order == ["coming", "leaping", "landed", "walking"]
+    np.testing.assert_allclose(leap.take.positions[-1, 0, [0, 2]], [AT + 4, 0], atol=1e-3)
+    assert not leap.take.notes
+    legs = len(leap.walkers.herd.owner)
+    assert sum(one.kind == "lift" for one in leap.take.contacts) == legs
+
+
+def test_nothing_of_it_comes_to_the_box(leap: Leap) -> None:
+    half = 0.5 * leap.length
+    assert lowest_over(leap.take, "a", AT - half, AT + half) > leap.high + 0.02
+
+
+def test_feet_that_are_down_stay_where_they_are(leap: Leap) -> None:
+    moved = np.linalg.norm(np.diff(leap.tips(), axis=0), axis=-1)
+    down = np.array(leap.down)
+    assert moved[down[1:] & down[:-1]].max() < 1e-2 * MILLIMETRE
+
+
+def test_goes_over_from_walking_to_jumping_and_back_without_a_jolt(leap: Leap) -> None:
+    take, dt = leap.take, leap.simulation.world.clock.dt
+    v = np.diff(take.positions, axis=0) / dt
+    jolts = np.linalg.norm(np.diff(v, axis=0), axis=-1).max(axis=-1)
+    R = matrix(take.rotations)
+    cosines = ((R[1:] * R[:-1]).sum(axis=(-1, -2)) - 1.0) / 2.0
+    turned = np.arccos(np.clip(cosines, -1.0, 1.0)).max(axis=-1) / dt
+    rows = int(HANDS_OVER / dt)
+    for k in leap.changes[1:]:
+        near = slice(k - 3, k + rows)
+        assert jolts[near].max() < 0.35
+        assert turned[near].max() < 8.0
+
+
+def test_no_joint_turns_faster_than_those_of_who_walks(leap: Leap) -> None:
+    q, herd = leap.simulation.recorder.values, leap.walkers.herd
+    legs = q[:, 2 * len(herd.names) :][:, : int(herd.legs.is_joint.sum())]
+    rates = np.abs(np.diff(legs, axis=0)) / leap.simulation.world.clock.dt
+    assert rates.max() < QUICKEST
+
+
+@pytest.mark.slow
+def test_the_same_bytes_again() -> None:
+    digests = set[str]()
+    for _ in range(2):
+        simulation = Simulation(over("antelope", *BOXES["antelope"], duration=9))
+        while not simulation.finished:
+            simulation.step()
+        digests.add(simulation.take().digest)
+    assert len(digests) == 1
+
+
+def simulated(scene: Scene) -> Take:
+    simulation = Simulation(scene)
+    while not simulation.finished:
+        simulation.step()
+    return simulation.take()
+
+
+@pytest.mark.parametrize(("size", "cause"), [((0.4, 2.5), "too high"), ((9.0, 0.5), "too long")])
+def test_walks_on_where_it_cannot_jump_and_says_why(size: tuple[float, float], cause: str) -> None:
+    scene = over("antelope", *size, duration=3)
+    take = simulated(scene)
+    (note,) = take.notes
+    assert note.kind == "stopped"
+    assert cause in note.text
+    assert not any(one.kind == "lift" for one in take.contacts)
+    assert take.positions[-1, 0, 0] > 2.0
+
+
+def test_does_not_jump_over_what_it_is_too_near_to_stop_before() -> None:
+    words = "{name: a, figure: antelope, at: [3.2, 0], walk: {path: [[9, 0]]}}"
+    box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 2]}, at: [4, 0]}"
+    more = "script: [{at: 0.2, who: a, do: {hop_over: box}}]"
+    take = simulated(scene_of(words, box, duration=2, more=more))
+    (note,) = take.notes
+    assert "too near" in note.text
+
+
+def test_comes_to_a_box_beside_its_way_and_back_to_that() -> None:
+    words = "{name: a, figure: antelope, walk: {path: [[12, 0]]}}"
+    box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 1]}, at: [4, 2], heading_deg: -25}"
+    more = "script: [{at: 0.1, who: a, do: {hop_over: box}}]"
+    take = simulated(scene_of(words, box, duration=20, more=more))
+    assert sum(one.kind == "lift" for one in take.contacts) == 4
+    np.testing.assert_allclose(take.positions[-1, 0, [0, 2]], [12, 0], atol=1e-3)
+
+
+def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
+    words = "{name: a, figure: antelope, walk: {}, pronk: {max_force: 4}}"
+    more = (
+        "script: [{at: 1, who: a, do: {jump: {land_at: [2.5, -0.5], height: 0.3}}},"
+        " {at: 4.3, who: a, do: {go_to: [4, 1]}}]"
+    )
+    scene = scene_of(words, duration=14, more=more)
+    simulation, landed = Simulation(scene), None
+    while not simulation.finished:
+        simulation.step()
+        walkers = simulation.troupes[0]
+        assert isinstance(walkers, Walkers)
+        trip = walkers.leaps.trips.get(0)
+        if trip is not None and trip.stage == "landed" and landed is None:
+            landed = walkers.feet.end[:, [0, 2]].mean(axis=0)
+    assert landed is not None
+    assert np.linalg.norm(landed - [2.5, -0.5]) < 0.02
+    np.testing.assert_allclose(simulation.take().positions[-1, 0, [0, 2]], [4, 1], atol=1e-3)
+
+
+def test_jumps_over_a_body_where_it_has_come_to_lie() -> None:
+    words = "{name: a, figure: antelope, walk: {path: [[8, 0]]}}"
+    box = "{name: box, body: {shape: box, size: [0.4, 0.4, 1.2]}, at: [4, 0.9, 0]}"
+    more = "script: [{at: 1.5, who: a, do: {hop_over: box}}]"
+    take = simulated(scene_of(words, box, duration=8, more=more))
+    assert sum(one.kind == "lift" for one in take.contacts) == 4
+    assert lowest_over(take, "a", 3.8, 4.2) > 0.42
+
+
+# --- hoppers ---------------------------------------------------------------------------
+
+ROO = "{{name: roo, figure: kangaroo, pronk: {{distance: 1.6, height: 0.5{}}}}}"
+
+
+def directed(script: str, duration: float = 8, words: str = "", *others: str) -> Hops:
+    more = f"script: [{script}]"
+    return hop_through(scene_of(ROO.format(words), *others, duration=duration, more=more))
+
+
+def test_a_kangaroo_hops_over_a_crate_and_on() -> None:
+    crate = "{name: crate, prop: {shape: box, size: [0.5, 0.5, 1.5]}, at: [5, 0]}"
+    hops = directed("{at: 1, who: roo, do: {hop_over: crate}}", 6, "", crate)
+    assert lowest_over(hops.take, "roo", 4.75, 5.25) > 0.52
+    assert hops.take.positions[-1, 0, 0] > 8.0
+    assert not [one for one in hops.take.notes if one.kind != "misplaced"]
+
+
+def test_goes_to_a_place_and_lands_on_it() -> None:
+    hops = directed("{at: 1, who: roo, do: {go_to: [4, 3]}}", 9)
+    state = hops.troupe.hoppings[0].state
+    assert state.phase == "standing"
+    assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [4, 3]) < 0.05
+    assert hops.seen[0][-1].tilt < math.radians(3)
+
+
+def test_stops_after_the_present_jump_and_hops_on_when_told() -> None:
+    script = "{at: 1.6, who: roo, do: stop}, {at: 5, who: roo, do: hop}"
+    hops = directed(script, 8)
+    jumps = {seen.jumps for seen in hops.seen[0] if 3.5 < seen.time < 5.0}
+    assert len(jumps) == 1
+    assert {seen.phase for seen in hops.seen[0] if 4.2 < seen.time < 5.0} == {"standing"}
+    assert hops.seen[0][-1].jumps > max(jumps) + 1
+
+
+def test_waits_and_hops_on() -> None:
+    hops = directed("{at: 1.5, who: roo, do: {wait: 3}}", 8)
+    standing = [seen.time for seen in hops.seen[0] if seen.phase == "standing" and seen.time > 2]
+    assert standing
+    assert hops.seen[0][-1].jumps > 2
+
+
+@pytest.mark.parametrize("angle", [40, -160])
+def test_turns_by_as_much_as_it_is_told(angle: float) -> None:
+    hops = directed(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 8)
+    v = hops.lifts[-1][1]
+    went = math.degrees(math.atan2(-v[2], v[0]))
+    assert abs(math.remainder(went - angle, 360)) < 2.0
+    assert max(seen.tilt for seen in hops.seen[0]) < math.radians(15)
+
+
+def test_goes_at_another_speed() -> None:
+    hops = directed("{at: 2, who: roo, do: {speed: 4.5}}", 6)
+    assert np.linalg.norm(hops.lifts[-1][1]) == pytest.approx(4.5, rel=1e-6)
+
+
+def test_makes_one_jump_as_asked_and_then_its_own_again() -> None:
+    hops = directed("{at: 1.3, who: roo, do: {jump: {height: 0.8, distance: 1.0}}}", 6)
+    apexes = [float(v[1] ** 2) / (2 * 9.81) for _, v in hops.lifts]
+    assert max(apexes) == pytest.approx(0.8, rel=1e-3)
+    assert sum(abs(one - 0.5) < 1e-3 for one in apexes) == len(apexes) - 1
+
+
+def test_others_wait_for_a_hopper_that_arrives() -> None:
+    script = (
+        "{at: 0.5, who: roo, do: {go_to: [2, 0]}},"
+        "{when: {arrived: roo}, who: roo, do: {jump: {land_at: [3, 0]}}}"
+    )
+    hops = directed(script, 9)
+    state = hops.troupe.hoppings[0].state
+    assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [3, 0]) < 0.05
+
+
+# --- what is refused -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("member", "do", "message"),
+    [
+        ("pronk: {}", "walk", "tell it hop"),
+        ("pronk: {}", "{gait: trot}", "hops, and can be told"),
+        ("pronk: {}", "{mood: proud}", "hops, and can be told"),
+        ("walk: {}", "hop", "'a' walks"),
+        ("walk: {}", "{hop_over: bxo}", "did you mean 'box'"),
+        ("walk: {}", "{hop_over: a}", "cannot jump over itself"),
+        ("walk: {}", "{hop_over: wall}", "is many things"),
+        ("walk: {}", "{jump: {land_at: [1, 0], distance: 2}}", "take one of the two away"),
+        ("walk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),
+        ("pronk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),
+        ("walk: {}, pose: [{at: 1, limb: arm_r, reach: [0, 1, 0]}]", "{jump: {}}", "is posed"),
+        ("walk: {}, pronk: {jumps: 3}", "stop", "jumps when a script says so"),
+        ("walk: {}, pronk: {max_force: 0.1}", "{jump: {}}", "leave the ground"),
+        ("at: [0, 0]", "{jump: {}}", "neither walks nor hops"),
+    ],
+)
+def test_refuses(member: str, do: str, message: str) -> None:
+    with pytest.raises(SceneError, match=message) as caught:
+        Simulation(
+            scene_of(
+                f"{{name: a, figure: person, {member}}}",
+                "{name: box, prop: {shape: box}, at: [3, 0]}",
+                "{name: wall, many: {of: brick, rows: 2, columns: 2}, at: [6, 0]}",
+                more=f"script: [{{at: 1, who: a, do: {do}}}]",
+            )
+        )
+    assert all(problem.line > 0 for problem in caught.value.problems)
+
+
+# --- hurdles ---------------------------------------------------------------------------
+
+
+def corners(size: tuple[float, float, float], middle: tuple[float, float, float], deg: float):
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return middle + 0.5 * signs * size @ heading(math.radians(deg)).T
+
+
+@pytest.mark.parametrize("deg", [0.0, 30.0, 45.0, 80.0])
+def test_a_hurdle_is_what_of_a_box_is_in_the_strip(deg: float) -> None:
+    """A box turned by an angle: its sides cut the edges of the strip where lines meet."""
+    long, wide, half = 0.4, 6.0, 0.3
+    box = corners((long, 0.5, wide), (3.0, 0.25, 0.0), deg)
+    one = hurdle_on([box], np.zeros(2), 0.0, half)
+    assert one is not None
+    angle = math.radians(deg)
+    reach = 0.5 * long / math.cos(angle) + half * math.tan(angle)
+    end = 0.5 * (long * math.cos(angle) + wide * math.sin(angle))
+    assert one.near == pytest.approx(3.0 - min(reach, end), abs=1e-9)
+    assert one.far == pytest.approx(3.0 + min(reach, end), abs=1e-9)
+    np.testing.assert_allclose(one.top, 0.5, atol=1e-9)
+
+
+def test_a_hurdle_is_as_high_as_the_highest_of_its_solids_everywhere() -> None:
+    low = corners((1.0, 0.2, 1.0), (2.0, 0.1, 0.0), 0.0)
+    high = corners((0.2, 0.6, 1.0), (2.3, 0.3, 0.0), 0.0)
+    one = hurdle_on([low, high], np.zeros(2), 0.0, 0.2)
+    assert one is not None
+    inside = (one.along > 2.2) & (one.along < 2.4)
+    np.testing.assert_allclose(one.top[inside], 0.6)
+    np.testing.assert_allclose(one.top[one.along < 2.2 - 1e-6], 0.2)
+    assert hurdle_on([low], np.array([0.0, 5.0]), 0.0, 0.2) is None

@@ -54,7 +54,13 @@ def rows(q: Quaternion) -> Rows:
 
 def applied(R: Rows, v: Vector) -> Vector:
     """Return R v."""
-    return dot(R[0], v), dot(R[1], v), dot(R[2], v)
+    a, b, c = R
+    x, y, z = v
+    return (
+        a[0] * x + a[1] * y + a[2] * z,
+        b[0] * x + b[1] * y + b[2] * z,
+        c[0] * x + c[1] * y + c[2] * z,
+    )
 
 
 def unapplied(R: Rows, v: Vector) -> Vector:

@@ -321,6 +321,16 @@ def test_knees_keep_their_limits(long_hops):
     assert (q <= skeleton.upper[joints] + 1e-9).all()
 
 
+def test_knees_and_heels_stay_above_the_ground_in_a_deep_crouch():
+    words = "{distance: 1.6, height: 0.8, crouch: 0.5, max_force: 6}"
+    hops = hop_through(scene_of(hopper("kangaroo", words), duration=3))
+    positions = hops.simulation.recorder.positions
+    skeleton = hops.troupe.herd.figures[0].skeleton
+    for leg in skeleton.legs:
+        for link, radius in zip(leg.links, (0.165, 0.1, 0.045, 0.036), strict=True):
+            assert positions[:, link, 1].min() > radius
+
+
 # --- falling ------------------------------------------------------------------------------------
 
 

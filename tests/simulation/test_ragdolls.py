@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from dataclasses import dataclass
 
 import mujoco
@@ -287,6 +289,36 @@ def test_each_link_that_strikes_is_heard_with_its_own_name():
         times = [(c.step + c.fraction) * DT for c in falls if c.part == part]
         assert np.diff(times).min(initial=1.0) > 0.1
     assert all(c.speed > 0.0 and c.energy > 0.0 for c in falls)
+
+
+def test_who_falls_does_not_change_how_others_hop():
+    """Poses are worked out sooner where somebody falls limply."""
+    other = "{name: b, figure: hopper, at: [2, 3], pronk: {}}"
+    found = []
+    for fall in ("ragdoll", "rigid"):
+        one = f"{{name: a, figure: kangaroo, pronk: {{balance: 0, fall: {fall}}}}}"
+        take = simulate(scene_of(one, other, duration=1.5))
+        assert toppled(take) > 0
+        own = [i for i, node in enumerate(take.nodes) if node.performer == "b"]
+        found.append((take.positions[:, own].tobytes(), take.rotations[:, own].tobytes()))
+    assert found[0] == found[1]
+
+
+def test_falls_wait_for_no_compiler():
+    lines = (
+        "import sys",
+        "from pipeline.simulation.simulate import simulate",
+        "from pipeline.spec import read_scene",
+        "words = '{figure: kangaroo, pronk: {balance: 0}}'",
+        "take = simulate(read_scene(f'pronk: 1\\nduration: 1\\ncast: [{words}]\\n'))",
+        "assert any(note.kind == 'toppled' for note in take.notes)",
+        "print('numba' in sys.modules, 'mujoco' in sys.modules)",
+    )
+    script = "\n".join(lines)
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["False", "True"]
 
 
 def test_who_falls_off_the_terrain_is_said_to_be_dropped():

@@ -20,7 +20,7 @@ from pipeline.simulation.spatial import Array
 WORLD = -1
 """In place of a bone: what the first one hangs on."""
 
-STIFF, DAMPED, HEAVY = 0.12, 0.4, 0.05
+STIFF, DAMPED, HEAVY = 0.12, 0.4, 0.1
 """How joints are drawn to their rest and damped, in parts of the weight that hangs on them and of
 what damps it critically; inertia that they have besides, in that of what hangs on them: a thin
 tail is easily twisted, and would be by a body that lies on it."""

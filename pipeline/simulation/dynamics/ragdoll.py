@@ -59,8 +59,8 @@ STOPS = 4.0
 GONE = 20.0
 """Depth below the terrain at which nothing matters any more, in sizes."""
 
-GROUND, BONES = 2, 1
-"""Bits of what meets what."""
+GROUND = 1
+"""Bit of what bones meet."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,7 +16,7 @@ from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.spatial import Array
 
-AROUND = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 7)] * 3), axis=-1).reshape(-1, 3)
+AROUND = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 3), axis=-1).reshape(-1, 3)
 AROUND = AROUND[np.abs(AROUND).max(axis=-1) == 1.0]
 """Directions in which the corners of a hull are looked for."""
 

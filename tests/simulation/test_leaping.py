@@ -15,7 +15,9 @@ from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix, turn
 from pipeline.simulation.take import Take
-from pipeline.spec import Scene
+from pipeline.spec import Scene, find_scene, load_scene
+from pipeline.spec.cast import Prop
+from pipeline.spec.prop import BoxShape
 
 from .conftest import scene_of
 from .hops import Hops, hop_through
@@ -28,6 +30,9 @@ BOXES = {
     "beetle": (0.2, 0.2),
 }
 """Length and height of what each jumps over [m]."""
+
+HARDEST = 60.0
+"""Acceleration that no body reaches [m/s²]."""
 
 QUICKEST = 40.0
 """Speed that no joint of a leg reaches [rad/s]."""
@@ -96,7 +101,12 @@ class Leap:
 @pytest.fixture(scope="module", params=BOXES)
 def leap(request) -> Leap:
     length, high = BOXES[request.param]
-    one = Leap(Simulation(over(request.param, length, high)), length, high)
+    return watched(over(request.param, length, high), length, high)
+
+
+def watched(scene: Scene, length: float, high: float) -> Leap:
+    """Simulate a scene of one walker, and look at every step."""
+    one = Leap(Simulation(scene), length, high)
     one.look()
     while not one.simulation.finished:
         one.simulation.step()
@@ -161,6 +171,35 @@ def test_no_joint_turns_faster_than_those_of_who_walks(leap: Leap) -> None:
     legs = q[:, 2 * len(herd.names) :][:, : int(herd.legs.is_joint.sum())]
     rates = np.abs(np.diff(legs, axis=0)) / leap.simulation.world.clock.dt
     assert rates.max() < QUICKEST
+
+
+@pytest.mark.slow
+def test_the_antelope_of_the_shipped_scene_gets_over_its_box() -> None:
+    scene = load_scene(find_scene("over_the_box"))
+    box = next(member for member in scene.cast if isinstance(member, Prop))
+    assert isinstance(box.prop, BoxShape)
+    leap = watched(scene, box.prop.size[0], box.prop.size[1])
+    take, walkers = leap.take, leap.walkers
+    dt, ground = leap.simulation.world.clock.dt, leap.simulation.world.ground
+    assert not take.notes
+    tips, down = leap.tips(), np.array(leap.down)
+    assert np.linalg.norm(np.diff(tips, axis=0), axis=-1)[down[1:] & down[:-1]].max() < 1e-5
+    low = tips[..., 1] - ground.height(tips[..., 0], tips[..., 2]) - walkers.herd.sole
+    assert low.min() > -MILLIMETRE
+    middle = [node.name for node in take.nodes].index("box")
+    X = matrix(take.rotations[:, middle]), take.positions[:, middle]
+    half = 0.5 * np.array(box.prop.size)
+    for part in (one for one in take.parts if one.performer == "ante"):
+        mesh = take.meshes[part.mesh]
+        node = int(mesh.nodes[0, 0])
+        own = mesh.vertices.astype(float) - take.nodes[node].rest
+        for k in range(0, len(take.positions), 2):
+            v = take.positions[k, node] + own @ matrix(take.rotations[k, node]).T
+            inside = (np.abs((v - X[1][k]) @ X[0][k]) < half + 0.02)[:, [0, 2]].all(axis=-1)
+            assert v[inside, 1].min(initial=np.inf) > X[1][k, 1] + half[1] + 0.02
+    jerked = np.diff(take.positions[:, 0], 2, axis=0) / dt**2
+    assert np.linalg.norm(jerked, axis=-1).max() < HARDEST
+    np.testing.assert_allclose(take.positions[-1, 0, [0, 2]], [5, 0.3], atol=0.3)
 
 
 @pytest.mark.slow
@@ -272,6 +311,30 @@ def test_stops_after_the_present_jump_and_hops_on_when_told() -> None:
     assert len(jumps) == 1
     assert {seen.phase for seen in hops.seen[0] if 4.2 < seen.time < 5.0} == {"standing"}
     assert hops.seen[0][-1].jumps > max(jumps) + 1
+
+
+@pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
+def test_stops_on_its_way_to_a_place_whatever_it_is_about(at: float) -> None:
+    script = f"{{at: 0.5, who: roo, do: {{go_to: [20, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
+    hops = directed(script, 7)
+    before = max(seen.jumps for seen in hops.seen[0] if seen.time <= at)
+    assert hops.seen[0][-1].jumps <= before + 1
+    assert hops.seen[0][-1].phase == "standing"
+
+
+@pytest.mark.slow
+def test_who_walks_beside_one_that_jumps_walks_as_if_alone() -> None:
+    beside = "{name: b, figure: beetle, at: [0, 3], walk: {}}"
+    jumps = "{name: a, figure: antelope, at: [0, -3], walk: {}}"
+    more = "script: [{at: 0.5, who: a, do: {jump: {}}}]"
+    alone, both = (
+        simulated(scene_of(beside, duration=6)),
+        simulated(scene_of(jumps, beside, duration=6, more=more)),
+    )
+    nodes = [i for i, node in enumerate(both.nodes) if node.performer == "b"]
+    rows = len(alone.positions)
+    assert any(one.kind == "lift" for one in both.contacts)
+    assert (both.positions[:rows, nodes] == alone.positions).all()
 
 
 def test_waits_and_hops_on() -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -63,8 +64,11 @@ def _stop(hopping: Hopping, order: Do, solids: Solids) -> None:
     del order, solids
     course = hopping.state.course
     course.onward = False
-    # What it pushes for already it jumps.
-    course.errands = course.errands[:1] if _pushes(hopping) and course.leap is not None else []
+    pushes = hopping.state.phase == "pushing" and course.leap is not None
+    # What it pushes for already it jumps, but no more of that.
+    course.errands = course.errands[:1] if pushes else []
+    if course.leap is not None:
+        course.leap = replace(course.leap, last=True)
 
 
 def _go_to(hopping: Hopping, order: GoTo, solids: Solids) -> None:
@@ -97,10 +101,6 @@ def _jump(hopping: Hopping, order: JumpOnce, solids: Solids) -> None:
     spot = order.jump.land_at
     one = errands.Once(jump) if spot is None else errands.OnceTo(spot, jump)
     hopping.state.course.errands.append(one)
-
-
-def _pushes(hopping: Hopping) -> bool:
-    return hopping.state.phase == "pushing"
 
 
 ORDERS: dict[Any, Callable[[Hopping, Any, Solids], None]] = {

@@ -149,5 +149,5 @@ class Reaching:
             room = np.broadcast_to(least, near.shape)[near] ** 2 - way[near][:, 1] ** 2
             out = np.sqrt(np.maximum(room, 0.0))[:, None] * side
             way[near] = np.stack([out[:, 0], way[near][:, 1], out[:, 1]], axis=-1)
-        result: Array = herd.hips + way
-        return result
+        # Feet that are down stay where they are to the last bit, whoever is beside them.
+        return np.where(down[..., None], goals, herd.hips + way)

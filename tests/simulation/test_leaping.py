@@ -98,7 +98,10 @@ class Leap:
         return np.stack(found, axis=1)
 
 
-@pytest.fixture(scope="module", params=BOXES)
+@pytest.fixture(
+    scope="module",
+    params=["antelope", *(pytest.param(name, marks=pytest.mark.slow) for name in list(BOXES)[1:])],
+)
 def leap(request) -> Leap:
     length, high = BOXES[request.param]
     return watched(over(request.param, length, high), length, high)
@@ -240,6 +243,7 @@ def test_does_not_jump_over_what_it_is_too_near_to_stop_before() -> None:
     assert "too near" in note.text
 
 
+@pytest.mark.slow
 def test_comes_to_a_box_beside_its_way_and_back_to_that() -> None:
     words = "{name: a, figure: antelope, walk: {path: [[12, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 1]}, at: [4, 2], heading_deg: -25}"
@@ -249,6 +253,7 @@ def test_comes_to_a_box_beside_its_way_and_back_to_that() -> None:
     np.testing.assert_allclose(take.positions[-1, 0, [0, 2]], [12, 0], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
     words = "{name: a, figure: antelope, walk: {}, pronk: {max_force: 4}}"
     more = (
@@ -269,6 +274,7 @@ def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
     np.testing.assert_allclose(simulation.take().positions[-1, 0, [0, 2]], [4, 1], atol=1e-3)
 
 
+@pytest.mark.slow
 def test_jumps_over_a_body_where_it_has_come_to_lie() -> None:
     words = "{name: a, figure: antelope, walk: {path: [[8, 0]]}}"
     box = "{name: box, body: {shape: box, size: [0.4, 0.4, 1.2]}, at: [4, 0.9, 0]}"

@@ -155,7 +155,7 @@ def test_changes_its_speed() -> None:
     ("words", "script", "message"),
     [
         ("walk: {}", "{at: 1, who: x, do: stop}", "nobody in the cast is called 'x'"),
-        ("heading_deg: 0", "{at: 1, who: b, do: stop}", "'b' does not walk"),
+        ("heading_deg: 0", "{at: 1, who: b, do: stop}", "'b' neither walks nor hops"),
         ("walk: {}", "{who: b, do: stop}", "should have either at or when"),
         ("walk: {}", "{at: 1, when: {arrived: b}, who: b, do: stop}", "either at or when"),
         ("walk: {}", "{at: 1, who: b, do: {go_too: [0, 0]}}", "did you mean 'go_to'"),

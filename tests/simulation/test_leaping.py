@@ -376,7 +376,7 @@ def test_others_wait_for_a_hopper_that_arrives() -> None:
         "{at: 0.5, who: roo, do: {go_to: [2, 0]}},"
         "{when: {arrived: roo}, who: roo, do: {jump: {land_at: [3, 0]}}}"
     )
-    hops = directed(script, 9)
+    hops = directed(script, 12)
     state = hops.troupe.hoppings[0].state
     assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [3, 0]) < 0.05
 

@@ -6,7 +6,14 @@ from dataclasses import dataclass
 
 from pipeline.simulation.take import Contact, Note, SoundEvent, Take
 
-DOES = {"touch": "touches", "scuff": "scuffs", "hit": "hits", "roll": "rolls", "slide": "slides"}
+DOES = {
+    "touch": "touches",
+    "lift": "leaves",
+    "scuff": "scuffs",
+    "hit": "hits",
+    "roll": "rolls",
+    "slide": "slides",
+}
 """What a part does in each kind of contact."""
 
 

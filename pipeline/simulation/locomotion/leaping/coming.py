@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.locomotion.pronking import phases
+from pipeline.simulation.locomotion.pronking.beginning import crouched, taken_over
 from pipeline.simulation.locomotion.pronking.hurdle import Hurdle, hurdle_on
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
@@ -145,4 +145,4 @@ def _stands_at(of: Pronker, ground: Ground, xz: Array, turned: float) -> State:
     origin = np.array([xz[0], base + of.stand, xz[1]])
     feet = of.rest @ R.T + [xz[0], 0.0, xz[1]]
     feet[:, 1] = base + of.soles
-    return phases.crouched(of, phases.taken_over(of, R, origin, feet, 0.0))
+    return crouched(of, taken_over(of, R, origin, feet, 0.0))

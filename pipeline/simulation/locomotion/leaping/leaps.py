@@ -28,7 +28,7 @@ from pipeline.simulation.locomotion.footing.footholds import Foothold
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.leaping.aloft import Aloft
 from pipeline.simulation.locomotion.leaping.coming import come_to, onward
-from pipeline.simulation.locomotion.pronking import phases
+from pipeline.simulation.locomotion.pronking.beginning import taken_over
 from pipeline.simulation.locomotion.pronking.course import Errand
 from pipeline.simulation.locomotion.pronking.directing import Solids, jump_for
 from pipeline.simulation.locomotion.pronking.errands import HopOver, Once, OnceTo
@@ -259,7 +259,7 @@ class Leaps:
             del self.trips[c]
             return
         R, p = self._stands(c)
-        state = phases.taken_over(of, R, p, self.feet.end[own], time)
+        state = taken_over(of, R, p, self.feet.end[own], time)
         state.course.errands = [self._errand(of, trip.order)]
         state.until = time + STANDS
         fall = StiffFall(self.herd.figures[c])

@@ -37,3 +37,7 @@ class Happening:
     energy: float
     text: str = ""
     link: int = 0
+
+
+Events = list[Happening]
+"""What has happened, in the order of time."""

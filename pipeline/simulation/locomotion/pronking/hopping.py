@@ -17,12 +17,15 @@ from numpy.typing import NDArray
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import phases
 from pipeline.simulation.locomotion.pronking.attitude import moment
+from pipeline.simulation.locomotion.pronking.beginning import first_state
 from pipeline.simulation.locomotion.pronking.falling import Fall, Limbs
 from pipeline.simulation.locomotion.pronking.forces import shared
 from pipeline.simulation.locomotion.pronking.happening import Happening
 from pipeline.simulation.locomotion.pronking.locating import crossing
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
+from pipeline.simulation.locomotion.pronking.stance import gives_way
 from pipeline.simulation.locomotion.pronking.state import SUPPORT, Moved, State
+from pipeline.simulation.locomotion.pronking.touching import WALL, touch, trip
 from pipeline.simulation.locomotion.pronking.watching import (
     RISING,
     Margins,
@@ -85,7 +88,7 @@ class Hopping:
         # lifted out of it while the body rises.
         self._met = np.zeros(len(of.hips), dtype=bool)
         self._lifted = np.zeros(len(of.hips))
-        self.state = phases.first_state(of, ground, above) if state is None else state
+        self.state = first_state(of, ground, above) if state is None else state
 
     def advance(self, end: float) -> None:
         """Go on until `end` [s]."""
@@ -106,7 +109,7 @@ class Hopping:
                 self._go(min(left, FINEST), known)
         self.state.time = end
         self._let_go_of_what_is_missed()
-        if phases.gives_way(self.of, self.state):
+        if gives_way(self.of, self.state):
             self._topple("the legs that touch cannot carry it")
 
     def pose(self) -> tuple[Moved, Array]:
@@ -196,10 +199,10 @@ class Hopping:
         state, of = self.state, self.of
         tips = at.points(state.swing.tips(at.time))
         lift = over_ground(of, self.ground, tips, self.highest)[:, 1] - tips[:, 1]
-        walls = np.flatnonzero(lift - self._lifted > phases.WALL * of.leg)
+        walls = np.flatnonzero(lift - self._lifted > WALL * of.leg)
         self._lifted = lift
         if len(walls):
-            phases.trip(of, state, walls, tips, self.happened)
+            trip(of, state, walls, tips, self.happened)
 
     def _arm(self) -> None:
         state = self.state
@@ -215,7 +218,7 @@ class Hopping:
             return
         if (at.touch <= 0.0).any():
             legs = np.flatnonzero(at.touch <= 0.0)
-            phases.touch(of, ground, state, legs, self._met, self.happened)
+            touch(of, ground, state, legs, self._met, self.happened)
         if state.phase == "flight":
             due = at.grace[0] <= 0.0 or (at.stretch <= 0.0).any() or (at.fold <= 0.0).any()
             if state.down.all() or (due and state.down.any()):

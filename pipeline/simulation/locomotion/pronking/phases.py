@@ -10,28 +10,23 @@ Source: Sims 1987, 11.1 to 11.3.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking import spin
-from pipeline.simulation.locomotion.pronking.aiming import aim, held_out, leant, leaves
+from pipeline.simulation.locomotion.pronking.aiming import aim, leant, leaves
 from pipeline.simulation.locomotion.pronking.attitude import FREE, NONE, Steering, rate_for
-from pipeline.simulation.locomotion.pronking.course import Course
 from pipeline.simulation.locomotion.pronking.forces import drive
-from pipeline.simulation.locomotion.pronking.happening import Happening
-from pipeline.simulation.locomotion.pronking.pronker import HOLDS, Pronker
+from pipeline.simulation.locomotion.pronking.happening import Events, Happening
+from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.spin import Quaternion, Vector
-from pipeline.simulation.locomotion.pronking.state import State, level
+from pipeline.simulation.locomotion.pronking.stance import floor_of, most_of, standing_height
+from pipeline.simulation.locomotion.pronking.state import FALLING, State, level
 from pipeline.simulation.locomotion.pronking.swing import Swing
-from pipeline.simulation.locomotion.pronking.watching import body_gap
-from pipeline.simulation.locomotion.swings.sole import lowest
-from pipeline.simulation.spatial import Array, quaternion
+from pipeline.simulation.locomotion.pronking.touching import drawn_up
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-
-FALLING = np.array([0.0, -GRAVITY, 0.0])
 
 SINKS, EASY = 0.42, 0.7
 """How long a creature with legs of one metre takes to crouch [s], and with which part of its
@@ -43,128 +38,11 @@ BAND = 0.3
 ROOM = 0.03
 """Way of a landing at least, in leg lengths."""
 
-TUCK = 0.3
-"""How high feet are drawn up in the middle of a flight, in leg lengths."""
-
-TRAIL = 0.35
-"""Speed with which feet trail behind after a lift-off, in that of the body."""
-
 RESTRETCHES = 0.15
 """How long a leg that came off the ground takes to be ready again [s]."""
 
-WALL = 0.06
-"""How high a foot would have to be lifted at once where it meets a wall, in leg lengths."""
-
-LOWER = 0.03
-"""Steps in which who cannot stand upright stands lower, in leg lengths."""
-
 SITS = 0.2
 """Speed from which a body that comes down on its folded legs is heard [m/s]."""
-
-Events = list[Happening]
-
-
-def first_state(of: Pronker, ground: Ground, above: float | None) -> State:
-    """Return how it begins: standing, or with its feet `above` the ground [m], to fall."""
-    if above is None:
-        state = _stood(of, ground)
-        if body_gap(of, ground, state.now(of)) >= 0.0 and not gives_way(of, state):
-            return state
-    # Where it cannot stand it comes down from as low as there is room for it.
-    return _held_up(of, ground, above or 0.0)
-
-
-def _stood(of: Pronker, ground: Ground) -> State:
-    """Return it standing, on what legs come to the ground."""
-    state = _put(of, ground)
-    R = np.array(spin.rows(state.turning[0]))
-    x, z = (float(c) for c in of.start)
-    feet = of.rest @ R.T + [x, 0.0, z]
-    feet[:, 1] = lowest(ground, feet[:, 0], feet[:, 2], of.soles)
-    floor = float((feet[:, 1] - of.soles).mean())
-    origin = np.array([x, _standing(of, R, feet, floor + of.stand, x, z), z])
-    # Legs that stand on a slope may come to limits of their joints before they are long.
-    while of.legs.misses((feet - origin) @ R).any() and origin[1] - floor > of.crouch:
-        origin[1] -= LOWER * of.leg
-    # On rough ground some legs may have nothing to stand on: they hang.
-    hangs = of.rest - [0.0, min(of.stand, 0.8 * of.leg), 0.0]
-    state.phase, state.until = "standing", of.words.start
-    state.p, state.tips = origin + R @ of.mass.centre, feet
-    state.down, state.swing = ~of.legs.misses((feet - origin) @ R), Swing.still(hangs)
-    state.floor = _floor(of, state)
-    return state
-
-
-def _held_up(of: Pronker, ground: Ground, above: float) -> State:
-    """Return it with its feet so high above the ground, or as low as its body is out of it."""
-    state = _put(of, ground)
-    R = np.array(spin.rows(state.turning[0]))
-    feet = held_out(of, R, np.zeros(3), 1.0, stops=False)
-    base = float(ground.height(of.start[0], of.start[1]))
-    state.p[1] += base + above - float((feet[:, 1] - of.soles).min())
-    state.swing, state.a = Swing.still(feet), FALLING
-    now = state.now(of)
-    tips = now.points(feet)
-    deep = float((lowest(ground, tips[:, 0], tips[:, 2], of.soles) - tips[:, 1]).max())
-    state.p[1] += max(deep, -body_gap(of, ground, now), 0.0)
-    return state
-
-
-def _put(of: Pronker, ground: Ground) -> State:
-    """Return it where it begins, its body at height 0."""
-    q = leant(of, ground, float(of.start[0]), float(of.start[1]), of.heading)
-    n, R = len(of.hips), np.array(spin.rows(q))
-    return State(
-        phase="flight",
-        time=0.0,
-        p=np.array([of.start[0], 0.0, of.start[1]]) + R @ of.mass.centre,
-        v=np.zeros(3),
-        turning=(q, NONE),
-        tips=np.zeros((n, 3)),
-        down=np.zeros(n, dtype=bool),
-        released=np.zeros(n, dtype=bool),
-        swing=Swing.still(np.zeros((n, 3))),
-        facing=of.heading + (0.0 if of.words.land_at else math.radians(of.words.turn_deg)),
-        going=of.heading + math.radians(of.words.direction_deg),
-        course=Course(of.jump),
-    )
-
-
-def taken_over(of: Pronker, R: Array, origin: Array, tips: Array, time: float) -> State:
-    """Return the state of one that stands, and has come there by other ways than jumps.
-
-    Args:
-        of: who.
-        R: (3, 3) and
-        origin: (3,) of its body [m].
-        tips: (n, 3) its feet, which are on the ground [m].
-        time: since the start of the film [s].
-    """
-    a, b, c, d = quaternion(R[None])[0].tolist()
-    angle = math.atan2(-R[2, 0], R[0, 0])
-    own = (tips - origin) @ R
-    state = State(
-        phase="standing",
-        time=time,
-        p=origin + R @ of.mass.centre,
-        v=np.zeros(3),
-        turning=((a, b, c, d), NONE),
-        tips=tips.copy(),
-        down=~of.legs.misses(own),
-        released=np.zeros(len(tips), dtype=bool),
-        swing=Swing.still(own),
-        facing=angle,
-        going=angle,
-        course=Course(of.jump, onward=False),
-    )
-    state.floor = _floor(of, state)
-    return state
-
-
-def crouched(of: Pronker, state: State) -> State:
-    """Return the state of one that stands as it will be at the begin of a push."""
-    low = min(state.floor + of.crouch, level(of, state.p))
-    return replace(state, p=np.array([state.p[0], low + of.mass.centre[1], state.p[2]]))
 
 
 def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> None:
@@ -189,75 +67,6 @@ def end_of_phase(of: Pronker, ground: Ground, state: State, events: Events) -> N
 
 
 # --- flight ---------------------------------------------------------------------
-
-
-def trip(of: Pronker, state: State, legs: NDArray[np.int64], tips: Array, events: Events) -> None:
-    """Let feet (n, 3) that go with the body meet a wall."""
-    v = np.broadcast_to(state.v, tips.shape)
-    _trip(of, state, legs, tips, v, events)
-
-
-def touch(
-    of: Pronker,
-    ground: Ground,
-    state: State,
-    legs: NDArray[np.int64],
-    met: NDArray[np.bool_],
-    events: Events,
-) -> None:
-    """Put feet down where they are: these are their footholds until the next lift-off.
-
-    Args:
-        of: whose feet.
-        ground: that they come to.
-        state: in flight or landing.
-        legs: whose feet they are.
-        met: (n,) which came to it just now; the others were lifted over it.
-        events: to be added to.
-    """
-    now, own = state.now(of), state.swing.tips(state.time)
-    tips = now.points(own)
-    moves = now.R @ ((own - state.swing.tips(state.time - 1e-5)) / 1e-5).T
-    v = state.v + np.cross(state.turning[1], tips - state.p) + moves.T
-    if not state.down.any():
-        state.first = float(state.p[1])
-    caught, floors = list[int](), lowest(ground, tips[:, 0], tips[:, 2], of.soles)
-    for leg in legs.tolist():
-        (x, y, z), least = tips[leg].tolist(), float(floors[leg])
-        if met[leg] and least - y > WALL * of.leg:
-            caught.append(leg)
-        else:
-            y = max(least, y)
-        state.tips[leg], state.down[leg] = (x, y, z), True
-        place, normal = np.array([x, y - of.soles[leg], z]), ground.normal(x, z)
-        speed = max(-float(normal @ v[leg]), 0.0)
-        energy = 0.5 * of.mass.mass / len(of.hips) * speed * speed
-        events.append(Happening("touch", state.time, leg, place, normal, speed, energy))
-        if not bool(ground.steppable(x, z)):
-            text = f"a foot landed in a forbidden zone, at ({x:.2f}, {z:.2f})"
-            events.append(Happening("misplaced", state.time, leg, place, normal, 0.0, 0.0, text))
-    if caught:
-        _trip(of, state, np.array(caught), tips, v, events)
-
-
-def _trip(
-    of: Pronker, state: State, legs: NDArray[np.int64], tips: Array, v: Array, events: Events
-) -> None:
-    """Catch feet on a wall: what stops the legs pulls at the body.
-
-    Source: Sims 1987, 9.4.
-    """
-    pull = -of.leg_mass[legs, None] * v[legs] * [1.0, 0.0, 1.0]
-    state.v = state.v + pull.sum(axis=0) / of.mass.mass
-    R = np.array(spin.rows(state.turning[0]))
-    inverse = R @ np.array(of.inertia.inverse) @ R.T
-    twist = np.cross(tips[legs] - state.p, pull).sum(axis=0)
-    x, y, z = (state.turning[1] + inverse @ twist).tolist()
-    state.turning = state.turning[0], (x, y, z)
-    up = np.array([0.0, 1.0, 0.0])
-    for leg in legs.tolist():
-        text = "a foot caught on a wall"
-        events.append(Happening("tripped", state.time, leg, tips[leg], up, 0.0, 0.0, text))
 
 
 def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
@@ -289,36 +98,13 @@ def take_off(of: Pronker, ground: Ground, state: State, events: Events) -> None:
         state.going += math.radians(of.words.turn_deg)
 
 
-def drawn_up(
-    of: Pronker, start: Array, ends: Array, begin: float, time: float, v: Array, folds: bool
-) -> Swing:
-    """Return the ways of feet that leave the ground and are held out for the landing.
-
-    Args:
-        of: whose feet.
-        start: (n, 3) where they leave it, and
-        ends: (n, 3) where they are held, in the frame of the body [m].
-        begin: when it leaves the ground [s].
-        time: how long the flight takes [s].
-        v: (3,) velocity of the body, in its frame [m/s].
-        folds: whether they are drawn up as far as legs fold.
-    """
-    n = len(start)
-    middle = 0.5 * (start + ends)
-    low, room = np.maximum(start[:, 1], ends[:, 1]), of.hips[:, 1] - 1.15 * of.folds
-    top = room if folds else np.minimum(low + TUCK * of.leg * min(1.0, time / 0.5), room)
-    middle[:, 1] = np.maximum(top, low)
-    trail = np.tile([-TRAIL * v[0], 0.0, -TRAIL * v[2]], (n, 1))
-    return Swing(np.full(n, begin), np.full(n, 0.97 * time), start, middle, ends, trail)
-
-
 # --- landing ----------------------------------------------------------------------
 
 
 def begin_landing(of: Pronker, ground: Ground, state: State, events: Events) -> None:
     """Let the legs that touch absorb the fall."""
     state.phase = "landing"
-    state.floor = _floor(of, state)
+    state.floor = floor_of(of, state)
     here = level(of, state.p) - state.floor
     state.goal = min(of.crouch, here - ROOM * of.leg)
     go_on_landing(of, ground, state, events)
@@ -332,7 +118,7 @@ def go_on_landing(of: Pronker, ground: Ground, state: State, events: Events) -> 
     rise = min(state.goal - (level(of, state.p) - state.floor), -1e-3 * of.leg)
     time = 2.0 * rise / float(state.v[1])
     x, z = _carried(of, state, time)
-    one = drive(of.mass.mass, _most(of, state), _plain(state.v), (x, 0.0, z), rise)
+    one = drive(of.mass.mass, most_of(of, state), _plain(state.v), (x, 0.0, z), rise)
     _say_if(one.saturated, state, events)
     state.a, state.until = np.array(one.acceleration), state.time + one.time
     x, _, z = state.tips[state.down].mean(axis=0).tolist()
@@ -432,7 +218,7 @@ def begin_push(of: Pronker, ground: Ground, state: State, events: Events) -> Non
         place = np.array([one.spot[0], 0.0, one.spot[1]])
         up = np.array([0.0, 1.0, 0.0])
         events.append(Happening("stopped", state.time, -1, place, up, 0.0, 0.0, text))
-    push = drive(of.mass.mass, _most(of, state), _plain(state.v), _plain(one.velocity), one.rise)
+    push = drive(of.mass.mass, most_of(of, state), _plain(state.v), _plain(one.velocity), one.rise)
     _say_if(push.saturated, state, events)
     if push.acceleration[1] <= 0.0:
         text = f"{int(state.down.sum())} legs on the ground cannot lift it"
@@ -464,10 +250,12 @@ def _rise(of: Pronker, ground: Ground, state: State) -> None:
     state.v = np.zeros(3)
     now = state.now(of)
     x, _, z = now.origin.tolist()
-    height = _standing(of, now.R, state.tips[state.down], state.floor + of.stand, x, z, state.down)
+    height = standing_height(
+        of, now.R, state.tips[state.down], state.floor + of.stand, x, z, state.down
+    )
     way = max(height - level(of, state.p), 1e-3 * of.leg)
     # Weak legs rise slowly; those that cannot rise at all give way.
-    lift = max(_most(of, state) / of.mass.mass - GRAVITY, 1e-3)
+    lift = max(most_of(of, state) / of.mass.mass - GRAVITY, 1e-3)
     time = max(1.4 * SINKS * math.sqrt(of.leg), math.sqrt(4.0 * way / min(EASY * GRAVITY, lift)))
     state.phase, state.a = "rising", np.array([0.0, 4.0 * way / time**2, 0.0])
     state.until = state.time + 0.5 * time
@@ -488,14 +276,6 @@ def _stand(state: State) -> None:
     state.turning, state.steering = (state.turning[0], NONE), FREE
 
 
-def gives_way(of: Pronker, state: State) -> bool:
-    """Tell whether it stands, or sinks and rises slowly, on fewer legs than can carry it."""
-    if state.phase not in ("standing", "crouching", "rising", "straightening"):
-        return False
-    force = of.mass.mass * float(state.a[1] + GRAVITY)
-    return force > _most(of, state) * (1.0 + 1e-9)
-
-
 def wake(of: Pronker, state: State) -> None:
     """Let who stands begin to crouch if it is to jump again."""
     if state.phase == "standing" and leaves(of, state):
@@ -507,34 +287,6 @@ def let_go(state: State, feet: Array) -> None:
     state.phase, state.until, state.steering = "fallen", math.inf, FREE
     state.down[:] = False
     state.swing = Swing.still(feet)
-
-
-def _standing(
-    of: Pronker,
-    R: Array,
-    feet: Array,
-    height: float,
-    x: float,
-    z: float,
-    down: NDArray[np.bool_] | None = None,
-) -> float:
-    """Return the height of a body at which all feet (n, 3) that are down reach the ground [m]."""
-    own = slice(None) if down is None else down
-    hips = of.hips[own] @ R.T + [x, 0.0, z]
-    across = ((hips - feet)[:, [0, 2]] ** 2).sum(axis=-1)
-    room = np.sqrt(np.maximum((HOLDS * 0.995 * of.lengths[own]) ** 2 - across, 0.0))
-    return min(height, float((feet[:, 1] + room - hips[:, 1]).min()))
-
-
-def _floor(of: Pronker, state: State) -> float:
-    """Return the mean height of the footholds, of the ground without them [m]."""
-    if not state.down.any():
-        return 0.0
-    return float((state.tips[:, 1] - of.soles)[state.down].mean())
-
-
-def _most(of: Pronker, state: State) -> float:
-    return of.most * int(state.down.sum())
 
 
 def _steering(

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking import spin
 from pipeline.simulation.locomotion.pronking.attitude import FREE, Steering, Turning, turned
 from pipeline.simulation.locomotion.pronking.course import Course
@@ -24,6 +25,9 @@ Phase = Literal[
 that stands, sinks for half the way into its crouch, rises and comes to a stop."""
 
 SUPPORT = ("landing", "pushing")
+
+FALLING = np.array([0.0, -GRAVITY, 0.0])
+"""Acceleration of what nothing carries [m/s²]."""
 
 
 @dataclass(eq=False)

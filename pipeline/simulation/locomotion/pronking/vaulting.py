@@ -22,9 +22,9 @@ from pipeline.simulation.locomotion.pronking.aiming import Aim, leaping, lift_of
 from pipeline.simulation.locomotion.pronking.course import Leap
 from pipeline.simulation.locomotion.pronking.forces import drive
 from pipeline.simulation.locomotion.pronking.hurdle import Hurdle
-from pipeline.simulation.locomotion.pronking.phases import drawn_up
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
+from pipeline.simulation.locomotion.pronking.touching import drawn_up
 from pipeline.simulation.locomotion.ways.route import direction
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground

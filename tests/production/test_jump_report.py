@@ -20,7 +20,7 @@ from pipeline.spec import Scene, read_scene
 
 HEAD = "pronk: 1\nduration: 9\nterrain: flat\ncast:\n"
 ROO = (
-    "{name: roo, figure: kangaroo, pronk: {distance: 1.6, height: 0.8, crouch: 0.5, max_force: 6}}"
+    "{name: roo, figure: kangaroo, pronk: {distance: 1.6, height: 0.8, crouch: 0.56, max_force: 6}}"
 )
 CAST = (
     ROO,
@@ -108,7 +108,7 @@ def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, Hop]) -> 
 def test_it_says_what_was_asked_for_and_what_was_resolved(found: dict[str, Hop]) -> None:
     roo, toc = facts(found["roo"]), facts(found["toc"])
     assert roo["asked"] == ["distance", "height", "crouch", "max_force"]
-    assert (roo["distance"], roo["height"], roo["crouch"]) == (1.6, 0.8, 0.5)
+    assert (roo["distance"], roo["height"], roo["crouch"]) == (1.6, 0.8, 0.56)
     assert roo["max_force"] == pytest.approx(6.0)
     assert facts(found["tac"])["asked"] == ["distance", "speed", "balance"]
     assert facts(found["tac"])["balance"] == pytest.approx(3.0)

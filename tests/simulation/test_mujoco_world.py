@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -221,6 +222,17 @@ def test_law_leaves_other_peoples_mujoco_alone() -> None:
     mujoco.set_mjcb_passive(None)
     run(world_of([ball(0.1)], [[0, 0.2, 0]]), 0.3)
     assert mujoco.get_mjcb_passive() is None
+
+
+def test_warnings_are_told_and_leave_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    world = world_of([ball(0.1)], [[0, 0.2, 0]])
+    world.data.qvel[0] = np.nan
+    mujoco.mj_step(world.model, world.data)
+    assert "MuJoCo" in caplog.text
+    assert not list(tmp_path.iterdir())
 
 
 def test_compiled_code_sees_what_the_bindings_say() -> None:

@@ -26,6 +26,9 @@ TILE = 5
 """Cells along a tile: each is two prisms, which touch a body once, and MuJoCo keeps 50
 contacts of two geoms."""
 
+ROOM, ROOM_A_BODY = 2**25, 2**18
+"""For contacts, which is taken up as it is used [bytes]."""
+
 FLAT = 1e-9
 """Height that a height field has at least [m]."""
 
@@ -33,6 +36,11 @@ FLAT = 1e-9
 def is_level(field: HeightField) -> bool:
     """Tell whether all of a terrain has one height."""
     return float(np.ptp(field.heights)) == 0.0
+
+
+def room_for(bodies: int) -> int:
+    """Return the memory that a model of so many bodies needs for contacts [bytes]."""
+    return ROOM + ROOM_A_BODY * bodies
 
 
 def look_upward(option: Any, mujoco: Any) -> None:

@@ -27,7 +27,8 @@ from pipeline.simulation.dynamics.brushing import Brushes, Contacts, brushes
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_law import THING
-from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level, look_upward
+from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level, look_upward, room_for
+from pipeline.simulation.dynamics.mujoco_warnings import tell_warnings
 from pipeline.simulation.dynamics.pressing import Pressing
 from pipeline.simulation.dynamics.pushing import Pushed, Pushers
 from pipeline.simulation.dynamics.records import zeros
@@ -38,9 +39,6 @@ from pipeline.simulation.terrain.heightfield import HeightField
 
 TERRAIN = -1
 """Number of the terrain among things: bodies are counted from 0, then those who push."""
-
-ARENA, ARENA_A_BODY = 2**25, 2**18
-"""Room for contacts, which is taken up as it is used [bytes]."""
 
 STILL = 2e-3
 """Speed below which an island of bodies may fall asleep [m/s]."""
@@ -301,6 +299,7 @@ def _build(
     """Return model, data and module: the terrain first, then bodies, then pushers."""
     import mujoco
 
+    tell_warnings(mujoco)
     spec = mujoco.MjSpec()
     _set_options(spec, mujoco, not is_level(field))
     matter = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
@@ -312,7 +311,7 @@ def _build(
     for k, corners in enumerate(pushers):
         _add_pusher(spec, mujoco, f"pusher {k}", corners, HEAVIER * heaviest)
     spec.nuserdata = 1
-    spec.memory = ARENA + ARENA_A_BODY * (len(colliders) + len(pushers))
+    spec.memory = room_for(len(colliders) + len(pushers))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco
 

@@ -22,7 +22,8 @@ import numpy as np
 from pipeline.simulation.dynamics.bones import Bone, Flesh, flesh_of, size_of
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level, look_upward
+from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level, look_upward, room_for
+from pipeline.simulation.dynamics.mujoco_warnings import tell_warnings
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
@@ -265,6 +266,7 @@ def _build(
     """Return model, data and module: the ground's geom first, then one of each bone."""
     import mujoco
 
+    tell_warnings(mujoco)
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     option = spec.option
@@ -293,6 +295,7 @@ def _build(
         _add_joints(body, mujoco, bone, flesh, mass, values.tolist(), first, hard)
         first += len(bone.joints)
         made.append(body)
+    spec.memory = room_for(len(bones))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco
 

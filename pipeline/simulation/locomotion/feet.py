@@ -36,6 +36,9 @@ AHEAD = 2.5
 CLOSE = 0.08
 """Distance of a foot from where it rests, as a part of its leg, that is closed up."""
 
+SOON = 2.0
+"""Steps before the first foot lifts at which who has rested sets out again."""
+
 
 class Feet:
     """The feet of a herd.
@@ -300,6 +303,17 @@ class Feet:
         back = paces.way(c, float(gone[1, c]), np.array(phase))
         way = float(gone[0, c] + back * math.sqrt(part))
         return Lift(leg, way, phase, paces.step(leg, phase), part, self.end[leg].copy())
+
+    def about_to_lift(self, c: int, phase: float) -> float:
+        """Return the first phase from `phase` on just after which a foot of a creature lifts.
+
+        Who sets out then leaves no foot behind.
+        """
+        up = self.up[self.herd.owner == c]
+        if not len(up):
+            return phase
+        soon = SOON * self.world.clock.dt / float(self.going.cycle[c])
+        return phase + float(np.mod(up - soon - phase, 1.0).min())
 
     def is_astray(self, leg: int) -> bool:
         """Tell whether a foot of a body at rest is not where it would rest."""

@@ -205,4 +205,6 @@ class Walkers:
         stood = going.arrived
         going.advance(np.bincount(self.herd.owner[self.feet.swinging], minlength=count) > 0)
         came = np.flatnonzero(going.arrived & ~stood)
+        for c in came.tolist():
+            going.closed[c] = self.feet.about_to_lift(c, float(going.closed[c]))
         return [self.herd.names[c] for c in came if not self.feet.is_barred(int(c))]

@@ -48,12 +48,9 @@ from pipeline.simulation.troupe import World
 from pipeline.spec.cast import Creature
 from pipeline.spec.pronk import Pronk
 from pipeline.spec.script import (
-    ChangeGait,
-    ChangeMood,
     Do,
     GoTo,
     JumpOnce,
-    SetSpeed,
     TurnBy,
     Wait,
 )
@@ -64,13 +61,6 @@ HANDS_OVER = 0.35
 
 STANDS = 0.1
 """How long it stands before it crouches [s]."""
-
-SOON = 2.0
-"""Steps before the first foot lifts at which a creature sets out again."""
-
-SLOWLY, CYCLES = 0.15, 1.5
-"""Part of its speed with which it does so, and in how many cycles it comes to all of it: its
-feet are where they rest, and not where they would be had it come walking."""
 
 TURNS = math.radians(8.0)
 """How far aside a place is that is turned to before a jump to it."""
@@ -128,8 +118,6 @@ class Leaps:
         self.contacts: list[Contact] = []
         self.notes: list[Note] = []
         self.arrived: list[str] = []
-        # Throttle that those come to who set out, and the phase at which they did.
-        self._out: dict[int, tuple[float, float]] = {}
         self._told: list[Note] = []
         self._solids: Solids = {}
         self._telling = Telling(self.herd, world, materials)
@@ -154,8 +142,6 @@ class Leaps:
     def take(self, step: int, c: int, order: Do) -> bool:
         """Take an order; return whether it is for a jump, or waits for the end of one."""
         trip = self.trips.get(c)
-        if isinstance(order, SetSpeed | ChangeGait | ChangeMood) and c in self._out:
-            self.going.let(c, self._out.pop(c)[0])
         if trip is None:
             if isinstance(order, HopOverWords | JumpOnce):
                 self._begin(step, c, order)
@@ -219,7 +205,6 @@ class Leaps:
         self.arrived.clear()
         self.notes, self._told = self._told, []
         time = (step + 1) * self.world.clock.dt
-        self._set_out()
         for c, trip in sorted(self.trips.items()):
             if trip.stage == "coming" and trip.ready:
                 self._leap(c, trip, time)
@@ -229,14 +214,6 @@ class Leaps:
                 self._fly(step, c, trip, time)
             elif trip.stage == "landed" and time - trip.since >= HANDS_OVER and self._rests(c):
                 self._go_on(step, c, trip)
-
-    def _set_out(self) -> None:
-        """Let those who set out go a little faster."""
-        for c, (throttle, since) in list(self._out.items()):
-            part = SLOWLY + (float(self.going.phase[c]) - since) / CYCLES
-            self.going.let(c, min(part, 1.0) * throttle)
-            if part >= 1.0:
-                del self._out[c]
 
     def is_coming(self, name: str) -> bool:
         """Tell whether somebody rests only to jump."""
@@ -324,10 +301,9 @@ class Leaps:
         feet.scout.forget(c)
         own = np.flatnonzero(self.herd.owner == c)
         astray = any(feet.is_astray(leg) for leg in own.tolist())
-        # Who sets out when a foot is about to lift leaves no other behind.
-        at = float(going.phase[c]) + (CLOSING if astray else 0.0)
-        soon = SOON * self.world.clock.dt / float(going.cycle[c])
-        going.closed[c] = at + float(np.mod(feet.up[own] - soon - at, 1.0).min())
+        going.closed[c] = feet.about_to_lift(
+            c, float(going.phase[c]) + (CLOSING if astray else 0.0)
+        )
 
     def _go_on(self, step: int, c: int, trip: Trip) -> None:
         """Let a creature that has landed walk on."""
@@ -340,8 +316,6 @@ class Leaps:
             on = onward(trip.rest, trip.left, landed, float(going.full[c]))
             if on is not None:
                 going.lead(c, here.then(on))
-                self._out[c] = float(going.throttle[c]), float(going.phase[c])
-                self._set_out()
             elif trip.rest.length > trip.left + 1e-9:
                 self.arrived.append(self.herd.names[c])
         for order in trip.later:

@@ -27,6 +27,10 @@ from pipeline.simulation.spatial import Array
 RISING, FALLING = 1.0, 0.6
 """Cycles in which the drive goes from nothing to all, and back."""
 
+SLOWLY, EASES = 0.1, 2.0
+"""Part of its speed with which who has rested sets out, and in how many cycles it comes to all
+of it: its feet are where they rest, and not where they would be had it come walking."""
+
 BRAKING = 0.3
 """Least time in which a creature that finds no foothold comes to rest [s]."""
 
@@ -88,6 +92,9 @@ class Going:
         self._cycles = np.where(herd.walks, dt / herd.cycle, 0.0)
         self._changing: dict[int, float] = {}
         self._stops: dict[int, float] = {}
+        # Phases at which those set out that have rested, minus infinity of all others.
+        self._since = np.full(count, -np.inf)
+        self._sets_out = False
         self._steps = self._looks = 0
         self._easy = np.ones(count)
         self._steady: Array | None = None
@@ -138,6 +145,8 @@ class Going:
             return
         self.path.lead(c, route)
         if route.length > self.way[c] + 1e-9:
+            if self.arrived[c]:
+                self._since[c], self._sets_out = self.phase[c], True
             self.closed[c] = np.inf
         self._consider()
 
@@ -215,7 +224,10 @@ class Going:
             return
         before = self.drive
         wish = self._wish if self._ends is None else np.minimum(self._wish, self._braked())
-        self.drive, step, rate = self._onward(before, wish)
+        self.drive, step, rate = self._onward(before, self._eased(wish, self.phase))
+        if self._sets_out:
+            self._since[self.phase >= self._since + EASES] = -np.inf
+            self._sets_out = bool(np.isfinite(self._since).any())
         self._show()
         if self._ends is not None:
             step, rate = self._near_the_end(step, rate, airborne)
@@ -242,9 +254,16 @@ class Going:
         gone, drive = self.gone, self.drive
         wish = self._wish if self._ends is None else np.minimum(self._wish, 1.0)
         for _ in range(math.ceil(self._looks / (self.dt * LOOKS) - self._steps - 1e-6)):
-            drive, step, rate = self._onward(drive, wish)
+            drive, step, rate = self._onward(drive, self._eased(wish, gone[1]))
             gone = gone + np.stack([step, rate * self._cycles])
             yield gone, drive
+
+    def _eased(self, wish: Array, phase: Array) -> Array:
+        """Return the drive (C,) wished for of those, too, who set out."""
+        if not self._sets_out:
+            return wish
+        result: Array = np.minimum(wish, SLOWLY + (phase - self._since) / EASES)
+        return result
 
     def _onward(self, before: Array, wish: Array) -> tuple[Array, Array, Array]:
         """Return the drive after a step, the way gone in it [m], and the rate of the phase (C,)."""

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array
+from pipeline.spec import read_scene
 
 from .conftest import Walk, scene_of, walk_through
 
@@ -115,7 +116,7 @@ def test_what_waits_for_the_same_comes_one_after_the_other() -> None:
         " {when: {arrived: b}, who: b, do: {go_to: [1.0, 0.3]}},"
         " {when: {arrived: b}, who: b, do: {go_to: [1.6, 0.3]}}"
     )
-    p = places(walked("walk: {}", script, duration=9))
+    p = places(walked("walk: {}", script, duration=12))
     first, second = (
         int(np.linalg.norm(p - goal, axis=-1).argmin()) for goal in ([0.6, 0], [1.0, 0.3])
     )
@@ -124,7 +125,7 @@ def test_what_waits_for_the_same_comes_one_after_the_other() -> None:
 
 
 def test_stops_waits_and_goes_on() -> None:
-    walk = walked("walk: {}", "{at: 1, who: b, do: {wait: 2}}", duration=5)
+    walk = walked("walk: {}", "{at: 1, who: b, do: {wait: 2}}", duration=6)
     v = speeds(walk)
     assert v[192:280].max() == 0.0
     assert v[-1] > 0.9 * v[48:90].mean()
@@ -142,6 +143,19 @@ def test_turns_by_what_it_is_told(angle: int) -> None:
     )
     assert np.degrees(headings(standing)[-1]) == pytest.approx(angle, abs=1.0)
     assert np.linalg.norm(places(standing)[-1] - places(standing)[250]) < 1e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", ["horse", "antelope", "person", "spider"])
+def test_who_sets_out_again_leaves_no_foot_behind(figure: str) -> None:
+    """A body that is drawn down to a foot behind it has left that foot behind."""
+    script = "script:\n- {at: 1, who: b, do: stop}\n- {at: 3.2, who: b, do: walk}\n"
+    cast = f"cast: [{{name: b, figure: {figure}, walk: {{}}}}]\n"
+    take = simulate(read_scene(f"pronk: 1\nduration: 7\nterrain: flat\n{cast}{script}"))
+    height = take.positions[:, 0, 1]
+    assert height.min() > 0.9 * np.median(height[:96])
+    assert not take.notes
+    assert take.positions[-1, 0, 0] > take.positions[300, 0, 0] + 0.5
 
 
 def test_changes_its_speed() -> None:

@@ -282,8 +282,8 @@ def _build(
     hard = [HARD * tau, SPENT]
     matter = {"friction": [FRICTION, 0.0, 0.0], "condim": 3, "solref": hard}
     matter["solimp"] = [0.95, 0.99, 0.001 * size, 0.5, 2.0]
-    common = {"contype": GROUND, "conaffinity": 0, **matter}
-    add_ground(spec, mujoco, field, [bone.corners for bone in bones], common)
+    # Bones are round: fifty places carry one well, and all its cells would cost hundreds.
+    add_ground(spec, mujoco, field, [], {"contype": GROUND, "conaffinity": 0, **matter})
     # What is said of bones holds of both: the ground gives way as little as they do.
     matter |= {"contype": 0, "conaffinity": GROUND, "priority": 1}
     made, first = list[Any](), 0

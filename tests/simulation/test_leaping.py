@@ -274,7 +274,7 @@ def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
     np.testing.assert_allclose(simulation.take().positions[-1, 0, [0, 2]], [4, 1], atol=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_jumps_over_a_body_where_it_has_come_to_lie() -> None:
     words = "{name: a, figure: antelope, walk: {path: [[8, 0]]}}"
     box = "{name: box, body: {shape: box, size: [0.4, 0.4, 1.2]}, at: [4, 0.9, 0]}"

@@ -238,9 +238,15 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     return tuple(float(np.abs(p - points[-1]).max()) for p in points[:2])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("words", ["{}", "{turn_deg: 20}"])
-@pytest.mark.parametrize("figure", ["kangaroo", "antelope", "hopper"])
+@pytest.mark.parametrize(
+    "figure",
+    [
+        pytest.param("kangaroo", marks=pytest.mark.nightly),
+        pytest.param("antelope", marks=pytest.mark.nightly),
+        pytest.param("hopper", marks=pytest.mark.slow),
+    ],
+)
 def test_landing_points_on_smooth_hills_converge_with_the_step(figure, words):
     # What is left is the attitude's, which Runge and Kutta turn: of fourth order, 16 times.
     coarse, fine = landing_errors(figure, words, SMOOTH)

@@ -100,7 +100,10 @@ class Leap:
 
 @pytest.fixture(
     scope="module",
-    params=["antelope", *(pytest.param(name, marks=pytest.mark.slow) for name in list(BOXES)[1:])],
+    params=[
+        "antelope",
+        *(pytest.param(name, marks=pytest.mark.nightly) for name in list(BOXES)[1:]),
+    ],
 )
 def leap(request) -> Leap:
     length, high = BOXES[request.param]
@@ -243,7 +246,7 @@ def test_does_not_jump_over_what_it_is_too_near_to_stop_before() -> None:
     assert "too near" in note.text
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_comes_to_a_box_beside_its_way_and_back_to_that() -> None:
     words = "{name: a, figure: antelope, walk: {path: [[12, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 1]}, at: [4, 2], heading_deg: -25}"
@@ -328,7 +331,7 @@ def test_stops_on_its_way_to_a_place_whatever_it_is_about(at: float) -> None:
     assert hops.seen[0][-1].phase == "standing"
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_who_walks_beside_one_that_jumps_walks_as_if_alone() -> None:
     beside = "{name: b, figure: beetle, at: [0, 3], walk: {}}"
     jumps = "{name: a, figure: antelope, at: [0, -3], walk: {}}"

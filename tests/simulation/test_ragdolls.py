@@ -221,7 +221,7 @@ REST = [(name, terrain) for name in LIBRARY for terrain in ("flat", HILLS)]
     ("name", "terrain"),
     [
         pytest.param(
-            *one, marks=() if one in FAST else pytest.mark.slow, id=f"{one[0]}-{one[1][:8]}"
+            *one, marks=() if one in FAST else pytest.mark.nightly, id=f"{one[0]}-{one[1][:8]}"
         )
         for one in REST
     ],

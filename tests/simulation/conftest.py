@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.skeleton import BODY, Link, Skeleton
+from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
@@ -73,20 +74,25 @@ class Walk:
     @cached_property
     def tips(self) -> Array:
         """(K, L, 3) tips of the legs, by the poses of the last links alone [m]."""
-        recorder, found, first = self.simulation.recorder, [], 0
-        for figure in self.walkers.herd.figures:
-            for leg in figure.skeleton.legs:
-                node = first + leg.links[-1]
-                ends = figure.skeleton.links[leg.links[-1]].ends
-                R, p = recorder.rotations[:, node], recorder.positions[:, node]
-                found.append(p + turn(R, ends[1] - ends[0]))
-            first += len(figure.skeleton.links)
-        return np.stack(found, axis=1)
+        return tips_of(self.simulation, self.walkers.herd)
 
     @cached_property
     def standing(self) -> NDArray[np.bool_]:
         """(K, L) whether a foot is down."""
         return ~np.array(self.swinging)
+
+
+def tips_of(simulation: Simulation, herd: Herd) -> Array:
+    """Return the tips (K, L, 3) of legs, by the poses of their last links alone [m]."""
+    recorder, found, first = simulation.recorder, [], 0
+    for figure in herd.figures:
+        for leg in figure.skeleton.legs:
+            node = first + leg.links[-1]
+            ends = figure.skeleton.links[leg.links[-1]].ends
+            R, p = recorder.rotations[:, node], recorder.positions[:, node]
+            found.append(p + turn(R, ends[1] - ends[0]))
+        first += len(figure.skeleton.links)
+    return np.stack(found, axis=1)
 
 
 def walk_through(scene: Scene) -> Walk:

@@ -11,9 +11,10 @@ from pipeline.simulation.locomotion.pronking.hopping import Hopping
 from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
 from pipeline.simulation.locomotion.pronking.state import level
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.spatial import turn
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
+
+from .conftest import tips_of
 
 
 @dataclass
@@ -72,15 +73,7 @@ class Hops:
 
     def tips(self) -> np.ndarray:
         """(K, L, 3) tips of the legs, by the poses of the last links alone [m]."""
-        recorder, found, first = self.simulation.recorder, [], 0
-        for figure in self.troupe.herd.figures:
-            for leg in figure.skeleton.legs:
-                node = first + leg.links[-1]
-                ends = figure.skeleton.links[leg.links[-1]].ends
-                R, p = recorder.rotations[:, node], recorder.positions[:, node]
-                found.append(p + turn(R, ends[1] - ends[0]))
-            first += len(figure.skeleton.links)
-        return np.stack(found, axis=1)
+        return tips_of(self.simulation, self.troupe.herd)
 
 
 def _seen(one: Hopping) -> Seen:

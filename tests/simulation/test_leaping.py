@@ -13,13 +13,13 @@ from pipeline.simulation.locomotion.leaping.leaps import HANDS_OVER
 from pipeline.simulation.locomotion.pronking.hurdle import hurdle_on
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
-from pipeline.simulation.spatial import Array, heading, matrix, turn
+from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, find_scene, load_scene
 from pipeline.spec.cast import Prop
 from pipeline.spec.prop import BoxShape
 
-from .conftest import scene_of
+from .conftest import scene_of, tips_of
 from .hops import Hops, hop_through
 
 MILLIMETRE = 1e-3
@@ -87,15 +87,7 @@ class Leap:
 
     def tips(self) -> Array:
         """(K, L, 3) tips of the legs, by the poses of the last links alone [m]."""
-        recorder, figure = self.simulation.recorder, self.walkers.herd.figures[0]
-        found = []
-        for leg in figure.skeleton.legs:
-            link = leg.links[-1]
-            ends = figure.skeleton.links[link].ends
-            arm = ends[1] - ends[0]
-            R, p = recorder.rotations[:, link], recorder.positions[:, link]
-            found.append(p + turn(R, np.broadcast_to(arm, p.shape)))
-        return np.stack(found, axis=1)
+        return tips_of(self.simulation, self.walkers.herd)
 
 
 @pytest.fixture(

@@ -98,6 +98,18 @@ def look_of(herd: Herd, c: int, words: Target) -> Look:
     return herd.names.index(words)
 
 
+def told_to_look(
+    looks: Mapping[int, Look], herd: Herd, c: int, words: Target | None
+) -> Mapping[int, Look]:
+    """Return what creatures look at once `c` is told to, ahead again where `words` is None.
+
+    Raises:
+        ValueError: see `look_of`.
+    """
+    others = {who: look for who, look in looks.items() if who != c}
+    return others if words is None else {**others, c: look_of(herd, c, words)}
+
+
 def looks_in(herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]) -> Mapping[int, Look]:
     """Return what the creatures of a herd are told to look at, by creature.
 

@@ -273,12 +273,9 @@ class Leaps:
         assert hopping is not None
         hopping.happened.clear()
         hopping.advance(time)
-        for one in hopping.happened:
-            told = self._telling.of(step, c, one)
-            if isinstance(told, Note):
-                self.notes.append(told)
-            else:
-                self.contacts.append(told)
+        contacts, notes = self._telling.of(step, c, hopping.happened)
+        self.contacts += contacts
+        self.notes += notes
         state = hopping.state
         if state.phase == "standing" and not math.isfinite(state.until):
             trip.stage, trip.since = "landed", time

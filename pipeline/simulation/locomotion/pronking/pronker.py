@@ -175,16 +175,8 @@ def pronker_of(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> P
     stand = float(herd.body_height[c])
     crouch = _crouch(where, words, low, stand)
     weight = mass.mass * GRAVITY
-    # A push takes h / rise + 1 body weights; uneven ground may leave half of the rise.
-    travel = max(0.5 * (stand - crouch), 0.06 * leg)
-    pushes = STRONG * (jump.height / travel + 1.0) * math.hypot(1.0, 0.5 * jump.forward / jump.up)
-    most = pushes / len(own) if words.max_force is None else words.max_force
-    if most * len(own) <= 1.0:
-        message = (
-            f"{len(own)} legs of {most:g} body weights give {most * len(own):.3g} together, and "
-            f"it takes more than 1 to leave the ground; take {above(ABLE / len(own))} or more"
-        )
-        raise SceneError([Problem(f"{where}.max_force", message)])
+    # Uneven ground may leave half of the rise.
+    most = _most(where, words, jump, max(0.5 * (stand - crouch), 0.06 * leg), len(own))
     aside = float(np.hypot(mass.centre[0], mass.centre[2])) / leg
     enough = SLACK + aside * (most * len(own))
     balance = enough if words.balance is None else words.balance
@@ -214,6 +206,20 @@ def pronker_of(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> P
         legs=Legs(herd, own, folds[own]),
         silhouette=Silhouette(herd, own),
     )
+
+
+def _most(where: str, words: Pronk, jump: Jump, rise: float, legs: int) -> float:
+    """Return the greatest force of each of so many legs [body weights]."""
+    # A push takes h / rise + 1 body weights.
+    pushes = STRONG * (jump.height / rise + 1.0) * math.hypot(1.0, 0.5 * jump.forward / jump.up)
+    most = pushes / legs if words.max_force is None else words.max_force
+    if most * legs <= 1.0:
+        message = (
+            f"{legs} legs of {most:g} body weights give {most * legs:.3g} together, and "
+            f"it takes more than 1 to leave the ground; take {above(ABLE / legs)} or more"
+        )
+        raise SceneError([Problem(f"{where}.max_force", message)])
+    return most
 
 
 def _crouch(where: str, words: Pronk, low: float, stand: float) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.carriage.idle import gather_idlers
-from pipeline.simulation.locomotion.carriage.looking import look_of, looks_in
+from pipeline.simulation.locomotion.carriage.looking import looks_in, told_to_look
 from pipeline.simulation.locomotion.footing.folds import folds_of
 from pipeline.simulation.locomotion.herd import gather
 from pipeline.simulation.locomotion.inventory import NodeTable, describe
@@ -112,12 +112,9 @@ class Pronkers:
                     obey(self.hoppings[c], order, self._solids)
 
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
-        others = {who: look for who, look in self.looks.items() if who != c}
-        if isinstance(order, LookAhead):
-            self.looks = others
-            return
+        at = order.look_at if isinstance(order, LookAt) else None
         try:
-            self.looks = {**others, c: look_of(self.herd, c, order.look_at)}
+            self.looks = told_to_look(self.looks, self.herd, c, at)
         except ValueError as error:
             self._told.append(Note("clamped", self.step, self.herd.names[c], str(error)))
 
@@ -130,12 +127,9 @@ class Pronkers:
         for c, hopping in enumerate(self.hoppings):
             hopping.happened.clear()
             hopping.advance(end)
-            for one in hopping.happened:
-                told = self._telling.of(step, c, one)
-                if isinstance(told, Note):
-                    self._notes.append(told)
-                else:
-                    self._contacts.append(told)
+            contacts, notes = self._telling.of(step, c, hopping.happened)
+            self._contacts += contacts
+            self._notes += notes
         self._arrived = [
             self.herd.names[c]
             for c, hopping in enumerate(self.hoppings)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -41,8 +41,20 @@ class Telling:
         """Return what a leg is called."""
         return f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
 
-    def of(self, step: int, c: int, one: Happening) -> Contact | Note:
-        """Return an event of creature `c` in a step, as the take has it."""
+    def of(
+        self, step: int, c: int, happened: Iterable[Happening]
+    ) -> tuple[list[Contact], list[Note]]:
+        """Return the events of creature `c` in a step, as the take has them."""
+        contacts, notes = list[Contact](), list[Note]()
+        for one in happened:
+            told = self._of(step, c, one)
+            if isinstance(told, Note):
+                notes.append(told)
+            else:
+                contacts.append(told)
+        return contacts, notes
+
+    def _of(self, step: int, c: int, one: Happening) -> Contact | Note:
         herd, name = self.herd, self.herd.names[c]
         link = herd.figures[c].skeleton.links[one.link]
         leg = int(herd.first_leg[c]) + one.leg

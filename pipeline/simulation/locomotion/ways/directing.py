@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.locomotion.carriage.looking import look_of
+from pipeline.simulation.locomotion.carriage.looking import told_to_look
 from pipeline.simulation.locomotion.ways.going import Going
 from pipeline.simulation.locomotion.ways.route import Route, direction, straight, through, turning
 from pipeline.simulation.spatial import Array
@@ -164,7 +164,7 @@ def _set_speed(going: Going, c: int, order: SetSpeed) -> str | None:
 def _look_at(going: Going, c: int, order: LookAt) -> str | None:
     """Look at something from now on."""
     try:
-        going.looks = {**going.looks, c: look_of(going.herd, c, order.look_at)}
+        going.looks = told_to_look(going.looks, going.herd, c, order.look_at)
     except ValueError as error:
         return str(error)
     return None
@@ -173,7 +173,7 @@ def _look_at(going: Going, c: int, order: LookAt) -> str | None:
 def _look(going: Going, c: int, order: LookAhead) -> None:
     """Look ahead again."""
     del order
-    going.looks = {who: look for who, look in going.looks.items() if who != c}
+    going.looks = told_to_look(going.looks, going.herd, c, None)
 
 
 def _here(going: Going, c: int, lead: float = 0.0) -> Route:

@@ -140,14 +140,14 @@ def _matches(name: str, pattern: str) -> bool:
 def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: float) -> Note:
     length = voice.length or event.duration or _natural_length(event)
     default = "by part" if folded(event.cause) in _BY_PART else "by size"
-    rub = rub_of(event.cause)
+    quiet = rub_of(event.cause) or motion_of(event.cause)
     pitch = voice.pitch if voice.pitch is not None else default
     return Note(
         event=event,
         program=program_of(voice.instrument or _instrument(event)),
         pitch=pitch if isinstance(pitch, int) else _scale_pitch(event, scale, pitch, rank),
         seconds=length,
-        level=loudness_db(event) + (rub.level if rub else 0.0) + voice.gain_db + volume_db,
+        level=loudness_db(event) + (quiet.level if quiet else 0.0) + voice.gain_db + volume_db,
         tuned=voice.pitch is not None,
         decay=voice.length,
     )

@@ -63,20 +63,28 @@ class Moving(Lasting):
     """A cause that lasts as long as something is fast."""
 
     above: Speed = Field(description="Speed that begins it [m/s].")
-    below: Speed = Field(description="Speed under which it ends; not more than `above` [m/s].")
+    below: Speed | None = Field(
+        None, description="Speed under which it ends; half of `above` if not given [m/s]."
+    )
 
     @model_validator(mode="after")
     def _ends_below(self) -> Self:
-        refuse(faults_of_ends(self.below, self.above, "below", "above"))
+        refuse(_faults_of_ends(self.ends, self.above, "below", "above"))
         return self
+
+    @property
+    def ends(self) -> float:
+        """Speed under which it ends [m/s]."""
+        return 0.5 * self.above if self.below is None else self.below
 
 
 class Bending(Lasting):
     """A cause that lasts as long as a joint bends."""
 
     above_deg_s: Rate = Field(description="How fast a joint bends that begins it [degrees/s].")
-    below_deg_s: Rate = Field(
-        description="How slow one bends that ends it; not more than `above_deg_s` [degrees/s]."
+    below_deg_s: Rate | None = Field(
+        None,
+        description="Rate under which it ends; half of `above_deg_s` if not given [degrees/s].",
     )
     materials: Factors = Field(
         {"metal": 1.0, "plastic": 1.0, "chitin": 40.0},
@@ -86,12 +94,16 @@ class Bending(Lasting):
 
     @model_validator(mode="after")
     def _ends_below(self) -> Self:
-        pair = ("below_deg_s", "above_deg_s")
-        refuse(faults_of_ends(self.below_deg_s, self.above_deg_s, *pair))
+        refuse(_faults_of_ends(self.ends_deg_s, self.above_deg_s, "below_deg_s", "above_deg_s"))
         return self
 
+    @property
+    def ends_deg_s(self) -> float:
+        """Rate under which it ends [degrees/s]."""
+        return 0.5 * self.above_deg_s if self.below_deg_s is None else self.below_deg_s
 
-def faults_of_ends(below: float, above: float, *words: str) -> Sequence[Fault]:
+
+def _faults_of_ends(below: float, above: float, *words: str) -> Sequence[Fault]:
     """Find an end that lies over the begin."""
     if below <= above:
         return ()
@@ -122,7 +134,6 @@ class Roll(Moving):
 
     least: Seconds = Field(0.05, description="How long it lasts at least to be heard [s].")
     above: Speed = Field(0.1, description="Speed along the ground that begins it [m/s].")
-    below: Speed = Field(0.05, description="Speed under which it ends [m/s].")
 
 
 class Slide(Roll):
@@ -133,18 +144,12 @@ class Squeak(Bending):
     """Joints that bend."""
 
     above_deg_s: Rate = Field(8.0, description="How fast a joint bends that squeaks [degrees/s].")
-    below_deg_s: Rate = Field(
-        4.0, description="How slow one bends that no longer does [degrees/s]."
-    )
 
 
 class Squawk(Bending):
     """Joints that jerk; what squawks does not squeak."""
 
     above_deg_s: Rate = Field(360.0, description="How fast a joint bends that squawks [degrees/s].")
-    below_deg_s: Rate = Field(
-        120.0, description="How slow one bends that no longer does [degrees/s]."
-    )
     materials: Factors = Field(
         {"metal": 1.0, "plastic": 1.0},
         description="Kinds of materials whose joints squawk, each with a factor on both rates.",
@@ -156,11 +161,10 @@ class Swoosh(Moving):
     """Props and bodies that speed through the air."""
 
     above: Speed = Field(7.0, description="Speed through the air that begins it [m/s].")
-    below: Speed = Field(5.0, description="Speed under which it ends [m/s].")
     sizes_s: Speed = Field(
         8.0,
         description="It goes at least so many of its own lengths a second; of what is large, "
-        "`above` is raised to this, and `below` as much.",
+        "`above` is raised to this, and `below` likewise.",
     )
 
 
@@ -168,7 +172,6 @@ class Whistle(Moving):
     """Thin props and bodies that sing in the air."""
 
     above: Speed = Field(12.0, description="Speed through the air that begins it [m/s].")
-    below: Speed = Field(9.0, description="Speed under which it ends [m/s].")
     least_hz: Rate = Field(
         150.0,
         description="Least tone that is heard [Hz]: a fifth of the speed over the thickness.",

@@ -99,7 +99,7 @@ class Rubbing:
             final: whether no step follows.
             other: (N,) on what they move.
         """
-        least = np.where(self._first >= 0, self.words.below, self.words.above)
+        least = np.where(self._first >= 0, self.words.ends, self.words.above)
         goes = touches & (speed > least)
         new = goes & (self._first < 0)
         self._first[new], self._speed[new] = step, 0.0

@@ -45,7 +45,7 @@ class Bends:
         self._parents = np.array([scenery.nodes[n].parent for n in self._nodes], dtype=np.int64)
         self._radius = np.array([0.5 * s.thickness for s in self._solids])
         self._factor = np.array([words.materials[_family(s)] for s in self._solids])
-        upper, lower = math.radians(words.above_deg_s), math.radians(words.below_deg_s)
+        upper, lower = math.radians(words.above_deg_s), math.radians(words.ends_deg_s)
         ones = np.ones(len(self._limbs))
         self._spells = Spells(lower * ones, upper * ones, words, scenery.dt)
         self._most = most

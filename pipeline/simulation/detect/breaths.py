@@ -70,12 +70,14 @@ class _Breather:
         for k in rows:
             row = seen.first + k
             rate = self._rate(0.0 if self._gait is None else float(seen.values[k, self._gait]))
-            before, self._drawn = self._drawn, self._drawn + rate * self._dt
+            before = self._drawn
+            if row > 0:
+                self._drawn += rate * self._dt
             flow = FLOW * (rate / self._rest) ** 0.5
             values = [flow, *seen.p[k, self.mouth.node].tolist()]
             for _, _, kept in self._open:
                 kept.append(values)
-            if row > 0 and floor(self._drawn) > floor(before):
+            if floor(self._drawn) > floor(before):
                 since = (self._drawn - floor(self._drawn)) / (self._drawn - before)
                 begin = row - since
                 kept = [values] if begin == row else [values, values]

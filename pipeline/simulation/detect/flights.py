@@ -33,7 +33,7 @@ class Flights:
         self._nodes = np.array([s.node for s in solids], dtype=np.int64)
         upper = np.maximum(words.above, least)
         # What is raised keeps the ratio of its two thresholds.
-        lower = upper * (words.below / words.above if words.above else 1.0)
+        lower = upper * (words.ends / words.above if words.above else 1.0)
         self._spells = Spells(lower, upper, words, scenery.dt)
 
     def look(self, seen: Seen) -> list[SoundEvent]:

@@ -87,7 +87,7 @@ class Bending(Lasting):
         description="Rate under which it ends; half of `above_deg_s` if not given [degrees/s].",
     )
     materials: Factors = Field(
-        {"metal": 1.0, "plastic": 1.0, "chitin": 40.0},
+        {"metal": 1.0, "plastic": 1.0, "rubber": 1.0, "chitin": 60.0},
         description="Kinds of materials whose joints are heard at all, each with a factor on both "
         "rates: chitin is heard where it bends very fast only, fur never.",
     )
@@ -151,7 +151,7 @@ class Squawk(Bending):
 
     above_deg_s: Rate = Field(360.0, description="How fast a joint bends that squawks [degrees/s].")
     materials: Factors = Field(
-        {"metal": 1.0, "plastic": 1.0},
+        {"metal": 1.0, "plastic": 1.0, "rubber": 1.0},
         description="Kinds of materials whose joints squawk, each with a factor on both rates.",
     )
     least: Seconds = Field(0.04, description="How long it lasts at least to be heard [s].")
@@ -160,7 +160,7 @@ class Squawk(Bending):
 class Swoosh(Moving):
     """Props and bodies that speed through the air."""
 
-    above: Speed = Field(7.0, description="Speed through the air that begins it [m/s].")
+    above: Speed = Field(9.0, description="Speed through the air that begins it [m/s].")
     sizes_s: Speed = Field(
         8.0,
         description="It goes at least so many of its own lengths a second; of what is large, "

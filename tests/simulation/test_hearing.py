@@ -186,8 +186,8 @@ def test_what_is_quick_swooshes_while_it_is() -> None:
     assert event.cause == "swoosh"
     row = 1 / 96
     # 40 m in 2 s, from rest to rest.
-    begin, _ = crossings(20, 7, 1, 2)
-    _, end = crossings(20, 3.5, 1, 2)
+    begin, _ = crossings(20, 9, 1, 2)
+    _, end = crossings(20, 4.5, 1, 2)
     assert time_of(take, event) == pytest.approx(begin, abs=0.1 * row)
     assert event.track[1] * row == pytest.approx(end, abs=1.01 * row)
     assert event.strength == pytest.approx(1.875 * 20, rel=1e-3)
@@ -196,9 +196,9 @@ def test_what_is_quick_swooshes_while_it_is() -> None:
 @pytest.mark.parametrize(
     ("end", "size", "causes"),
     [
-        # 8 m/s: quick for a ball, slow for what is 2 m long.
-        (6, "[0.3, 0.3, 0.3]", ["swoosh"]),
-        (6, "[2, 0.3, 0.3]", []),
+        # 10 m/s: quick for a ball, slow for what is 2 m long.
+        (5, "[0.3, 0.3, 0.3]", ["swoosh"]),
+        (5, "[2, 0.3, 0.3]", []),
         # 5 m/s is quick for nothing.
         (9, "[0.1, 0.1, 0.1]", []),
         # At 20 m/s a wire sings at 400 Hz, and a beam does not.
@@ -360,7 +360,7 @@ def test_every_model_has_what_detects_it() -> None:
 
 def test_thresholds_are_part_of_what_is_simulated() -> None:
     louder = "sound: {volume_db: 3}"
-    other = "sound: {detect: {swoosh: {above: 9}}}"
+    other = "sound: {detect: {swoosh: {above: 8}}}"
     plain, loud, high = (
         simulation_key(scene_of("{figure: beetle}", more=more)) for more in ("", louder, other)
     )

@@ -69,13 +69,27 @@ def landings(scene: Scene) -> dict[str, list[float]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["first_steps", "rocks", "ostrich", "dunes", "ramp"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "first_steps",
+        "rocks",
+        "ostrich",
+        "dunes",
+        "ramp",
+        "stairs",
+        "horse_gaits",
+        "boulders",
+        "procession",
+    ],
+)
 def test_footfalls_are_as_many_as_the_poses_have_landings(name: str) -> None:
     scene = load_scene(find_scene(name))
     expected = landings(scene)
     take = simulate(scene)
     dt = 1.0 / float(scene.rate * scene.steps)
     end = float(scene.n_frames / scene.rate)
+    assert sum(map(len, expected.values())) > 10
     for part, times in expected.items():
         own = [time_of(take, e) for e in heard(take, "footfall") if e.part == part]
         # Of who comes down in the last rows the poses cannot tell whether it stands.
@@ -104,6 +118,20 @@ RESTING = {
 def test_who_rests_for_ten_seconds_is_silent(what: str) -> None:
     take = simulate(scene_of(RESTING[what], terrain="flat", duration=10))
     assert take.events == ()
+
+
+@pytest.mark.parametrize("meets", ["all", "terrain"])
+@pytest.mark.parametrize("shape", ["box", "sphere", "die"])
+def test_what_comes_to_rest_falls_silent_and_never_rattles(meets: str, shape: str) -> None:
+    words = f"shape: {shape}, bounciness: 0.5, rolling: 0.02, collide: {meets}"
+    body = f"{{name: b, body: {{{words}}}, at: [0, 0.8, 0], rotation_deg: [20, 0, 35]}}"
+    take = simulate(scene_of(body, terrain="flat", duration=8))
+    times = [time_of(take, event) for event in heard(take, "collision")]
+    assert 2 <= len(times) <= 40
+    assert min(np.diff(times)) >= Detect().collision.pause - 1e-9
+    assert max(time_of(take, event) for event in take.events) < 4
+    last = max(event.track[1] for event in take.events) / 96
+    assert last < 5
 
 
 # --- motions -----------------------------------------------------------------------------------

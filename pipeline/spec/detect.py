@@ -200,17 +200,17 @@ class Breath(Cause):
 class Detect(Words):
     """Which causes are noticed, and from when on."""
 
-    footfall: Footfall = Field(Footfall(), description="Feet that come down.")
-    scuff: Scuff = Field(Scuff(), description="Feet that drag.")
-    collision: Collision = Field(Collision(), description="Bodies that strike something.")
-    roll: Roll = Field(Roll(), description="Balls that roll.")
-    slide: Slide = Field(Slide(), description="Bodies that slide.")
-    squeak: Squeak = Field(Squeak(), description="Joints that bend.")
-    squawk: Squawk = Field(Squawk(), description="Joints that jerk.")
-    swoosh: Swoosh = Field(Swoosh(), description="Things that speed through the air.")
-    whistle: Whistle = Field(Whistle(), description="Thin things that sing in the air.")
-    boing: Boing = Field(Boing(), description="Creatures that push themselves off the ground.")
-    breath: Breath = Field(Breath(), description="Creatures that breathe.")
+    footfall: Footfall = Field(Footfall(), description="From when on steps are heard.")
+    scuff: Scuff = Field(Scuff(), description="From when on feet that drag are heard.")
+    collision: Collision = Field(Collision(), description="From when on strikes are heard.")
+    roll: Roll = Field(Roll(), description="From when on balls that roll are heard.")
+    slide: Slide = Field(Slide(), description="From when on bodies that slide are heard.")
+    squeak: Squeak = Field(Squeak(), description="From when on joints that bend are heard.")
+    squawk: Squawk = Field(Squawk(), description="From when on joints that jerk are heard.")
+    swoosh: Swoosh = Field(Swoosh(), description="From when on what is quick is heard.")
+    whistle: Whistle = Field(Whistle(), description="From when on what is thin sings.")
+    boing: Boing = Field(Boing(), description="From when on push-offs are heard.")
+    breath: Breath = Field(Breath(), description="Whether breathing is heard.")
 
 
 class SceneSound(Sound):

@@ -53,9 +53,10 @@ class Contacts:
         return contact.speed >= words.above and self._is_new(contact, cause, words.pause)
 
     def _is_new(self, contact: Contact, cause: str, pause: float) -> bool:
-        """Tell whether the same two have been apart for a while."""
+        """Tell whether the same two have not been heard just before."""
         pair = (cause, contact.performer, contact.part, contact.other)
         now = float(contact.step + Fraction(contact.fraction)) * self.clock.dt
-        since = now - self._last.get(pair, -inf)
+        if now - self._last.get(pair, -inf) < pause:
+            return False
         self._last[pair] = now
-        return since >= pause
+        return True

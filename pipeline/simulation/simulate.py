@@ -117,6 +117,7 @@ class Simulation:
         self._keep()
         contacts, notes = self._facts()
         events = self._contacts.hear(contacts)
+        self._motions.met(contacts)
         self.recorder.happened(contacts, events, notes)
 
     def take(self) -> Take:

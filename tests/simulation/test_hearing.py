@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from pipeline.simulation.detect.scenery import Scenery, solids_of
 from pipeline.simulation.detect.spells import Spell, Spells
 from pipeline.simulation.simulate import ROWS_AT_ONCE, Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
-from pipeline.simulation.take import SoundEvent, Take
+from pipeline.simulation.take import Contact, SoundEvent, Take
 from pipeline.simulation.take_store import read_take, write_take
 from pipeline.spec import Scene, find_scene, load_scene, simulation_key
 from pipeline.spec.detect import Detect, Lasting
@@ -244,7 +244,9 @@ def test_a_leap_from_place_to_place_is_no_swoosh() -> None:
     assert darts(1.5, "[0.3, 0.3, 0.3]", "hold").events == ()
 
 
-def pushed(rises: Callable[[Array], Array], feet: bool = True) -> list[SoundEvent]:
+def pushed(
+    rises: Callable[[Array], Array], feet: bool = True, lifts: Sequence[Contact] = ()
+) -> list[SoundEvent]:
     """Return what is heard of a creature whose nodes are moved up by a function of time."""
     simulation = Simulation(scene_of("{name: roo, figure: kangaroo}", duration=3))
     while not simulation.finished:
@@ -260,6 +262,7 @@ def pushed(rises: Callable[[Array], Array], feet: bool = True) -> list[SoundEven
     p[:, : len(take.nodes) if feet else 1, 1] += up[:, None]
     rows = p, matrix(take.rotations), take.alive, take.values
     watch = Motions({"boing": Boings}, Detect(), scenery)
+    watch.met(lifts)
     found = []
     for first in range(0, clock.rows, 13):
         which = slice(first, min(first + 13, clock.rows))
@@ -279,6 +282,16 @@ def test_who_flies_after_a_push_has_pushed_itself_off() -> None:
     assert float((event.step + Fraction(event.fraction)) / steps) == pytest.approx(1.5, abs=1 / 96)
     assert event.strength == pytest.approx(4.0, abs=0.05)
     assert (event.cause, event.who, event.part) == ("boing", "roo", "roo.body")
+
+
+def test_contacts_say_more_exactly_when_the_last_foot_left() -> None:
+    nowhere = (0.0, 0.0, 0.0)
+    lifts = [
+        Contact(step, fraction, who, who, "terrain", nowhere, nowhere, 4, 1, "", "", 1, "lift")
+        for who, step, fraction in [("roo", 143, 0.5), ("roo", 143, 0.75), ("bob", 144, 0.25)]
+    ]
+    (event,) = pushed(jump, lifts=lifts)
+    assert (event.step, event.fraction, event.track) == (143, 0.75, (143, 143))
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ Source: Sims 1987, 13.1.2.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 from math import inf
@@ -31,6 +31,9 @@ FREE = (0.7, 1.5)
 
 ALONG = 0.5
 """Part of the way of its body that its lowest joint goes up at least in this time."""
+
+NEAR = 2.0
+"""Rows within which the last foot leaves the ground."""
 
 
 class Boings:
@@ -76,8 +79,9 @@ class _Push:
         for row, rise, low, place in zip(rows, rises, lowest, places, strict=False):
             push = self._goes_on(_Moment(row, rise, low, place))
             if push is not None:
+                begin = _lifted(push.row, seen.lifts.get(self.solid.performer, ()))
                 values = [[push.rise, *push.place]]
-                yield Spell(0, float(push.row), push.row, push.row, push.rise, values)
+                yield Spell(0, begin, int(begin), int(begin), push.rise, values)
 
     def _goes_on(self, now: _Moment) -> _Moment | None:
         """Take in a row; return the moment of the push that it shows to be one."""
@@ -102,6 +106,12 @@ class _Push:
             return None
         self._told, self._stood, self._top = top.row, False, None
         return top
+
+
+def _lifted(row: int, lifts: Sequence[float]) -> float:
+    """Return when the last foot left the ground about a row, in rows; the row if none is known."""
+    near = [lift for lift in lifts if abs(lift - row) <= NEAR]
+    return max(near, default=float(row))
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ Source: Sims 1987, 13.1.2.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.detect.scenery import Scenery, Seen
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import SoundEvent
+from pipeline.simulation.take import Contact, SoundEvent
 from pipeline.spec.detect import Cause, Detect
 
 NEIGHBOURS = 2
@@ -53,9 +53,18 @@ class Motions:
         heard = [make for cause, make in causes.items() if _words(detect, cause).heard]
         watches = [make(scenery, detect) for make in heard]
         self._watches = [watch for watch in watches if not watch.idle]
-        self._rows = scenery.clock.rows
+        self._clock = scenery.clock
+        self._lifts: dict[str, list[float]] = {}
         self._kept: tuple[Array, Array, NDArray[np.bool_], Array] | None = None
         self._told = False
+
+    def met(self, contacts: Iterable[Contact]) -> None:
+        """Take in contacts: whose feet leave the ground is told more exactly than rows have it."""
+        clock = self._clock
+        for contact in contacts:
+            if contact.kind == "lift":
+                row = (contact.step + contact.fraction) * clock.samples / clock.steps
+                self._lifts.setdefault(contact.performer, []).append(row)
 
     def look(
         self, which: slice, p: Array, R: Array, alive: NDArray[np.bool_], values: Array
@@ -76,7 +85,7 @@ class Motions:
             p, R = np.concatenate([kept_p, p]), np.concatenate([kept_R, R])
             alive = np.concatenate([kept_alive, alive])
             values = np.concatenate([kept_values, values])
-        final = which.stop == self._rows
+        final = which.stop == self._clock.rows
         first = which.stop - len(p)
         # The first row of all has no neighbour before it, the last one waits for its own.
         told = slice(1 if self._told else 0, len(p) - (not final))
@@ -85,7 +94,7 @@ class Motions:
         # Copies: the arrays that rows come in are written again.
         kept_p, kept_R = p[last].copy(), R[last].copy()
         self._kept = kept_p, kept_R, alive[last].copy(), values[last].copy()
-        seen = Seen(first, told, p, R, alive, values, final)
+        seen = Seen(first, told, p, R, alive, values, final, self._lifts)
         return [event for watch in self._watches for event in watch.look(seen)]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -110,6 +110,7 @@ class Seen:
         alive: (n, J).
         values: (n, C) of the channels.
         final: whether no row follows.
+        lifts: when feet left the ground, in rows, by performer; so far as it is known.
     """
 
     first: int
@@ -119,6 +120,7 @@ class Seen:
     alive: NDArray[np.bool_]
     values: Array
     final: bool
+    lifts: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     def by_row(self, between: Array) -> Array:
         """Return values at the rows `told` (m, ...) of values between rows (n - 1, ...).

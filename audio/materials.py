@@ -118,11 +118,16 @@ _WORDS: dict[str, str] = {
 
 
 def family_of(material: str, otherwise: str) -> Family:
-    """Return the family of a material; its last known word counts ("stone dust" is dust).
+    """Return the family of a material, see `family_name`."""
+    return FAMILIES[family_name(material, otherwise)]
+
+
+def family_name(material: str, otherwise: str) -> str:
+    """Return the name of a material's family; its last known word counts ("stone dust" is dust).
 
     Args:
         material: an author's name, such as "green chitin"; may be empty.
         otherwise: the family of a material that has no known word.
     """
     known = [_WORDS[word] for word in folded(material).split() if word in _WORDS]
-    return FAMILIES[known[-1] if known else otherwise]
+    return known[-1] if known else otherwise

@@ -1,4 +1,4 @@
-"""Sounds of motion without a blow: swooshes, whistles, squeaks, squawks, boings.
+"""Sounds of motion without a blow: swooshes, squeaks, boings, breaths and their kind.
 
 Source: Sims 1987, 13.1.2.
 """
@@ -28,12 +28,14 @@ class Motion:
         pitch: of a thing of 0.1 m [Hz].
         seconds: how long it lasts where the event does not say [s].
         play: makes the sound.
+        level: against a blow of the same speed [dB]: air and joints take little of the energy.
     """
 
     instrument: str
     pitch: float
     seconds: float
     play: Player
+    level: float
 
 
 def motion_of(cause: str) -> Motion | None:
@@ -113,11 +115,19 @@ def _boing(seconds: float, pitch: float, speed: float, rng: np.random.Generator)
     return np.asarray(tone * np.exp(-5 * t / seconds) * ends)
 
 
+def _breath(seconds: float, pitch: float, speed: float, rng: np.random.Generator) -> Signal:
+    samples = max(int(seconds * SAMPLE_RATE), 64)
+    puff = arch(samples, 0.3)
+    sound = puff * band_noise(samples, (0.6 * pitch, 2 * pitch), rng)
+    return np.asarray(sound - puff * (sound.sum() / puff.sum()))
+
+
 MOTIONS: dict[str, Motion] = {
-    "swoosh": Motion("breath noise", 900, 0.4, _swoosh),
-    "whistle": Motion("whistle", 1500, 0.5, _whistle),
-    "squeak": Motion("guitar fret noise", 1300, 0.16, _squeak),
-    "squawk": Motion("muted trumpet", 480, 0.25, _squawk),
-    "boing": Motion("slap bass 1", 170, 0.7, _boing),
-    "push off": Motion("slap bass 1", 170, 0.5, _boing),
+    "swoosh": Motion("breath noise", 900, 0.4, _swoosh, -24.0),
+    "whistle": Motion("whistle", 1500, 0.5, _whistle, -30.0),
+    "squeak": Motion("guitar fret noise", 1300, 0.16, _squeak, -6.0),
+    "squawk": Motion("muted trumpet", 480, 0.25, _squawk, -6.0),
+    "boing": Motion("slap bass 1", 170, 0.7, _boing, -6.0),
+    "push off": Motion("slap bass 1", 170, 0.5, _boing, -6.0),
+    "breath": Motion("breath noise", 700, 0.8, _breath, -12.0),
 }

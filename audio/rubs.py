@@ -25,7 +25,6 @@ class Rub:
 
 RUBS: dict[str, Rub] = {
     "scuff": Rub("guitar fret noise", 0.14, -12.0),
-    "take off": Rub("breath noise", 0.2, -12.0),
     "slide": Rub("breath noise", 0.3, -12.0),
     "roll": Rub("seashore", 0.3, -18.0),
 }

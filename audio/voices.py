@@ -69,7 +69,7 @@ def notes_of(score: Score) -> tuple[Note, ...]:
     for event in sorted(score.events, key=_order):
         voice = _first_fitting(score.sound, event)
         if not voice.mute:
-            rank = ranks[event.who, event.part]
+            rank = ranks[event.who, _kin(event), event.part]
             notes.append(_note(event, voice, scale, rank, score.sound.volume_db))
     return tuple(notes)
 
@@ -97,15 +97,21 @@ def _order(event: ScoreEvent) -> tuple[object, ...]:
     )
 
 
-def _part_ranks(events: Iterable[ScoreEvent]) -> dict[tuple[str, str], int]:
-    parts: dict[str, set[str]] = {}
+def _part_ranks(events: Iterable[ScoreEvent]) -> dict[tuple[str, str, str], int]:
+    parts: dict[tuple[str, str], set[str]] = {}
     for event in events:
-        parts.setdefault(event.who, set()).add(event.part)
+        parts.setdefault((event.who, _kin(event)), set()).add(event.part)
     return {
-        (who, part): rank
-        for who, names in parts.items()
+        (*of, part): rank
+        for of, names in parts.items()
         for rank, part in enumerate(sorted(names, key=_natural))
     }
+
+
+def _kin(event: ScoreEvent) -> str:
+    """Return what causes count their parts together: a knee that squeaks tunes no foot."""
+    cause = folded(event.cause)
+    return _BY_PART[0] if cause in _BY_PART else cause
 
 
 def _natural(name: str) -> tuple[list[tuple[int, str]], str]:
@@ -140,14 +146,14 @@ def _matches(name: str, pattern: str) -> bool:
 def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: float) -> Note:
     length = voice.length or event.duration or _natural_length(event)
     default = "by part" if folded(event.cause) in _BY_PART else "by size"
-    rub = rub_of(event.cause)
+    quiet = rub_of(event.cause) or motion_of(event.cause)
     pitch = voice.pitch if voice.pitch is not None else default
     return Note(
         event=event,
         program=program_of(voice.instrument or _instrument(event)),
         pitch=pitch if isinstance(pitch, int) else _scale_pitch(event, scale, pitch, rank),
         seconds=length,
-        level=loudness_db(event) + (rub.level if rub else 0.0) + voice.gain_db + volume_db,
+        level=loudness_db(event) + (quiet.level if quiet else 0.0) + voice.gain_db + volume_db,
         tuned=voice.pitch is not None,
         decay=voice.length,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -16,13 +16,18 @@ from pipeline.errors import SceneError, SimulationError
 from pipeline.simulation.attaching import Bond, bonds_of, split
 from pipeline.simulation.casting import figures_of, refuse_to_direct, troupes_of
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect import DETECTORS
+from pipeline.simulation.detect import OF_CONTACTS, OF_MOTIONS
+from pipeline.simulation.detect.contacts import Contacts
+from pipeline.simulation.detect.motions import Motions
+from pipeline.simulation.detect.scenery import Scenery, solids_of
+from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.obstacles import Obstacle, obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Script
-from pipeline.simulation.take import Contact, Header, Note, SoundEvent, Take
+from pipeline.simulation.take import Contact, Header, Note, Take
 from pipeline.simulation.terrain import build_ground
 from pipeline.simulation.troupe import Follows, Meets, Sees, Troupe, World
+from pipeline.spec.cast import Group
 from pipeline.spec.scene import VERSION, Scene
 
 ROWS_AT_ONCE = 96
@@ -47,7 +52,8 @@ class Simulation:
         clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
         try:
             ground = build_ground(scene.terrain, scene.seed)
-            self.world = World(ground, clock, scene.seed, scene.script, scene.all_moods)
+            detect = scene.sound.detect
+            self.world = World(ground, clock, scene.seed, scene.script, scene.all_moods, detect)
             figures = figures_of(scene)
             self.troupes: list[Troupe] = troupes_of(scene, figures, self.world)
             self._lookers = [troupe for troupe in self.troupes if isinstance(troupe, Sees)]
@@ -61,6 +67,8 @@ class Simulation:
         except SceneError as error:
             raise scene.places.located(error) from None
         self.recorder.hang(self.bonds)
+        self._contacts = Contacts(OF_CONTACTS, detect, clock)
+        self._motions = Motions(OF_MOTIONS, detect, self._scenery(scene, figures))
         self.script = Script(scene.script, clock)
         refuse_to_direct(scene, self.troupes)
         self._arrived: tuple[str, ...] = ()
@@ -81,6 +89,17 @@ class Simulation:
             raise scene.places.located(error) from None
         contacts, notes = self._facts()
         self.recorder.happened(contacts, [], notes)
+
+    def _scenery(self, scene: Scene, figures: Mapping[str, Figure]) -> Scenery:
+        recorder = self.recorder
+        return Scenery(
+            clock=self.world.clock,
+            nodes=recorder.nodes,
+            solids=solids_of(recorder.parts, recorder.meshes),
+            channels=recorder.channels,
+            figures=figures,
+            groups=frozenset(m.name for m in scene.cast if isinstance(m, Group)),
+        )
 
     def _nodes_of(self, troupe: Troupe) -> range:
         before = self.troupes[: self.troupes.index(troupe)]
@@ -103,7 +122,8 @@ class Simulation:
         self.step_number += 1
         self._keep()
         contacts, notes = self._facts()
-        events = self._detect(contacts)
+        events = self._contacts.hear(contacts)
+        self._motions.met(contacts)
         self.recorder.happened(contacts, events, notes)
 
     def take(self) -> Take:
@@ -153,7 +173,7 @@ class Simulation:
         for groups in self._groups:
             # Nobody depends on them, so they see everybody in place.
             contacts = groups.follow(R, p)
-            self.recorder.happened(contacts, self._detect(contacts), ())
+            self.recorder.happened(contacts, self._contacts.hear(contacts), ())
         wrong = self.recorder.keep(which)
         if wrong is not None:
             row, node = wrong
@@ -163,6 +183,8 @@ class Simulation:
                 f"({float(self.world.clock.time_of(step)):.3f} s): "
                 f"the pose of {node} is no longer finite"
             )
+        alive, values = self.recorder.alive[which], self.recorder.values[which]
+        self.recorder.happened((), self._motions.look(which, p, R, alive, values), ())
 
     def _facts(self) -> tuple[list[Contact], list[Note]]:
         facts = [troupe.facts() for troupe in self.troupes]
@@ -170,10 +192,6 @@ class Simulation:
         notes = [note for fact in facts for note in fact.notes]
         self._arrived = tuple(name for fact in facts for name in fact.arrived)
         return sorted(contacts, key=lambda c: (c.step, c.fraction, c.part)), notes
-
-    def _detect(self, contacts: list[Contact]) -> list[SoundEvent]:
-        clock = self.world.clock
-        return [event for detector in DETECTORS for event in detector(contacts, clock)]
 
 
 def simulate(

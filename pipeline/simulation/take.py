@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 FORMAT = 1
 """Version of the take's layout."""
 
+Place = tuple[float, float, float]
+
 ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
 TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes")
@@ -158,6 +160,8 @@ class Contact:
             what moves freely strikes it, "roll" and "slide" if it does so over the other, "lift"
             if it leaves the other, with its body's speed.
         until: of what rolls or slides, the last step at which it does.
+        speeds: of what rolls or slides, at each row from its step to its last [m/s].
+        places: of what rolls or slides, at each of these rows [m].
     """
 
     step: int
@@ -165,7 +169,7 @@ class Contact:
     performer: str
     part: str
     other: str
-    place: tuple[float, float, float]
+    place: Place
     normal: tuple[float, float, float]
     speed: float
     energy: float
@@ -174,6 +178,8 @@ class Contact:
     size: float
     kind: ContactKind = "touch"
     until: int = -1
+    speeds: tuple[float, ...] = ()
+    places: tuple[Place, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +201,8 @@ class SoundEvent:
         material: of what sounds.
         surface: material of the other.
         track: rows over which it lasts, (first, last), equal for an onset.
+        strengths: at each of these rows, where it lasts [m/s].
+        places: at each of these rows, where it lasts [m].
     """
 
     step: int
@@ -204,13 +212,15 @@ class SoundEvent:
     who: str
     part: str
     other: str
-    place: tuple[float, float, float]
+    place: Place
     strength: float
     energy: float
     size: float
     material: str
     surface: str
     track: tuple[int, int]
+    strengths: tuple[float, ...] = ()
+    places: tuple[Place, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

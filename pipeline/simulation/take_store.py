@@ -160,4 +160,9 @@ def _meshes(joined: dict[str, NDArray[Any]], sizes: list[list[int]]) -> tuple[Me
 
 def _rows(row: Any, table: list[list[Any]]) -> Iterator[Any]:
     for values in table:
-        yield row(*(tuple(v) if isinstance(v, list) else v for v in values))
+        yield row(*(_frozen(value) for value in values))
+
+
+def _frozen(value: Any) -> Any:
+    """Return a value with tuples for lists, within lists too."""
+    return tuple(_frozen(one) for one in value) if isinstance(value, list) else value

@@ -19,6 +19,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.terrain import Ground
+from pipeline.spec.detect import Detect
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
 
@@ -33,6 +34,7 @@ class World:
         seed: of the scene.
         script: all that will be asked of anybody.
         moods: that performers may be in, by name.
+        detect: what is heard, and from when on.
     """
 
     ground: Ground
@@ -40,6 +42,7 @@ class World:
     seed: int
     script: Sequence[Instruction] = ()
     moods: Mapping[str, Mood] = field(default_factory=dict)
+    detect: Detect = field(default_factory=Detect)
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,9 @@ SIMULATED = (
     "figures",
     "cast",
     "script",
+    "detect",
 )
-"""The parts of a scene that the simulation reads: not its looks, its camera or its sound."""
+"""The parts of a scene that the simulation reads: not its looks, its camera or its voices."""
 
 
 def simulation_key(scene: Scene) -> str:
@@ -40,7 +41,8 @@ def scene_digest(scene: Scene, parts: Collection[str]) -> str:
     Args:
         scene: any scene.
         parts: names of its fields. `frames` stands for the number of frames however it was
-            given, `rate` for frames a second; of `figures` only those of the cast count.
+            given, `rate` for frames a second, `detect` for that of its sound; of `figures` only
+            those of the cast count.
 
     Raises:
         KeyError: a part is no field of a scene.
@@ -55,6 +57,8 @@ def _part(scene: Scene, part: str) -> Any:
         return str(scene.rate)
     if part == "frames":
         return scene.n_frames
+    if part == "detect":
+        return scene.sound.detect.model_dump(mode="json")
     if part not in Scene.model_fields:
         raise KeyError(part)
     words = scene.model_dump(mode="json", include={part})[part]

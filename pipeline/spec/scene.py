@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
-from audio.words import Sound
 from pipeline.spec.cast import Creature, Member, called, names_of
+from pipeline.spec.detect import SceneSound
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
 from pipeline.spec.mood import MOODS, Mood
@@ -76,7 +76,7 @@ class Scene(Words):
     camera: Cuts = Field((Camera(),), description="One camera, or a list of cuts.")
     light: Light = Field(Light(), description="What lights the scene.")
     film: Film = Field(Film(), description="Size and quality of the frames.")
-    sound: Sound = Field(Sound(), description="What the scene sounds like.")
+    sound: SceneSound = Field(SceneSound(), description="What the scene sounds like.")
     _places: Places = PrivateAttr(default_factory=Places)
 
     @field_validator("pronk", mode="before")

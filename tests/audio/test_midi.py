@@ -292,14 +292,6 @@ def test_a_folder_that_is_not_there_is_an_audio_error(score_of, tmp_path):
         write_midi(score_of(), tmp_path / "nowhere" / "score.mid")
 
 
-def test_a_take_off_has_a_voice_of_its_own_softer_than_the_landing(step, score_of, read_smf):
-    events = [step(1, cause="take-off", part="l1"), step(5, cause="footfall", part="l1")]
-    smf = read_smf(midi_bytes(score_of(events)))
-    off, fall = (velocity for _, _, _, velocity in smf.onsets())
-    assert off < fall
-    assert [program for program, _ in _struck(smf)] == [121, 108]
-
-
 def test_a_scuff_has_a_note_of_its_own_and_each_foot_its_pitch(step, score_of, read_smf):
     events = [
         step(1, cause="footfall", part="l1"),

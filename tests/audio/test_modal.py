@@ -310,7 +310,9 @@ def test_mute_and_gain_are_obeyed(step, heard, score_of, tmp_path):
     assert (report.events, report.muted, report.peak_db) == (0, 1, -np.inf)
 
 
-@pytest.mark.parametrize("cause", ["swoosh", "whistle", "squeak", "squawk", "boing", "push off"])
+@pytest.mark.parametrize(
+    "cause", ["swoosh", "whistle", "squeak", "squawk", "boing", "push off", "breath"]
+)
 def test_motions_last_as_long_as_they_do_and_begin_on_their_frame(step, heard, cause):
     sound = heard([step(3, cause=cause, duration=0.5, strength=3.0)], 48)
     loud = np.flatnonzero(np.abs(sound).max(axis=1) > np.abs(sound).max() / 300)

@@ -9,12 +9,18 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pytest
 
+from audio.blows import blow_of, sounded
+from audio.motions import motion_of
+from audio.rubs import rub_of
+from audio.voices import notes_of
 from pipeline.production.events import event_lines
 from pipeline.production.scoring import score_of
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
+from pipeline.spec.detect import Detect
 from render.shot import CameraPose
 
 if TYPE_CHECKING:
@@ -96,3 +102,38 @@ def test_a_score_keeps_times_and_words_of_its_events(scene: Scene, take: Take) -
         assert shown - 1 / score.rate < event.time <= shown
         assert event.who == "bug"
         assert not event.part.startswith("bug")
+
+
+def test_what_passes_by_is_heard_where_it_comes_nearest(scene: Scene, take: Take) -> None:
+    """Its row's frame says where the camera is then."""
+    samples = take.header.samples
+    turned = replace(AHEAD, p_WC=(0.0, 0.0, 10.0), p_WT=(0.0, 0.0, 5.0))
+    poses = [AHEAD] * 2 + [turned] * (take.header.frames - 2)
+    places = ((-9.0, 0.0, -3.0), (-1.0, 0.0, -3.0), (4.0, 0.0, 7.0), (9.0, 0.0, 7.0))
+    event = replace(
+        take.events[0],
+        frame=1,
+        cause="swoosh",
+        place=places[0],
+        places=tuple(place for place in places for _ in range(samples)),
+        track=(0, 4 * samples - 1),
+    )
+    score, _ = score_of(scene, replace(take, events=(event,)), poses)
+    (heard_event,) = score.events
+    assert heard_event.distance == pytest.approx(math.hypot(1, 3))
+    assert heard_event.azimuth == pytest.approx(math.atan2(-1, 3))
+
+
+@pytest.mark.parametrize("cause", Detect.model_fields)
+def test_every_cause_that_is_detected_is_heard(scene: Scene, take: Take, cause: str) -> None:
+    event = replace(take.events[0], cause=cause, frame=1, step=0, fraction=0.0, place=(0, 0, -2))
+    poses = [AHEAD] * take.header.frames
+    score, _ = score_of(scene, replace(take, events=(event,)), poses)
+    (note,) = notes_of(score)
+    assert -40 < note.level < 6
+    blow, _ = blow_of(note, 1, 0, 2.0)
+    sound = sounded(blow, 1)
+    assert np.isfinite(sound).all()
+    assert np.abs(sound).max() == pytest.approx(1.0)
+    # Not the blow that stands for what is unknown.
+    assert bool(motion_of(cause) or rub_of(cause)) != (cause in ("footfall", "collision"))

@@ -34,9 +34,6 @@ OVERLAP = 1e-3
 
 HALVINGS = 48
 
-QUIET = 0.04
-"""Two bodies are not heard to strike one another again sooner than this [s]."""
-
 
 class Colliders:
     """All bodies of a scene that meet one another.
@@ -82,7 +79,8 @@ class Colliders:
         row = clock.dt * self.row_steps
         self._balls = np.array([block.collider.build.hull is None for block in self.blocks])
         self._rolls, self._slides = (
-            Rubbing(kind, len(self.blocks), row) for kind in ("roll", "slide")
+            Rubbing("roll", len(self.blocks), row, world.detect.roll),
+            Rubbing("slide", len(self.blocks), row, world.detect.slide),
         )
         self._rows: list[tuple[Array, Array, Array]] = []
 
@@ -175,6 +173,8 @@ class Colliders:
             size=block.size,
             kind=rub.kind,
             until=rub.last * self.row_steps,
+            speeds=rub.speeds,
+            places=rub.places,
         )
 
     # --- begin ------------------------------------------------------------------------
@@ -231,7 +231,7 @@ class Colliders:
         """Tell whether two have not struck one another just before."""
         now = self.step * self.world.clock.dt + strike.time
         pair = (strike.one, strike.other)
-        quiet = now - self._heard.get(pair, -math.inf) >= QUIET
+        quiet = now - self._heard.get(pair, -math.inf) >= self.world.detect.collision.pause
         self._heard[pair] = now
         return quiet
 

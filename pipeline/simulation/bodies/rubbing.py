@@ -18,12 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
-
-QUICK, SLOW = 0.1, 0.05
-"""Speeds along the ground that begin a rub, and below which it ends [m/s]."""
-
-BEGINS, ENDS = 0.05, 0.1
-"""For how long these have to last [s]."""
+from pipeline.simulation.take import Place
+from pipeline.spec.detect import Roll
 
 PAUSE = 2
 """Steps without it that take a rub back which has not yet lasted."""
@@ -47,16 +43,20 @@ class Rub:
         normal: (3,) of the ground there.
         speed: the greatest along the ground [m/s].
         other: on what it did, in the begin.
+        speeds: at each step from the first to the last [m/s].
+        places: of the contact at each of them [m].
     """
 
     body: int
     kind: Kind
     first: int
     last: int
-    place: tuple[float, float, float]
-    normal: tuple[float, float, float]
+    place: Place
+    normal: Place
     speed: float
     other: int
+    speeds: tuple[float, ...]
+    places: tuple[Place, ...]
 
 
 class Rubbing:
@@ -64,16 +64,18 @@ class Rubbing:
 
     Attributes:
         kind: which.
+        words: from when on that is a rub.
     """
 
-    def __init__(self, kind: Kind, count: int, dt: float) -> None:
-        self.kind = kind
-        self._begins, self._ends = max(round(BEGINS / dt), 1), max(round(ENDS / dt), 1)
+    def __init__(self, kind: Kind, count: int, dt: float, words: Roll) -> None:
+        self.kind, self.words = kind, words
+        self._begins, self._ends = max(round(words.least / dt), 1), max(round(words.pause / dt), 1)
         self._first = np.full(count, -1)
         self._last = np.full(count, -1)
         self._on = np.zeros(count, dtype=bool)
         self._speed = np.zeros(count)
         self._other = np.zeros(count, dtype=np.int64)
+        self._way: dict[int, list[tuple[float, Place]]] = {}
         self._place, self._normal = np.zeros((count, 3)), np.zeros((count, 3))
 
     def look(
@@ -97,19 +99,26 @@ class Rubbing:
             final: whether no step follows.
             other: (N,) on what they move.
         """
-        goes = touches & (speed > np.where(self._first >= 0, SLOW, QUICK))
+        least = np.where(self._first >= 0, self.words.ends, self.words.above)
+        goes = touches & (speed > least)
         new = goes & (self._first < 0)
         self._first[new], self._speed[new] = step, 0.0
         self._place[new], self._normal[new] = place[new], normal[new]
         self._other[new] = np.broadcast_to(other, new.shape)[new]
         self._last[goes] = step
         self._speed[goes] = np.maximum(self._speed, speed)[goes]
+        for i in np.flatnonzero(self._first >= 0).tolist():
+            x, y, z = place[i].tolist()
+            at = float(speed[i]) if touches[i] else 0.0, (x, y, z)
+            self._way.setdefault(i, []).append(at)
         self._on |= goes & (step - self._first >= self._begins)
         # Before it has begun a pause takes it back; after that only a long one ends it.
         rest = np.where(self._on, self._ends, PAUSE)
         over = (self._first >= 0) & ((step - self._last >= rest) | final)
         ended = [self._rub(int(i)) for i in np.flatnonzero(over & self._on)]
         self._first[over], self._on[over] = -1, False
+        for i in np.flatnonzero(over).tolist():
+            self._way.pop(i, None)
         return ended
 
     def _rub(self, i: int) -> Rub:
@@ -117,4 +126,7 @@ class Rubbing:
         a, b, c = self._normal[i].tolist()
         first, last = int(self._first[i]), int(self._last[i])
         speed, other = float(self._speed[i]), int(self._other[i])
-        return Rub(i, self.kind, first, last, (x, y, z), (a, b, c), speed, other)
+        # Of the pause in which it ended nothing is heard.
+        speeds, places = zip(*self._way[i][: last - first + 1], strict=True)
+        where = (x, y, z), (a, b, c)
+        return Rub(i, self.kind, first, last, *where, speed, other, speeds, places)

@@ -55,8 +55,8 @@ class Tumblers:
         self.alive = np.ones(len(cast), dtype=bool)
         dt = world.clock.dt
         self._rolls, self._slides = (
-            Rubbing("roll", len(cast), dt),
-            Rubbing("slide", len(cast), dt),
+            Rubbing("roll", len(cast), dt, world.detect.roll),
+            Rubbing("slide", len(cast), dt, world.detect.slide),
         )
         self._contacts: tuple[Contact, ...] = ()
         self._notes: tuple[Note, ...] = ()
@@ -111,6 +111,11 @@ class Tumblers:
 
     def _rubbed(self, rub: Rub) -> Contact:
         i, bodies = rub.body, self.bouncing.bodies
+        clock = self.world.clock
+        a_row = clock.steps // clock.samples
+        # At rows, of which the first and the last may lie a little outside.
+        rows = range(rub.first // a_row, rub.last // a_row + 1)
+        at = [min(max(row * a_row - rub.first, 0), len(rub.speeds) - 1) for row in rows]
         return Contact(
             step=rub.first,
             fraction=0.0,
@@ -126,6 +131,8 @@ class Tumblers:
             size=float(bodies.size[i]),
             kind=rub.kind,
             until=rub.last,
+            speeds=tuple(rub.speeds[k] for k in at),
+            places=tuple(rub.places[k] for k in at),
         )
 
     def _contact(self, step: int, impact: Impact) -> Contact:

@@ -7,13 +7,9 @@ Source: Sims 1987, 13.1.1.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect.hearing import event_of
-from pipeline.simulation.take import Contact, SoundEvent
+from pipeline.simulation.take import Contact
 
 
-def collisions(contacts: Iterable[Contact], clock: Clock) -> list[SoundEvent]:
-    """Return the sound events of what strikes something."""
-    return [event_of(c, "collision", clock) for c in contacts if c.kind == "hit"]
+def collisions(contact: Contact) -> bool:
+    """Tell whether a contact is that of something which strikes."""
+    return contact.kind == "hit"

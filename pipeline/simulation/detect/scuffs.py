@@ -7,15 +7,9 @@ Source: Sims 1987, 13.1.2, sounds from motion.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
-from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect.hearing import event_of
-from pipeline.simulation.take import Contact, SoundEvent
+from pipeline.simulation.take import Contact
 
 
-def scuffs(contacts: Iterable[Contact], clock: Clock) -> list[SoundEvent]:
-    """Return the sound events of feet that scuff over the terrain."""
-    return [
-        event_of(c, "scuff", clock) for c in contacts if c.kind == "scuff" and c.other == "terrain"
-    ]
+def scuffs(contact: Contact) -> bool:
+    """Tell whether a contact is that of a foot which scuffs over the terrain."""
+    return contact.kind == "scuff" and contact.other == "terrain"

@@ -1,0 +1,435 @@
+"""What is heard: by contacts and motions, when it happens, once, and nothing that is at rest."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.detect import OF_CONTACTS, OF_MOTIONS
+from pipeline.simulation.detect.boings import Boings
+from pipeline.simulation.detect.motions import Motions
+from pipeline.simulation.detect.scenery import Scenery, solids_of
+from pipeline.simulation.detect.spells import Spell, Spells
+from pipeline.simulation.simulate import ROWS_AT_ONCE, Simulation, simulate
+from pipeline.simulation.spatial import Array, matrix
+from pipeline.simulation.take import Contact, SoundEvent, Take
+from pipeline.simulation.take_store import read_take, write_take
+from pipeline.spec import Scene, find_scene, load_scene, simulation_key
+from pipeline.spec.detect import Detect, Lasting
+
+from .conftest import scene_of, walk_through
+
+ARM = (
+    "{{name: arm, figure: robot_arm, pose: ["
+    "{{at: 0, joints: {{base_yaw_deg: 0}}}},"
+    "{{at: 1, joints: {{base_yaw_deg: 0}}}},"
+    "{{at: {end}, joints: {{base_yaw_deg: {turn}}}, ease: in-out}}]}}"
+)
+DART = (
+    "{{name: dart, prop: {{shape: box, size: {size}}}, at: [0, 3, 0], keyframes: ["
+    "{{at: 0, position: [-40, 3, 0]}}, {{at: 1, position: [-40, 3, 0]}},"
+    "{{at: {end}, position: [0, 3, 0], ease: {ease}}}]}}"
+)
+
+
+def heard(take: Take, cause: str) -> list[SoundEvent]:
+    return [event for event in take.events if event.cause == cause]
+
+
+def time_of(take: Take, event: SoundEvent) -> float:
+    steps = take.header.rate * take.header.steps
+    return float((event.step + Fraction(event.fraction)) / steps)
+
+
+# --- footfalls ---------------------------------------------------------------------------------
+
+
+def landings(scene: Scene) -> dict[str, list[float]]:
+    """Return when each foot comes to stand, by the poses of the last links alone.
+
+    A foot stands while its tip does not move; it has landed if it stands after it has not.
+    """
+    walk = walk_through(scene)
+    dt, herd = walk.simulation.world.clock.dt, walk.walkers.herd
+    still = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1) < 2e-4
+    names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
+    found = {}
+    for leg, name in enumerate(names):
+        # Three still intervals in a row are a stand; a swing is still at its summit at most once.
+        stands = still[:-2, leg] & still[1:-1, leg] & still[2:, leg]
+        found[name] = (np.flatnonzero(stands[1:] & ~stands[:-1]) * dt + dt).tolist()
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [
+        "first_steps",
+        "rocks",
+        "ostrich",
+        "dunes",
+        "ramp",
+        "stairs",
+        "horse_gaits",
+        "boulders",
+        "procession",
+    ],
+)
+def test_footfalls_are_as_many_as_the_poses_have_landings(name: str) -> None:
+    scene = load_scene(find_scene(name))
+    expected = landings(scene)
+    take = simulate(scene)
+    dt = 1.0 / float(scene.rate * scene.steps)
+    end = float(scene.n_frames / scene.rate)
+    assert sum(map(len, expected.values())) > 10
+    for part, times in expected.items():
+        own = [time_of(take, e) for e in heard(take, "footfall") if e.part == part]
+        # Of who comes down in the last rows the poses cannot tell whether it stands.
+        own = [time for time in own if time < end - 4 * dt]
+        times = [time for time in times if time < end - 4 * dt]
+        assert len(own) == len(times), part
+        np.testing.assert_allclose(own, times, atol=2.5 * dt)
+
+
+# --- at rest -----------------------------------------------------------------------------------
+
+RESTING = {
+    "box": "{body: {shape: box}, at: [0, 0]}",
+    "sphere": "{body: {shape: sphere, collide: terrain}, at: [0, 0]}",
+    "die on edge of nothing": "{body: {shape: die, collide: terrain}, at: [0, 0]}",
+    "wall": "{name: w, many: {of: brick, layout: wall, rows: 3, columns: 3}}",
+    "prop": "{prop: {shape: box}, at: [0, 0]}",
+    "robot": "{figure: robot_arm, at: [0, 0]}",
+    "beetle": "{figure: beetle, at: [0, 0]}",
+    "person": "{figure: person, at: [0, 0]}",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", RESTING)
+def test_who_rests_for_ten_seconds_is_silent(what: str) -> None:
+    take = simulate(scene_of(RESTING[what], terrain="flat", duration=10))
+    assert take.events == ()
+
+
+@pytest.mark.parametrize("meets", ["all", "terrain"])
+@pytest.mark.parametrize("shape", ["box", "sphere", "die"])
+def test_what_comes_to_rest_falls_silent_and_never_rattles(meets: str, shape: str) -> None:
+    words = f"shape: {shape}, bounciness: 0.5, rolling: 0.02, collide: {meets}"
+    body = f"{{name: b, body: {{{words}}}, at: [0, 0.8, 0], rotation_deg: [20, 0, 35]}}"
+    take = simulate(scene_of(body, terrain="flat", duration=8))
+    times = [time_of(take, event) for event in heard(take, "collision")]
+    assert 2 <= len(times) <= 40
+    assert min(np.diff(times)) >= Detect().collision.pause - 1e-9
+    assert max(time_of(take, event) for event in take.events) < 4
+    last = max(event.track[1] for event in take.events) / 96
+    assert last < 5
+
+
+# --- motions -----------------------------------------------------------------------------------
+
+
+def squeaks(
+    turn: float, end: float, more: str = "", fps: int = 24
+) -> tuple[Take, list[SoundEvent]]:
+    scene = scene_of(ARM.format(turn=turn, end=end), duration=4, more=f"fps: {fps}\n{more}")
+    take = simulate(scene)
+    return take, heard(take, "squeak")
+
+
+def crossings(mean: float, threshold: float, start: float, span: float) -> tuple[float, float]:
+    """Return when an ease from rest to rest, 30 mean s² (1 - s)², goes over a rate and under it."""
+    product = math.sqrt(threshold / (30.0 * mean))
+    root = math.sqrt(1.0 - 4.0 * product)
+    return start + span * (1 - root) / 2, start + span * (1 + root) / 2
+
+
+@pytest.mark.parametrize("fps", [24, 60])
+def test_a_joint_squeaks_from_where_it_bends_quickly_enough(fps: int) -> None:
+    take, found = squeaks(90, 3, fps=fps)
+    (event,) = found
+    row = 1.0 / float(take.header.rate * take.header.samples)
+    begin, _ = crossings(45, Detect().squeak.above_deg_s, 1, 2)
+    _, end = crossings(45, Detect().squeak.ends_deg_s, 1, 2)
+    # The rate by rows is straight between them: a twentieth of a row here.
+    assert time_of(take, event) == pytest.approx(begin, abs=0.1 * row)
+    assert event.track[1] * row == pytest.approx(end, abs=1.01 * row)
+    assert event.who == "arm"
+    assert event.part == "arm.arm_m1.1"
+    assert event.material == "yellow plastic"
+
+
+def test_a_squeak_has_a_strength_and_a_place_at_each_row() -> None:
+    take, (event,) = squeaks(90, 3)
+    first, last = event.track
+    assert len(event.strengths) == len(event.places) == last - first + 1
+    node = [n.name for n in take.nodes].index(event.part)
+    np.testing.assert_allclose(event.places, take.positions[first : last + 1, node], atol=1e-6)
+    # As the rate of its joint, which the take has too.
+    channel = [c.name for c in take.channels].index("arm.arm_m1.base_yaw")
+    rate = np.abs(np.gradient(take.values[:, channel], 1 / 96))[first : last + 1]
+    ratio = np.array(event.strengths)[1:-1] / rate[1:-1]
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-3)
+    assert event.strength == pytest.approx(max(event.strengths), abs=1e-6)
+
+
+def test_thresholds_are_the_authors() -> None:
+    assert squeaks(6, 3)[1] == []
+    assert len(squeaks(6, 3, "sound: {detect: {squeak: {above_deg_s: 2, below_deg_s: 1}}}")[1]) == 1
+    assert squeaks(90, 3, "sound: {detect: {squeak: {heard: false}}}")[1] == []
+    assert squeaks(90, 3, "sound: {detect: {squeak: {who: nobody}}}")[1] == []
+    assert len(squeaks(90, 3, "sound: {detect: {squeak: {who: 'A*'}}}")[1]) == 1
+    assert squeaks(90, 3, "sound: {detect: {squeak: {materials: {metal: 1}}}}")[1] == []
+    assert squeaks(90, 3, "sound: {detect: {squeak: {least: 2.5}}}")[1] == []
+
+
+def test_who_jerks_squawks_instead() -> None:
+    take, found = squeaks(150, 1.2)
+    assert [event.cause for event in take.events] == ["squawk"]
+    assert found == []
+    quiet = "sound: {detect: {squawk: {heard: false}}}"
+    assert len(squeaks(150, 1.2, quiet)[1]) == 1
+
+
+def test_fur_does_not_squeak() -> None:
+    take = simulate(scene_of("{figure: horse, walk: {}}", duration=3))
+    assert {event.cause for event in take.events} == {"footfall"}
+
+
+def darts(end: float, size: str, ease: str = "linear") -> Take:
+    return simulate(scene_of(DART.format(end=end, size=size, ease=ease), duration=6))
+
+
+def test_what_is_quick_swooshes_while_it_is() -> None:
+    take = darts(3, "[0.6, 0.1, 0.1]", "in-out")
+    (event,) = take.events
+    assert event.cause == "swoosh"
+    row = 1 / 96
+    # 40 m in 2 s, from rest to rest.
+    begin, _ = crossings(20, 9, 1, 2)
+    _, end = crossings(20, 4.5, 1, 2)
+    assert time_of(take, event) == pytest.approx(begin, abs=0.1 * row)
+    assert event.track[1] * row == pytest.approx(end, abs=1.01 * row)
+    assert event.strength == pytest.approx(1.875 * 20, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("end", "size", "causes"),
+    [
+        # 10 m/s: quick for a ball, slow for what is 2 m long.
+        (5, "[0.3, 0.3, 0.3]", ["swoosh"]),
+        (5, "[2, 0.3, 0.3]", []),
+        # 5 m/s is quick for nothing.
+        (9, "[0.1, 0.1, 0.1]", []),
+        # At 20 m/s a wire sings at 400 Hz, and a beam does not.
+        (3, "[1, 0.01, 0.01]", ["swoosh", "whistle"]),
+        (3, "[1, 0.1, 0.1]", ["swoosh"]),
+    ],
+)
+def test_size_decides_what_swooshes_and_what_whistles(
+    end: float, size: str, causes: list[str]
+) -> None:
+    assert sorted(event.cause for event in darts(end, size).events) == causes
+
+
+def test_a_leap_from_place_to_place_is_no_swoosh() -> None:
+    assert darts(1.5, "[0.3, 0.3, 0.3]", "hold").events == ()
+
+
+def pushed(
+    rises: Callable[[Array], Array], feet: bool = True, lifts: Sequence[Contact] = ()
+) -> list[SoundEvent]:
+    """Return what is heard of a creature whose nodes are moved up by a function of time."""
+    simulation = Simulation(scene_of("{name: roo, figure: kangaroo}", duration=3))
+    while not simulation.finished:
+        simulation.step()
+    take, clock = simulation.take(), simulation.world.clock
+    figures = {"roo": None}
+    scenery = Scenery(
+        clock, take.nodes, solids_of(take.parts, take.meshes), (), figures, frozenset()
+    )  # type: ignore[arg-type]
+    up = rises(np.arange(clock.rows) / 96)
+    p = take.positions.copy()
+    # Of who gets up the feet stay where they are.
+    p[:, : len(take.nodes) if feet else 1, 1] += up[:, None]
+    rows = p, matrix(take.rotations), take.alive, take.values
+    watch = Motions({"boing": Boings}, Detect(), scenery)
+    watch.met(lifts)
+    found = []
+    for first in range(0, clock.rows, 13):
+        which = slice(first, min(first + 13, clock.rows))
+        found += watch.look(which, *(values[which] for values in rows))
+    return found
+
+
+def jump(t: Array) -> Array:
+    """Half a second at 8 m/s² up, to 4 m/s at 1.5 s, then weight alone."""
+    push, flight = np.clip(t - 1, 0, 0.5), np.clip(t - 1.5, 0, 8 / 9.81)
+    return 4.0 * push**2 + 4.0 * flight - 0.5 * 9.81 * flight**2
+
+
+def test_who_flies_after_a_push_has_pushed_itself_off() -> None:
+    (event,) = pushed(jump)
+    steps = Fraction(96)
+    assert float((event.step + Fraction(event.fraction)) / steps) == pytest.approx(1.5, abs=1 / 96)
+    assert event.strength == pytest.approx(4.0, abs=0.05)
+    assert (event.cause, event.who, event.part) == ("boing", "roo", "roo.body")
+
+
+def test_contacts_say_more_exactly_when_the_last_foot_left() -> None:
+    nowhere = (0.0, 0.0, 0.0)
+    lifts = [
+        Contact(step, fraction, who, who, "terrain", nowhere, nowhere, 4, 1, "", "", 1, "lift")
+        for who, step, fraction in [("roo", 143, 0.5), ("roo", 143, 0.75), ("bob", 144, 0.25)]
+    ]
+    (event,) = pushed(jump, lifts=lifts)
+    assert (event.step, event.fraction, event.track) == (143, 0.75, (143, 143))
+
+
+@pytest.mark.parametrize(
+    "rises",
+    [
+        # A lift at 3 m/s, a hop of 5 cm, and a climb with a gait's bounce.
+        lambda t: np.clip(3 * (t - 0.5), 0, 4),
+        lambda t: 0.25 * jump(t) * (t > 1) * 0.2,
+        lambda t: 2 * t + 0.02 * np.sin(12 * t),
+    ],
+)
+def test_who_is_carried_up_has_not(rises: Callable[[Array], Array]) -> None:
+    assert pushed(rises) == []
+
+
+def test_who_gets_up_and_keeps_its_feet_down_has_not() -> None:
+    assert pushed(jump, feet=False) == []
+
+
+def test_breaths_are_heard_if_asked_for_and_go_with_the_gait() -> None:
+    scene = "{name: bob, figure: person, walk: {speed: 0.9, cycle: 1.0}}"
+    ask = "sound: {detect: {breath: {heard: true, per_minute: 6, strides: 2}}}"
+    assert heard(simulate(scene_of(scene, duration=3)), "breath") == []
+    take = simulate(scene_of(scene, duration=9, more=ask))
+    times = [time_of(take, event) for event in heard(take, "breath")]
+    assert len(times) >= 3
+    np.testing.assert_allclose(np.diff(times[1:]), 2.0, atol=0.02)
+    resting = simulate(scene_of("{figure: person}", duration=25, more=ask))
+    times = [time_of(resting, event) for event in heard(resting, "breath")]
+    np.testing.assert_allclose(times, [10, 20], atol=1e-6)
+
+
+def test_what_rolls_has_a_track() -> None:
+    words = "shape: sphere, collide: terrain, rolling: 0.05"
+    ball = f"{{name: b, body: {{{words}}}, at: [0, 0], velocity: [2, 0, 0]}}"
+    take = simulate(scene_of(ball, duration=3))
+    (event,) = heard(take, "roll")
+    first, last = event.track
+    assert len(event.strengths) == len(event.places) == last - first + 1
+    x = take.positions[first : last + 1, 0, 0]
+    np.testing.assert_allclose(np.array(event.places)[:, 0], x, atol=1e-3)
+    # Not at the ends of the gradient, and not where it still slips.
+    np.testing.assert_allclose(event.strengths[9:-1], np.gradient(x, 1 / 96)[9:-1], rtol=5e-3)
+
+
+# --- spells ------------------------------------------------------------------------------------
+
+
+def spells(level: list[float], least: float, pause: float, batch: int) -> list[Spell]:
+    one = Spells(np.array([1.0]), np.array([2.0]), Lasting(least=least, pause=pause), 1.0)
+    found = []
+    for first in range(0, len(level), batch):
+        some = np.array(level[first : first + batch])[:, None]
+        final = first + batch >= len(level)
+        found += one.look(first, some, some[:, :, None], final)
+    return found
+
+
+@pytest.mark.parametrize("batch", [1, 2, 3, 5, 100])
+def test_a_level_that_shivers_about_a_threshold_is_one_spell(batch: int) -> None:
+    level = [0.0, 4.0, *([1.9, 2.1] * 20), 0.0, 0.0, 0.0, 3.0, 0.0, 0.0]
+    first, second = spells(level, 0, 1, batch)
+    assert (first.begin, first.first, first.last, first.top) == (0.5, 0, 41, 4.0)
+    assert [row[0] for row in first.values] == level[:42]
+    assert (second.begin, second.last) == (44 + 2 / 3, 45)
+
+
+@pytest.mark.parametrize("batch", [1, 4, 100])
+def test_pauses_join_and_short_spells_are_none(batch: int) -> None:
+    level = [3.0, 3.0, 0.0, 0.0, 3.0, 3.0, 0.0, 0.0, 0.0, 0.0, 3.0]
+    assert [s.last for s in spells(level, 0, 2, batch)] == [5, 10]
+    assert [s.last for s in spells(level, 0, 1, batch)] == [1, 5, 10]
+    assert [s.last for s in spells(level, 1.5, 2, batch)] == [5]
+
+
+# --- all of them -------------------------------------------------------------------------------
+
+MIXED = (
+    ARM.format(turn=90, end=3),
+    "{name: dart, prop: {shape: box, size: [1, 0.01, 0.01]}, at: [0, 3, 0], velocity: [20, 0, 0]}",
+    "{name: bug, figure: beetle, at: [3, 3], walk: {speed: 2, cycle: 0.4}}",
+    "{name: b, body: {shape: box}, at: [-3, 2, 3], velocity: [2, 0, 0]}",
+)
+ALL = "sound: {detect: {breath: {heard: true}, squeak: {materials: {chitin: 1, plastic: 1}}}}"
+
+
+def test_the_same_bytes_twice_and_whatever_the_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scene_of(*MIXED, duration=3, more=ALL)
+    take = simulate(scene)
+    assert {"squeak", "swoosh", "whistle", "breath", "footfall"} <= {e.cause for e in take.events}
+    assert simulate(scene).digest == take.digest
+    monkeypatch.setattr("pipeline.simulation.simulate.ROWS_BEFORE_BODIES", 7)
+    monkeypatch.setattr("pipeline.simulation.simulate.ROWS_AT_ONCE", 7)
+    assert ROWS_AT_ONCE != 7
+    assert sorted(simulate(scene).events, key=repr) == sorted(take.events, key=repr)
+
+
+def test_a_take_keeps_tracks(tmp_path: Path) -> None:
+    take = simulate(scene_of(*MIXED, duration=2, more=ALL))
+    write_take(take, tmp_path / "take")
+    assert read_take(tmp_path / "take").events == take.events
+
+
+def test_every_model_has_what_detects_it() -> None:
+    assert list(Detect.model_fields) == [*OF_CONTACTS, *OF_MOTIONS]
+
+
+def test_thresholds_are_part_of_what_is_simulated() -> None:
+    louder = "sound: {volume_db: 3}"
+    other = "sound: {detect: {swoosh: {above: 8}}}"
+    plain, loud, high = (
+        simulation_key(scene_of("{figure: beetle}", more=more)) for more in ("", louder, other)
+    )
+    assert plain == loud != high
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (
+            "squeak: {above_deg_s: 2, below_deg_s: 4}",
+            "squeak.below_deg_s: should not be more than above_deg_s, which is 2; is 4",
+        ),
+        ("squeak: {materials: {metall: 1}}", "did you mean 'metal'?"),
+        ("squeek: {}", "did you mean 'squeak'?"),
+        ("swoosh: {above: -1}", "sound.detect.swoosh.above"),
+        ("swoosh: {above: fast}", "sound.detect.swoosh.above"),
+    ],
+)
+def test_bad_words_get_one_clear_message(words: str, says: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        scene_of("{figure: beetle}", more=f"sound: {{detect: {{{words}}}}}")
+    (problem,) = caught.value.problems
+    assert says in f"{problem.path}: {problem.message}"
+    assert json.dumps(problem.message)
+
+
+def test_the_scenery_of_a_scene_has_those_who_may_fly() -> None:
+    simulation = Simulation(scene_of(*MIXED, "{group: {rule: swarm, count: 3}}"))
+    scenery = simulation._scenery(scene_of(*MIXED), {"bug": None, "arm": None})  # type: ignore[dict-item]
+    assert [solid.performer for solid in scenery.flying][:2] == ["dart", "b"]

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from audio.score import Score, ScoreEvent
+from pipeline.production.markers import markers_of
+from pipeline.production.speeds import speeds_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import UP, Array, normalized
 from pipeline.simulation.take import SoundEvent, Take
@@ -15,19 +18,38 @@ from pipeline.spec.scene import Scene
 from render.shot import CameraPose
 
 
-def score_of(scene: Scene, take: Take, poses: Sequence[CameraPose]) -> tuple[Score, int]:
+def score_of(
+    scene: Scene, take: Take, poses: Sequence[CameraPose], subframe: bool = False
+) -> tuple[Score, int]:
     """Return the score of `take`, and how many events fell after its last frame.
 
     Args:
         scene: for its words on sound.
         take: what happened.
         poses: of the camera, by frame.
+        subframe: whether sounds stand at the exact times of their causes.
     """
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     heard = [event for event in take.events if event.frame <= header.frames]
-    events = tuple(_placed(scene, event, clock, poses[event.frame - 1]) for event in heard)
-    score = Score(header.rate, header.frames, events, scene.sound, header.seed, scene.title)
+    nodes = {node.name: number for number, node in enumerate(take.nodes)}
+    events = tuple(
+        replace(
+            _placed(scene, event, clock, poses[event.frame - 1]),
+            speeds=speeds_of(take, event, nodes),
+        )
+        for event in heard
+    )
+    score = Score(
+        rate=header.rate,
+        frames=header.frames,
+        events=events,
+        sound=scene.sound,
+        seed=header.seed,
+        title=scene.title,
+        markers=markers_of(scene, take),
+        subframe=subframe,
+    )
     return score, len(take.events) - len(heard)
 
 

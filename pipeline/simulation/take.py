@@ -215,7 +215,7 @@ class SoundEvent:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """Something the author should know: stopped, toppled, dropped, clamped."""
+    """Something that happened: stopped, toppled, dropped, clamped; or what somebody was told."""
 
     kind: str
     step: int
@@ -261,7 +261,7 @@ class Take:
         terrain: the ground.
         contacts: in the order of time.
         events: sound events in the order of time.
-        notes: what the author should know.
+        notes: what the author should know, then what the script told whom, each in order of time.
     """
 
     header: Header

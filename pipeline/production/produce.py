@@ -292,6 +292,7 @@ def _film_key(run: Production, keys: list[str], sound: Path | None, first: int) 
 def _finish(run: Production, take: Take) -> None:
     """Write the manifest, if anything has changed."""
     outputs, header = run.outputs, take.header
+    remarks = [note for note in take.notes if note.kind != "told"]
     digests = {"take": take.digest}
     files = {"midi": outputs.midi, "wav": outputs.wav, "events": outputs.events}
     for name, path in files.items():
@@ -306,9 +307,7 @@ def _finish(run: Production, take: Take) -> None:
         "frames": header.frames,
         "versions": {**header.versions, **packages()},
         "digests": digests,
-        "notes": [
-            f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in take.notes if n.kind != "told"
-        ],
+        "notes": [f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in remarks],
     }
     words.pop("manifest", None)
     seconds = {**run.manifest.seconds, **run.seconds}

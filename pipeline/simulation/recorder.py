@@ -152,11 +152,8 @@ class Recorder:
 
     def told(self, step: int, orders: Orders) -> None:
         """Keep what the script asks of whom from `step` on."""
-        self._told.extend(
-            Note("told", step, who, said(do))
-            for who, all_of_it in orders.items()
-            for do in all_of_it
-        )
+        for who, given in orders.items():
+            self._told.extend(Note("told", step, who, said(do)) for do in given)
 
     def take(self) -> Take:
         """Return the finished take."""

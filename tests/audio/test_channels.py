@@ -43,7 +43,7 @@ def check(played):
         assert (n.channel, n.pitch) not in sounding, "struck while it sounds"
         if n.drum:
             assert n.channel == DRUMS
-            assert not (n.sets_program or n.sets_pan or n.gesture)
+            assert not any((n.sets_program, n.sets_pan, n.gesture))
             sounding[n.channel, n.pitch] = n
             continue
         assert n.channel in CHANNELS

@@ -1,11 +1,14 @@
 """Channels for sounding notes: program and pan belong to a channel, so notes share one or differ.
 
 Notes come in the order in which a player meets them: by tick, then by track. Each is given a
-channel that has its program and pan already, else one that has fallen silent, and only then
-another's: first a dying tail, then a neighbouring pan, then the channel of whatever began longest
-ago. Only what begins at one moment with fifteen others must share a note with one of them. What was
-given up on the way is counted. A note with a gesture has its channel to itself, because pitch wheel
-and expression belong to channels too.
+channel that has its track, program and pan already, else one that has fallen silent, and only then
+another's: first a dying tail, then that of another track, then a neighbouring pan, then the channel
+of whatever began longest ago. Only what begins at one moment with fifteen others must share a note
+with one of them. What was given up on the way is counted.
+
+A note with a gesture has its channel to itself, because pitch wheel and expression belong to
+channels too. Each track says by itself all that its notes need, also where another track has said
+it for the same channel: those who open a score take tracks apart.
 """
 
 from __future__ import annotations
@@ -82,15 +85,35 @@ class Losses:
 
 
 @dataclass(slots=True)
-class _Channel:
-    number: int
+class _Said:
+    """What a channel, or one track's part of it, has been told."""
+
     program: int = -1
     pan: int = -1
+    ranged: bool = False
+    moved: bool = False
+
+    def hear(self, note: Placed) -> None:
+        """Take in what a note needs, and let the note say what is new."""
+        note.sets_program |= self.program != note.program
+        note.sets_pan |= self.pan != note.pan
+        note.sets_range |= bool(note.gesture) and not self.ranged
+        note.rests |= self.moved and not note.gesture
+        self.program, self.pan = note.program, note.pan
+        self.ranged |= bool(note.gesture)
+        self.moved = bool(note.gesture)
+
+
+@dataclass(slots=True)
+class _Channel:
+    number: int
+    said: _Said = field(default_factory=_Said)
+    said_by: dict[int, _Said] = field(default_factory=dict)
+    # Of whom the last note is.
+    track: int = -1
     # Notes that may still sound, by pitch; the last of each.
     notes: dict[int, Placed] = field(default_factory=dict)
     last_end: int = -(10**9)
-    ranged: bool = False
-    moved: bool = False
 
     def sounding(self, note: Placed) -> list[Placed]:
         """Return what sounds here when the note comes; forgets what has ended."""
@@ -110,12 +133,9 @@ class _Channel:
         """Play a note."""
         note.channel = self.number
         if not note.drum:
-            note.sets_program, self.program = self.program != note.program, note.program
-            note.sets_pan, self.pan = self.pan != note.pan, note.pan
-            note.sets_range = bool(note.gesture) and not self.ranged
-            note.rests = self.moved and not note.gesture
-            self.ranged |= note.sets_range
-            self.moved = bool(note.gesture)
+            self.said.hear(note)
+            self.said_by.setdefault(note.track, _Said()).hear(note)
+        self.track = note.track
         self.notes[note.pitch] = note
         self.last_end = max(self.last_end, note.end)
 
@@ -166,31 +186,61 @@ def _drum(drums: _Channel, note: Placed, losses: Losses) -> _Channel | None:
 def _choose(channels: list[_Channel], note: Placed, tail: int, losses: Losses) -> _Channel | None:
     silent = [c for c in channels if not c.sounding(note)]
     if note.gesture and not silent:
+        # What is struck is soon faint; what rolls is heard for as long as it does.
+        taken = _take_over([c for c in channels if c.open(note)], note, losses)
+        if taken is not None:
+            return taken
         note.gesture = ()
         losses.stiff += 1
-    shared = [c for c in channels if c.open(note)] if not note.gesture else silent
-    same = [c for c in shared if (c.program, c.pan) == (note.program, note.pan)]
-    for channel in same:
+    shared = silent if note.gesture else [c for c in channels if c.open(note)]
+    same = [c for c in shared if (c.said.program, c.said.pan) == (note.program, note.pan)]
+    own = [c for c in same if c.track == note.track]
+    for channel in own:
         if channel.struck(note) is None and not _rings_bent(channel, note, tail):
+            return channel
+    if _merge(own, note, losses):
+        return None
+    if silent:
+        return _silent(silent, note, tail, losses)
+    return _crowded(channels, shared, same, note, losses)
+
+
+def _silent(silent: list[_Channel], note: Placed, tail: int, losses: Losses) -> _Channel:
+    """Return the channel that was heard least recently, better one that has the program."""
+    best = min(
+        silent, key=lambda c: (_rings(c, note, tail), c.said.program != note.program, c.last_end)
+    )
+    losses.tails_cut += _rings(best, note, tail)
+    return best
+
+
+def _crowded(
+    channels: list[_Channel],
+    shared: list[_Channel],
+    same: list[_Channel],
+    note: Placed,
+    losses: Losses,
+) -> _Channel | None:
+    """Return a channel for a note that begins while all of them sound."""
+    for channel in same:
+        if channel.struck(note) is None:
             return channel
     if _merge(same, note, losses):
         return None
-    if silent:
-        # Least recently heard first; one that has the program already needs one change less.
-        best = min(
-            silent, key=lambda c: (_rings(c, note, tail), c.program != note.program, c.last_end)
-        )
-        losses.tails_cut += _rings(best, note, tail)
-        return best
     cut = _cut_in(same, note, losses)
     if cut is not None:
         return cut
-    alike = sorted(
-        (c for c in shared if c.program == note.program), key=lambda c: abs(c.pan - note.pan)
-    )
-    return _neighbour(alike, note, losses) or (
-        None if _merge(alike, note, losses) else _take_over(channels, note, losses)
-    )
+    alike = [c for c in shared if c.said.program == note.program]
+    alike.sort(key=lambda c: abs(c.said.pan - note.pan))
+    near = _neighbour(alike, note, losses)
+    if near is not None or _merge(alike, note, losses):
+        return near
+    taken = _take_over(channels, note, losses)
+    if taken is None:
+        struck = [(c, old) for c in channels for old in c.sounding(note)]
+        _, like = min(struck, key=lambda pair: _unlike(pair[0], pair[1], note))
+        _stand_for(like, note, losses)
+    return taken
 
 
 def _rings(channel: _Channel, note: Placed, tail: int) -> bool:
@@ -199,7 +249,7 @@ def _rings(channel: _Channel, note: Placed, tail: int) -> bool:
 
 def _rings_bent(channel: _Channel, note: Placed, tail: int) -> bool:
     """Say whether bringing its controllers to this note would be heard in a channel's tail."""
-    return (channel.moved or bool(note.gesture)) and _rings(channel, note, tail)
+    return (channel.said.moved or bool(note.gesture)) and _rings(channel, note, tail)
 
 
 def _stand_for(old: Placed, note: Placed, losses: Losses) -> None:
@@ -241,7 +291,7 @@ def _neighbour(alike: list[_Channel], note: Placed, losses: Losses) -> _Channel 
     """Move a note to the nearest direction that its program sounds from."""
     for channel in alike:
         if channel.struck(note) is None:
-            note.pan = channel.pan
+            note.pan = channel.said.pan
             losses.moved += 1
             return channel
     return None
@@ -250,7 +300,7 @@ def _neighbour(alike: list[_Channel], note: Placed, losses: Losses) -> _Channel 
 def _take_over(channels: list[_Channel], note: Placed, losses: Losses) -> _Channel | None:
     """Silence the channel whose last onset is longest ago, as a synthesiser steals a voice.
 
-    Where all have been struck at this very moment, the note most like this one stands for it.
+    None where all have been struck at this very moment.
     """
     for channel in sorted(channels, key=lambda c: max(old.start for old in c.sounding(note))):
         sounding = channel.sounding(note)
@@ -258,12 +308,9 @@ def _take_over(channels: list[_Channel], note: Placed, losses: Losses) -> _Chann
             for old in sounding:
                 _ended(old, note, losses)
             return channel
-    struck = [(c, old) for c in channels for old in c.sounding(note)]
-    _, like = min(struck, key=lambda pair: _unlike(pair[0], pair[1], note))
-    _stand_for(like, note, losses)
     return None
 
 
 def _unlike(channel: _Channel, old: Placed, note: Placed) -> tuple[int, bool, int, int]:
-    distance = abs(channel.pan - note.pan), abs(old.pitch - note.pitch)
-    return (-old.start, channel.program != note.program, *distance)
+    distance = abs(channel.said.pan - note.pan), abs(old.pitch - note.pitch)
+    return (-old.start, channel.said.program != note.program, *distance)

@@ -48,20 +48,37 @@ def check(played):
             continue
         assert n.channel in CHANNELS
         held = [key for key in sounding if key[0] == n.channel]
-        assert not (held and (n.sets_program or n.sets_pan)), "changed under a sounding note"
-        assert not (held and (n.gesture or n.rests)), "bent under a sounding note"
+        changes = (program.get(n.channel), pan.get(n.channel)) != (n.program, n.pan)
+        assert not (held and changes), "changed under a sounding note"
+        assert not (held and (n.gesture or n.channel in moved)), "bent under a sounding note"
         assert not any(sounding[key].gesture for key in held), "plays along with a gesture"
         if n.gesture:
             assert n.start == n.gesture[0].tick
             assert n.gesture[-1].tick < n.end
             moved.add(n.channel)
         else:
-            assert n.rests == (n.channel in moved)
+            assert n.rests or n.channel not in moved
             moved.discard(n.channel)
         program |= {n.channel: n.program} if n.sets_program else {}
         pan |= {n.channel: n.pan} if n.sets_pan else {}
         assert (program[n.channel], pan[n.channel]) == (n.program, n.pan)
         sounding[n.channel, n.pitch] = n
+
+
+def check_words(played):
+    """Hold that one track alone says which program and pan its notes have, and where it rests."""
+    program, pan, ranged, moved = {}, {}, set(), set()
+    for n in played:
+        if n.drum:
+            continue
+        program |= {n.channel: n.program} if n.sets_program else {}
+        pan |= {n.channel: n.pan} if n.sets_pan else {}
+        assert (program[n.channel], pan[n.channel]) == (n.program, n.pan)
+        ranged |= {n.channel} if n.sets_range else set()
+        assert not n.gesture or n.channel in ranged
+        moved -= {n.channel} if n.rests else set()
+        assert n.gesture or n.channel not in moved
+        moved |= {n.channel} if n.gesture else set()
 
 
 @settings(max_examples=300)
@@ -86,6 +103,8 @@ def check(played):
 def test_however_notes_meet_a_player_hears_each_with_its_program_and_pan(notes):
     played, losses = placed(*notes)
     check(played)
+    for track in range(4):
+        check_words([n for n in played if n.track == track])
     assert len(played) + len(losses.merged) == len(notes)
     # One that is struck at its moment, or at the tick before, stands for each that is merged.
     struck = {n.start for n in played}
@@ -112,13 +131,25 @@ def test_an_end_in_a_later_track_does_not_silence_an_onset_on_its_tick():
 
 
 def test_an_end_in_an_earlier_track_leaves_the_channel_for_its_tick():
-    played, _ = placed(note(track=0, end=10), note(track=1, start=10, end=20))
-    assert played[0].channel == played[1].channel
+    held = [note(program=i, end=99) for i in range(1, 15)]
+    played, losses = placed(note(track=0, end=10), *held, note(track=1, start=10, end=20))
+    assert played[0].channel == played[-1].channel
+    assert (played[0].end, losses.cut_short) == (10, 0)
 
 
 def test_equal_onsets_merge_into_the_harder_one():
-    played, losses = placed(note(velocity=50), note(track=1, velocity=90))
+    played, losses = placed(note(velocity=50), note(velocity=90))
     assert [n.velocity for n in played] == [90]
+    assert losses.merged == [0]
+
+
+def test_equal_onsets_of_two_tracks_merge_only_where_no_channel_is_silent():
+    twins = [note(velocity=50), note(track=1, velocity=90)]
+    played, losses = placed(*twins)
+    assert [(n.track, n.velocity) for n in played] == [(0, 50), (1, 90)]
+    assert losses.merged == []
+    played, losses = placed(*twins, *(note(program=i) for i in range(1, 15)))
+    assert [n.velocity for n in played if n.program == 0] == [90]
     assert losses.merged == [0]
 
 
@@ -159,10 +190,32 @@ def test_a_note_that_comes_back_to_a_channel_finds_it_as_it_was():
 
 def test_a_gesture_is_given_up_where_no_channel_is_silent():
     held = [note(program=i, end=50) for i in range(15)]
-    played, losses = placed(*held, slide(20, 60, program=3, pitch=64))
+    played, losses = placed(*held, slide(0, 60, program=3, pitch=64))
     assert played[-1].gesture == ()
     assert (played[-1].channel, losses.stiff) == (played[3].channel, 1)
     check(played)
+
+
+def test_a_gesture_silences_what_was_struck_before_but_no_other_gesture():
+    held = [slide(0, 99), *(note(start=i, end=99, program=i) for i in range(1, 15))]
+    played, losses = placed(*held, slide(20, 60, program=20))
+    assert (played[0].end, played[1].end, played[-1].channel) == (99, 20, played[1].channel)
+    assert bool(played[-1].gesture)
+    assert (losses.stiff, losses.cut_short) == (0, 1)
+    check(played)
+
+
+def test_each_track_says_for_itself_what_its_notes_need():
+    played, _ = placed(
+        note(program=5, pan=0), note(track=1, start=40, end=50, program=5, pan=0), slide(60, 70),
+        note(track=1, start=80, end=90),
+    )  # fmt: skip
+    first, other, slid, back = played
+    assert other.channel == first.channel
+    assert (other.sets_program, other.sets_pan) == (True, True)
+    for track in (0, 1):
+        check_words([n for n in played if n.track == track])
+    assert back.rests == (back.channel == slid.channel)
 
 
 def test_drums_have_their_channel_and_one_key_sounds_once():

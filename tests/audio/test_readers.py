@@ -122,6 +122,21 @@ def test_names_are_read_as_they_are_written(step: Any, score_of: Any) -> None:
     assert [track.name for track in file.tracks] == ["Über", who]
 
 
+def test_each_track_is_read_with_its_own_instruments(step: Any, score_of: Any) -> None:
+    happened = [
+        step(1 + 3 * i, who=f"bug {i % 7}", material=("steel", "glass")[i % 2], azimuth=i % 3 - 1)
+        for i in range(200)
+    ]
+    data = midi_bytes(score_of(happened, 700))
+    for tracks in (
+        symusic.Score.from_midi(data).tracks,
+        pretty_midi.PrettyMIDI(io.BytesIO(data)).instruments,
+    ):
+        assert sum(len(track.notes) for track in tracks) == 200
+        assert {track.program for track in tracks} == {11, 8}
+        assert {track.name for track in tracks} == {f"bug {i}" for i in range(7)}
+
+
 def test_drums_are_drums_to_others(step: Any, score_of: Any) -> None:
     sound = {"voices": [{"drum": "cowbell"}]}
     data = midi_bytes(score_of([step(1), step(9)], sound=sound))

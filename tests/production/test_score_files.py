@@ -1,0 +1,226 @@
+"""What stands beside MIDI and sound, each judged by its reader: tables, markers, labels, edits."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+import opentimelineio as otio
+import pytest
+
+from audio.score import Marker, Score, ScoreEvent
+from audio.words import Sound
+from pipeline.production.edit_list import edit_list
+from pipeline.production.events import event_lines, event_table
+from pipeline.production.labels import label_lines
+from pipeline.production.markers import markers_of
+from pipeline.production.outputs import Outputs
+from pipeline.production.score_files import write_cues
+from pipeline.production.scoring import score_of
+from pipeline.production.speeds import speeds_of
+from pipeline.production.timecode import counted_as, timecode
+from pipeline.simulation.simulate import simulate
+from pipeline.simulation.take import Note, Take
+from render.shot import CameraPose
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from tests.production.conftest import Studio
+
+NTSC = [Fraction(n * 1000, 1001) for n in (24, 30, 60)]
+RATES = [Fraction(n) for n in (24, 25, 30, 48, 50, 60)] + NTSC
+AHEAD = CameraPose((0.0, 0.0, 0.0), (0.0, 0.0, -5.0))
+
+
+def event(frame: int, **words: object) -> ScoreEvent:
+    return replace(ScoreEvent(frame, Fraction(0), "footfall", "Käfer", "l1", "terrain"), **words)  # type: ignore[arg-type]
+
+
+def scored(events: tuple[ScoreEvent, ...] = (), **words: object) -> Score:
+    facts: dict[str, object] = {"rate": Fraction(24), "frames": 240, "sound": Sound(), **words}
+    return Score(events=events, **facts)  # type: ignore[arg-type]
+
+
+# --- events ------------------------------------------------------------------------
+
+
+def test_the_table_says_what_the_lines_say(take: Take) -> None:
+    named = tuple(replace(e, who='Käfer "甲", 1') for e in take.events)
+    told = replace(take, events=named)
+    lines = [json.dumps(json.loads(line)) for line in event_lines(told).splitlines()]
+    rows = list(csv.DictReader(io.StringIO(event_table(told).decode(), newline="")))
+    assert len(rows) == len(lines) > 0
+    for line, row in zip(lines, rows, strict=True):
+        words = json.loads(line)
+        place = [float(row.pop(axis)) for axis in ("x", "y", "z")]
+        assert place == words.pop("place")
+        assert row == {name: str(value) for name, value in words.items()}
+
+
+def test_no_events_are_a_table_of_names_alone(take: Take) -> None:
+    none = replace(take, events=())
+    assert event_lines(none) == b""
+    assert event_table(none).count(b"\n") == 1
+
+
+def test_an_event_that_lasts_says_how_long(take: Take) -> None:
+    rolls = replace(take.events[0], track=(4, 22))
+    (words,) = map(json.loads, event_lines(replace(take, events=(rolls,))).splitlines())
+    assert words["duration"] == 18 / 4 / 24
+
+
+# --- markers -----------------------------------------------------------------------
+
+
+def test_markers_stand_at_the_first_frames_of_cuts_and_none_at_the_begin(
+    unmade: Studio, take: Take
+) -> None:
+    cuts = "[{}, {start: 0.05, view: side}, {start: 0.0625, follow: bug, view: top}, {start: 9}]"
+    scene = unmade.load(f"camera={cuts}")
+    # The second cut is over before a frame shows it: both begin on frame 3 of 24 a second.
+    assert markers_of(scene, take) == (Marker(3, "cut", "top of bug"),)
+
+
+def test_markers_stand_where_the_script_speaks_also_when_it_waits(unmade: Studio) -> None:
+    scene = unmade.load(
+        "frames=72",
+        "cast.bug.walk.path=[[0.2, 0]]",
+        "script=[{at: 0.05, who: bug, do: {speed: 0.5}},"
+        " {when: {arrived: bug}, who: bug, do: {turn_deg: 90}},"
+        " {at: 99, who: bug, do: stop}]",
+    )
+    take = simulate(scene)
+    first, second = markers_of(scene, take)
+    assert first == Marker(3, "script", "bug: speed 0.5")
+    assert (second.kind, second.text) == ("script", "bug: turn_deg 90")
+    assert 3 < second.frame <= 72
+    assert [note.kind for note in take.notes if note.text == "turn_deg 90"] == ["told"]
+
+
+def test_what_is_told_after_the_last_frame_has_no_marker(unmade: Studio, take: Take) -> None:
+    notes = (Note("told", 28, "bug", "stop"), Note("told", 29, "bug", "walk"))
+    late = replace(take, notes=notes)
+    assert markers_of(unmade.load(), late) == (Marker(8, "script", "bug: stop"),)
+
+
+# --- labels ------------------------------------------------------------------------
+
+
+def test_labels_are_seconds_tab_seconds_tab_text() -> None:
+    score = scored(
+        (event(25), event(49, cause="roll", duration=0.5, part="", other="")),
+        markers=(Marker(13, "cut", "side\tof\nbug"),),
+    )
+    assert label_lines(score).decode() == (
+        "0.500000\t0.500000\tcut: side of bug\n"
+        "1.000000\t1.000000\tfootfall: Käfer.l1 > terrain\n"
+        "2.000000\t2.500000\troll: Käfer\n"
+    )
+
+
+def test_labels_stand_where_the_sound_does() -> None:
+    exact = scored((event(25, time=Fraction(95, 96)),), subframe=True)
+    assert label_lines(exact).startswith(b"0.989583\t")
+
+
+def test_what_is_muted_has_no_label_and_no_locator() -> None:
+    score = scored((event(25),), sound=Sound.model_validate({"voices": [{"mute": True}]}))
+    assert label_lines(score) == b""
+    assert b"LOC" not in (edit_list(score, "f.mp4") or b"")
+
+
+# --- edit lists ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rate", RATES, ids=str)
+def test_an_edit_list_is_read_by_others_to_the_frame(rate: Fraction) -> None:
+    count = counted_as(rate)
+    assert count is not None
+    frames = 3700 * count
+    sounds = (1, 2, count, count + 1, 60 * count, 60 * count + 1, 3601 * count, frames)
+    cuts = (count * 7, count * 61)
+    score = scored(
+        tuple(map(event, sounds)),
+        rate=rate,
+        frames=frames,
+        title="Über Stock",
+        markers=(
+            *(Marker(frame, "cut", "x") for frame in cuts),
+            Marker(count * 70, "script", "Käfer: go_to [3, 4]"),
+        ),
+    )
+    text = (edit_list(score, "tiny.mp4") or b"").decode()
+    timeline = otio.adapters.read_from_string(text, "cmx_3600", rate=count)
+    assert timeline.name == "Über Stock"
+    (track,) = timeline.tracks
+    assert [clip.name for clip in track] == ["tiny.mp4"] * 3
+    lengths = [clip.source_range.duration.value for clip in track]
+    assert np.cumsum([0, *lengths]).tolist() == [0, *(cut - 1 for cut in cuts), frames]
+    marks = [
+        (mark.marked_range.start_time.rescaled_to(count).value + 1, mark.color, mark.name)
+        for clip in track
+        for mark in clip.markers
+    ]
+    assert [f for f, _, name in marks if name == "footfall: Käfer.l1 > terrain"] == list(sounds)
+    assert (count * 70, "GREEN", "script: Käfer: go_to [3, 4]") in marks
+
+
+def test_timecode_counts_frames() -> None:
+    assert timecode(0, 24) == "00:00:00:00"
+    assert timecode(86_399 * 25 + 24, 25) == "23:59:59:24"
+    for frames in (29, 30, 1799, 1800, 107_999, 108_000):
+        hours, minutes, seconds, rest = map(int, timecode(frames, 30).split(":"))
+        assert ((hours * 60 + minutes) * 60 + seconds) * 30 + rest == frames
+
+
+@pytest.mark.parametrize("rate", ["1", "240", "49/2", "120000/1001", "12345/1001"])
+def test_rates_without_timecode_have_no_edit_list(rate: str) -> None:
+    assert edit_list(scored(rate=Fraction(rate)), "f.mp4") is None
+
+
+def test_a_film_of_more_than_a_day_has_no_edit_list() -> None:
+    day = 24 * 3600 * 2
+    assert edit_list(scored(rate=Fraction(2), frames=day), "f.mp4") is not None
+    assert edit_list(scored(rate=Fraction(2), frames=day + 1), "f.mp4") is None
+
+
+def test_an_edit_list_of_an_earlier_rate_is_taken_away(tmp_path: Path) -> None:
+    outputs = Outputs(tmp_path, "f")
+    assert write_cues(outputs, scored())
+    assert not write_cues(outputs, scored())
+    assert outputs.edit_list.exists()
+    assert write_cues(outputs, scored(rate=Fraction(240)))
+    assert not outputs.edit_list.exists()
+
+
+# --- speeds --------------------------------------------------------------------------
+
+
+def test_what_rolls_is_as_fast_as_its_middle_goes(unmade: Studio, take: Take) -> None:
+    seconds = np.arange(len(take.positions)) / 96
+    positions = take.positions.copy()
+    positions[:, 0] = np.stack([3 * seconds**2, 0 * seconds, 4 * seconds**2], axis=1)
+    rolls = replace(take.events[0], cause="roll", who=take.nodes[0].name, part="", track=(4, 24))
+    moved = replace(take, positions=positions, events=(rolls,))
+    nodes = {node.name: number for number, node in enumerate(take.nodes)}
+    # Of 5 t² the speed is 10 t; the differences of rows are exact but at both ends.
+    expected = np.linspace(10 * 4 / 96, 10 * 24 / 96, 6)
+    found = speeds_of(moved, rolls, nodes)
+    assert found[1:-1] == pytest.approx(expected[1:-1])
+    assert (found[0], found[-1]) == pytest.approx((expected[0], expected[-1]), abs=10 / 96)
+    score, _ = score_of(unmade.load(), moved, [AHEAD] * 8)
+    assert score.events[0].speeds == found
+
+
+@pytest.mark.parametrize("changes", [{"cause": "squeak"}, {"who": "nobody"}, {"track": (4, 4)}])
+def test_what_has_no_way_of_its_own_has_no_speeds(take: Take, changes: dict[str, object]) -> None:
+    words = {"cause": "roll", "who": take.nodes[0].name, "part": "", "track": (4, 24), **changes}
+    rolls = replace(take.events[0], **words)  # type: ignore[arg-type]
+    nodes = {node.name: number for number, node in enumerate(take.nodes)}
+    assert speeds_of(take, rolls, nodes) == ()

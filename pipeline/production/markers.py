@@ -42,7 +42,7 @@ def _seen(cut: Camera) -> str:
 def _told(take: Take) -> Iterator[Marker]:
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
-    for note in take.notes:
-        frame = clock.frame_of(note.step, 0.0)
-        if note.kind == "told" and frame <= header.frames:
-            yield Marker(frame, "script", f"{note.part}: {note.text}")
+    for told in take.told:
+        frame = clock.frame_of(told.step, 0.0)
+        if frame <= header.frames:
+            yield Marker(frame, "script", f"{told.who}: {told.text}")

@@ -147,8 +147,6 @@ def take_of(run: Production) -> Take:
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
         )
     for note in take.notes:
-        if note.kind == "told":
-            continue
         run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
     return take
 
@@ -292,7 +290,6 @@ def _film_key(run: Production, keys: list[str], sound: Path | None, first: int) 
 def _finish(run: Production, take: Take) -> None:
     """Write the manifest, if anything has changed."""
     outputs, header = run.outputs, take.header
-    remarks = [note for note in take.notes if note.kind != "told"]
     digests = {"take": take.digest}
     files = {"midi": outputs.midi, "wav": outputs.wav, "events": outputs.events}
     for name, path in files.items():
@@ -307,7 +304,7 @@ def _finish(run: Production, take: Take) -> None:
         "frames": header.frames,
         "versions": {**header.versions, **packages()},
         "digests": digests,
-        "notes": [f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in remarks],
+        "notes": [f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in take.notes],
     }
     words.pop("manifest", None)
     seconds = {**run.manifest.seconds, **run.seconds}

@@ -29,6 +29,7 @@ from pipeline.simulation.take import (
     SoundEvent,
     Take,
     TerrainRecord,
+    Told,
 )
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Inventory, Rows
@@ -58,7 +59,7 @@ class Recorder:
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
         self._notes: dict[tuple[str, str], Note] = {}
-        self._told: list[Note] = []
+        self._told: list[Told] = []
 
     def hang(self, bonds: Iterable[Bond]) -> None:
         """Let performers hang on the nodes that they go along with."""
@@ -153,7 +154,7 @@ class Recorder:
     def told(self, step: int, orders: Orders) -> None:
         """Keep what the script asks of whom from `step` on."""
         for who, given in orders.items():
-            self._told.extend(Note("told", step, who, said(do)) for do in given)
+            self._told.extend(Told(step, who, said(do)) for do in given)
 
     def take(self) -> Take:
         """Return the finished take."""
@@ -180,7 +181,8 @@ class Recorder:
             # Some are told of later than they happen: what rolls, when it has ended.
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
-            notes=(*self._notes.values(), *self._told),
+            notes=tuple(self._notes.values()),
+            told=tuple(self._told),
         )
 
 

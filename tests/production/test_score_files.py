@@ -25,7 +25,7 @@ from pipeline.production.scoring import score_of
 from pipeline.production.speeds import speeds_of
 from pipeline.production.timecode import counted_as, timecode
 from pipeline.simulation.simulate import simulate
-from pipeline.simulation.take import Note, Take
+from pipeline.simulation.take import Take, Told
 from render.shot import CameraPose
 
 if TYPE_CHECKING:
@@ -100,12 +100,11 @@ def test_markers_stand_where_the_script_speaks_also_when_it_waits(unmade: Studio
     assert first == Marker(3, "script", "bug: speed 0.5")
     assert (second.kind, second.text) == ("script", "bug: turn_deg 90")
     assert 3 < second.frame <= 72
-    assert [note.kind for note in take.notes if note.text == "turn_deg 90"] == ["told"]
+    assert [one.text for one in take.told] == ["speed 0.5", "turn_deg 90"]
 
 
 def test_what_is_told_after_the_last_frame_has_no_marker(unmade: Studio, take: Take) -> None:
-    notes = (Note("told", 28, "bug", "stop"), Note("told", 29, "bug", "walk"))
-    late = replace(take, notes=notes)
+    late = replace(take, told=(Told(28, "bug", "stop"), Told(29, "bug", "walk")))
     assert markers_of(unmade.load(), late) == (Marker(8, "script", "bug: stop"),)
 
 

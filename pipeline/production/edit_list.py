@@ -1,6 +1,6 @@
 """Edit list: the film's cuts as edits, sounds and instructions as locators, for editors.
 
-Source: CMX 1990 (CMX 3600); locators as Avid writes them.
+Source: CMX 3600.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ def event_lines(take: Take) -> bytes:
 def event_table(take: Take) -> bytes:
     """Return the same events as comma-separated values in UTF-8, a line of names first.
 
-    Source: RFC 4180.
+    Source: RFC 4180 2005.
     """
     out = io.StringIO(newline="")
     table = csv.DictWriter(out, COLUMNS)

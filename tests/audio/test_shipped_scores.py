@@ -38,10 +38,13 @@ def _work(name: str) -> float:
         return 0
 
 
-SCENES = [
-    pytest.param(name, marks=[pytest.mark.nightly] if _work(name) > LONG else [])
-    for name in shipped_scenes()
-]
+def _tier(name: str) -> list[pytest.MarkDecorator]:
+    if name == "first_steps":
+        return []
+    return [pytest.mark.nightly if _work(name) > LONG else pytest.mark.slow]
+
+
+SCENES = [pytest.param(name, marks=_tier(name)) for name in shipped_scenes()]
 
 
 def with_symusic(data: bytes) -> Iterator[int]:

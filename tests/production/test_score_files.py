@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import json
+import wave
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -12,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import opentimelineio as otio
 import pytest
+import symusic
 
 from audio.score import Marker, Score, ScoreEvent
 from audio.words import Sound
@@ -20,6 +23,8 @@ from pipeline.production.events import event_lines, event_table
 from pipeline.production.labels import label_lines
 from pipeline.production.markers import markers_of
 from pipeline.production.outputs import Outputs
+from pipeline.production.produce import score_only
+from pipeline.production.reporting import Quiet
 from pipeline.production.score_files import write_cues
 from pipeline.production.scoring import score_of
 from pipeline.production.speeds import speeds_of
@@ -223,3 +228,54 @@ def test_what_has_no_way_of_its_own_has_no_speeds(take: Take, changes: dict[str,
     rolls = replace(take.events[0], **words)  # type: ignore[arg-type]
     nodes = {node.name: number for number, node in enumerate(take.nodes)}
     assert speeds_of(take, rolls, nodes) == ()
+
+
+# --- the command ----------------------------------------------------------------------
+
+
+def onsets(studio: Studio) -> list[Fraction]:
+    """Return the times of the notes [s]."""
+    score = symusic.Score.from_midi((studio.made / "tiny.mid").read_bytes())
+    tick = Fraction(score.tempos[0].mspq, score.ticks_per_quarter * 1_000_000)
+    return sorted(note.time * tick for track in score.tracks for note in track.notes)
+
+
+def test_below_frames_notes_and_sounds_stand_at_their_times_and_come_back(
+    studio: Studio, film: Studio, pronk: Callable[..., tuple[int, str, str]]
+) -> None:
+    code, _, _ = pronk("midi", studio.scene, "--out", studio.made.parent, "--subframe")
+    assert code == 0
+    lines = (studio.made / "events.jsonl").read_text(encoding="utf-8").splitlines()
+    times = {json.loads(line)["time"] for line in lines}
+    found = onsets(studio)
+    assert {min(times, key=lambda t: abs(t - at)) for at in map(float, found)} == times
+    assert all(min(abs(t - float(at)) for t in times) <= 0.5 / 960 for at in found)
+    with wave.open(str(studio.made / "tiny.wav")) as file:
+        raw = np.frombuffer(file.readframes(file.getnframes()), np.uint8).reshape(-1, 6)
+    assert np.flatnonzero(raw.any(axis=1))[0] == round(min(times) * 48_000)
+    assert json.loads((studio.made / "manifest.json").read_text())["midi"]["subframe"] is True
+    studio.render()
+    assert studio.contents() == film.contents()
+
+
+@pytest.mark.parametrize("fps", ["24", '"30000/1001"', "60"])
+def test_a_scene_in_which_nothing_sounds_has_a_silent_score(
+    unmade: Studio, tmp_path: Path, fps: str
+) -> None:
+    studio = unmade.copied(tmp_path / "studio")
+    score_only(studio.order(f"fps={fps}", "cast=[{name: bug, figure: beetle}]"), Quiet())
+    assert onsets(studio) == []
+    assert (studio.made / "events.jsonl").read_bytes() == b""
+    assert (studio.made / "tiny_labels.txt").read_bytes() == b""
+    assert b"00:00:00:08" in (studio.made / "tiny.edl").read_bytes()
+
+
+def test_a_rate_without_timecode_is_said_once(
+    unmade: Studio, tmp_path: Path, pronk: Callable[..., tuple[int, str, str]]
+) -> None:
+    studio = unmade.copied(tmp_path / "studio")
+    code, _, err = pronk("midi", studio.scene, "--out", studio.made.parent, "--set", "fps=240")
+    assert code == 0
+    assert err.count("no edit list") == 1
+    assert not (studio.made / "tiny.edl").exists()
+    assert all(at * 240 == int(at * 240) for at in onsets(studio))

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import mido
 
-from audio.channels import Losses, Placed, allocate
+from audio.channels import allocate
 from audio.conductor import conductor
 from audio.files import put
 from audio.gestures import gesture_of
 from audio.grid import Grid, grid_of
 from audio.heard import pan_of
+from audio.placed import Losses, Placed
 from audio.score import Score, ScoreEvent
 from audio.tracks import name, note_messages, track
 from audio.voices import Note, notes_of

@@ -7,9 +7,9 @@ from operator import attrgetter, itemgetter
 
 import mido
 
-from audio.channels import Placed
 from audio.errors import ScoreError
 from audio.gestures import BEND_RANGE, CENTRED, FULL
+from audio.placed import Placed
 
 Timed = tuple[int, mido.Message | mido.MetaMessage]
 """A message with its tick."""

@@ -5,8 +5,9 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio.channels import CHANNELS, DRUMS, Placed, allocate
+from audio.channels import CHANNELS, DRUMS, allocate
 from audio.gestures import Moment
+from audio.placed import Placed
 
 TAIL = 20
 

@@ -54,6 +54,14 @@ class Grid:
         """Return the tick at which a 1-based frame begins."""
         return (frame - 1) * self.ticks_per_frame
 
+    def frame_at(self, tick: int) -> int:
+        """Return the first frame that does not begin before a tick."""
+        return 1 - (-tick // self.ticks_per_frame)
+
+    def tick_at(self, seconds: Fraction) -> int:
+        """Return the tick nearest to a time [s]: exact on frames, half a tick off at most."""
+        return _nearest(seconds * self.rate * self.ticks_per_frame)
+
     def seconds(self, tick: int) -> Fraction:
         """Return the exact time of a tick [s]."""
         return Fraction(tick * self.tempo, self.ticks_per_beat * 1_000_000)
@@ -89,7 +97,16 @@ def grid_of(rate: Fraction) -> Grid:
 def sample_of(frame: int, rate: Fraction) -> int:
     """Return the sample at which a 1-based frame begins: the nearest one, half a sample upward.
 
-    All rounding to samples is here; the length of a sound is `sample_of(frames + 1, rate)`.
+    The length of a sound is `sample_of(frames + 1, rate)`.
     """
-    at = (frame - 1) * SAMPLE_RATE / rate
+    return sample_at(Fraction(frame - 1) / rate)
+
+
+def sample_at(seconds: Fraction) -> int:
+    """Return the sample nearest to a time [s]."""
+    return _nearest(seconds * SAMPLE_RATE)
+
+
+def _nearest(at: Fraction) -> int:
+    """Return the nearest whole number, half upward."""
     return (2 * at.numerator + at.denominator) // (2 * at.denominator)

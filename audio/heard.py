@@ -13,8 +13,8 @@ _REFERENCE_DISTANCE = 4.0
 _REFERENCE_MASS = 0.5
 # Nearer than this, loudness no longer grows: a camera that flies through a foot stays listenable.
 _NEAREST = 0.5
-# Amplitude grows with speed to this power; 1 would be physical and hides soft steps.
-_SPEED_POWER = 0.7
+SPEED_POWER = 0.7
+"""Amplitude grows with speed to this power; 1 would be physical and hides soft steps."""
 _SLOWEST, _FASTEST = 0.02, 1000.0
 _LARGEST = 100.0
 
@@ -26,7 +26,7 @@ def loudness_db(event: ScoreEvent) -> float:
     mass = 2 * event.energy / speed**2 if event.energy > 0 else 500 * min(event.size, _LARGEST) ** 3
     weight = 5 * log10(max(mass, 1e-9) / _REFERENCE_MASS)
     near = 20 * log10(_REFERENCE_DISTANCE / max(event.distance, _NEAREST))
-    return _REFERENCE_DB + 20 * _SPEED_POWER * log10(speed) + min(max(weight, -8.0), 8.0) + near
+    return _REFERENCE_DB + 20 * SPEED_POWER * log10(speed) + min(max(weight, -8.0), 8.0) + near
 
 
 def pan_of(event: ScoreEvent) -> float:

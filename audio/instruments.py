@@ -1,6 +1,6 @@
-"""The melodic instruments of General MIDI by name.
+"""The melodic instruments and the drums of General MIDI by name.
 
-Source: MMA General MIDI 1991, table 1.
+Source: MMA General MIDI 1991, tables 1 and 3.
 """
 
 from __future__ import annotations
@@ -43,6 +43,22 @@ INSTRUMENTS: tuple[str, ...] = (
     *("telephone ring", "helicopter", "applause", "gunshot"),
 )
 
+# In the order of the keys, from the lowest on.
+_LOWEST_DRUM = 35
+DRUMS: tuple[str, ...] = (
+    *("acoustic bass drum", "bass drum", "side stick", "acoustic snare", "hand clap"),
+    *("electric snare", "low floor tom", "closed hi-hat", "high floor tom", "pedal hi-hat"),
+    *("low tom", "open hi-hat", "low-mid tom", "hi-mid tom", "crash cymbal 1", "high tom"),
+    *("ride cymbal 1", "chinese cymbal", "ride bell", "tambourine", "splash cymbal", "cowbell"),
+    *("crash cymbal 2", "vibraslap", "ride cymbal 2", "hi bongo", "low bongo"),
+    *("mute hi conga", "open hi conga", "low conga", "high timbale", "low timbale"),
+    *("high agogo", "low agogo", "cabasa", "maracas", "short whistle", "long whistle"),
+    *("short guiro", "long guiro", "claves", "hi wood block", "low wood block"),
+    *("mute cuica", "open cuica", "mute triangle", "open triangle"),
+)
+
+_DRUMS = {folded(name): key for key, name in enumerate(DRUMS, start=_LOWEST_DRUM)}
+
 _PROGRAMS = {folded(name): program for program, name in enumerate(INSTRUMENTS)}
 
 
@@ -56,3 +72,15 @@ def program_of(name: str) -> int:
     if program is None:
         raise ValueError(unknown("instrument", name, INSTRUMENTS))
     return program
+
+
+def drum_of(name: str) -> int:
+    """Return the key of a drum on the channel of drums, 35 to 81.
+
+    Raises:
+        ValueError: no drum has this name; says the nearest.
+    """
+    key = _DRUMS.get(folded(name))
+    if key is None:
+        raise ValueError(unknown("drum", name, DRUMS))
+    return key

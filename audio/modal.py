@@ -15,7 +15,7 @@ from audio.banks import Signal
 from audio.blows import Blow, blow_of, sounded
 from audio.errors import ScoreError
 from audio.files import put
-from audio.grid import SAMPLE_RATE, sample_of
+from audio.grid import SAMPLE_RATE, sample_at, sample_of
 from audio.heard import pan_of
 from audio.mixing import add, faded, limited, sides
 from audio.score import Score
@@ -100,14 +100,14 @@ def _mixed(score: Score, notes: tuple[Note, ...]) -> tuple[Signal, float]:
         event = note.event
         happened = (event.frame, event.time, event.cause, event.who, event.part, event.other)
         seen[happened] = seen.get(happened, -1) + 1
-        left = float((score.frames + 1 - event.frame) / score.rate)
+        onset = score.onset(event)
+        left = float(score.frames / score.rate - onset)
         blow, trim_db = blow_of(note, score.seed, seen[happened], left)
         gain = 10 ** ((note.level + trim_db) / 20)
         to_left, to_right = sides(pan_of(event))
-        start = sample_of(event.frame, score.rate)
         add(
             stereo,
-            start,
+            sample_at(onset),
             _kept_or_sounded(kept, blow, score.seed),
             (gain * to_left, gain * to_right),
         )

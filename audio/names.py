@@ -13,9 +13,16 @@ def folded(name: str) -> str:
 
 def nearest(name: str, allowed: Iterable[str]) -> str | None:
     """Return the allowed name most like this one, or None where nothing is like it."""
+    return next(iter(_like(name, allowed, 1, 0.5)), None)
+
+
+def _like(name: str, allowed: Iterable[str], most: int, cutoff: float) -> list[str]:
     by_fold = {folded(each): each for each in allowed}
-    found = get_close_matches(folded(name), by_fold, n=1, cutoff=0.5)
-    return by_fold[found[0]] if found else None
+    return [by_fold[each] for each in get_close_matches(folded(name), by_fold, most, cutoff)]
+
+
+_LISTED = 24
+"""Longer lists are not read; then the names most like the wrong one are told."""
 
 
 def unknown(what: str, name: str, allowed: Iterable[str]) -> str:
@@ -23,4 +30,6 @@ def unknown(what: str, name: str, allowed: Iterable[str]) -> str:
     allowed = list(allowed)
     near = nearest(name, allowed)
     hint = f"; did you mean {near!r}?" if near else ""
-    return f"unknown {what} {name!r}{hint} (allowed: {', '.join(allowed)})"
+    like = _like(name, allowed, 6, 0.3) if near and len(allowed) > _LISTED else allowed
+    some = f"{len(allowed)} names, such as" if like != allowed else "allowed:"
+    return f"unknown {what} {name!r}{hint} ({some} {', '.join(like)})"

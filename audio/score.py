@@ -8,8 +8,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Literal
 
 from audio.words import Sound
+
+
+@dataclass(frozen=True, slots=True)
+class Bearing:
+    """Where a sound is for the listener, at one moment.
+
+    Attributes:
+        distance: from the listener [m].
+        azimuth: its direction [rad]; 0 straight ahead, positive to the right.
+        nearing: how fast it comes nearer [m/s]; negative for what goes away.
+    """
+
+    distance: float
+    azimuth: float
+    nearing: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +44,12 @@ class ScoreEvent:
         strength: approach speed [m/s]; for motions their speed.
         energy: of the impact [J].
         size: characteristic length of what sounds [m].
-        distance: from the listener [m].
-        azimuth: direction as heard [rad]; 0 straight ahead, positive to the right.
+        distance: from the listener [m]; of what lasts, where it comes nearest.
+        azimuth: direction as heard there [rad]; 0 straight ahead, positive to the right.
         duration: of a sound that lasts [s]; 0 for an impact.
+        speeds: of a sound that lasts, at even times from its onset to its end [m/s]; empty where
+            it does not change or is not known.
+        course: of a sound that lasts and moves, where it is at these times; empty where it stays.
     """
 
     frame: int
@@ -47,6 +66,23 @@ class ScoreEvent:
     distance: float = 1.0
     azimuth: float = 0.0
     duration: float = 0.0
+    speeds: tuple[float, ...] = ()
+    course: tuple[Bearing, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Marker:
+    """A place in the film that its makers should find again.
+
+    Attributes:
+        frame: 1-based frame from which it holds.
+        kind: what it is.
+        text: such as "follows bug, side".
+    """
+
+    frame: int
+    kind: Literal["cut", "script"]
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +96,9 @@ class Score:
         sound: the author's words on voices.
         seed: of what varies in the synthesis.
         title: of the scene; may hold any character.
+        markers: cuts and instructions of the script, in the order of frames.
+        subframe: whether sounds stand at the exact times of their causes instead of on the
+            frames that first show them.
     """
 
     rate: Fraction
@@ -68,3 +107,9 @@ class Score:
     sound: Sound
     seed: int = 0
     title: str = ""
+    markers: tuple[Marker, ...] = ()
+    subframe: bool = False
+
+    def onset(self, event: ScoreEvent) -> Fraction:
+        """Return the time at which an event is to be heard [s]."""
+        return event.time if self.subframe else (event.frame - 1) / self.rate

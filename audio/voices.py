@@ -9,7 +9,7 @@ from math import isfinite, log2
 
 from audio.errors import ScoreError
 from audio.heard import loudness_db
-from audio.instruments import program_of
+from audio.instruments import drum_of, program_of
 from audio.materials import family_of
 from audio.motions import motion_of
 from audio.names import folded
@@ -35,11 +35,12 @@ class Note:
     Attributes:
         event: what happened.
         program: General MIDI program.
-        pitch: MIDI pitch.
+        pitch: MIDI pitch; of a drum its key.
         seconds: length of the note [s].
         level: peak level at the listener, gains included [dBFS].
         tuned: whether the author gave the pitch, so that the sound follows it too.
         decay: time in which the sound shall die away [s]; None to leave it to the material.
+        drum: whether it is played on the channel of drums.
     """
 
     event: ScoreEvent
@@ -49,6 +50,7 @@ class Note:
     level: float
     tuned: bool = False
     decay: float | None = None
+    drum: bool = False
 
 
 def notes_of(score: Score) -> tuple[Note, ...]:
@@ -62,7 +64,7 @@ def notes_of(score: Score) -> tuple[Note, ...]:
     if score.rate <= 0:
         raise ScoreError(f"a frame rate is positive; got {score.rate}")
     for event in score.events:
-        _check(event, score.frames)
+        _check(event, score)
     ranks = _part_ranks(score.events)
     scale = parse_scale(score.sound.scale)
     notes = []
@@ -74,10 +76,14 @@ def notes_of(score: Score) -> tuple[Note, ...]:
     return tuple(notes)
 
 
-def _check(event: ScoreEvent, frames: int) -> None:
+def _check(event: ScoreEvent, score: Score) -> None:
     name = f"{event.cause} of {event.who}.{event.part} at frame {event.frame}"
-    if not 1 <= event.frame <= frames:
-        raise ScoreError(f"{name} lies outside frames 1 to {frames}")
+    if not 1 <= event.frame <= score.frames:
+        raise ScoreError(f"{name} lies outside frames 1 to {score.frames}")
+    if not 0 <= score.onset(event) < score.frames / score.rate:
+        raise ScoreError(f"{name}: its time, {float(event.time):.6g} s, lies outside the film")
+    if not all(isfinite(speed) and speed >= 0 for speed in event.speeds):
+        raise ScoreError(f"{name}: its speeds are to be finite and not negative")
     numbers = {
         field: getattr(event, field)
         for field in ("strength", "energy", "size", "distance", "azimuth", "duration")
@@ -148,6 +154,8 @@ def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: f
     default = "by part" if folded(event.cause) in _BY_PART else "by size"
     quiet = rub_of(event.cause) or motion_of(event.cause)
     pitch = voice.pitch if voice.pitch is not None else default
+    if voice.drum is not None:
+        pitch = drum_of(voice.drum)
     return Note(
         event=event,
         program=program_of(voice.instrument or _instrument(event)),
@@ -156,6 +164,7 @@ def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: f
         level=loudness_db(event) + (quiet.level if quiet else 0.0) + voice.gain_db + volume_db,
         tuned=voice.pitch is not None,
         decay=voice.length,
+        drum=voice.drum is not None,
     )
 
 

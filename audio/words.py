@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, model_validator
 
-from audio.instruments import program_of
+from audio.instruments import drum_of, program_of
 from audio.names import folded
 from audio.scales import parse_note, parse_scale
 
@@ -15,6 +15,11 @@ PITCH_RULES = ("by size", "by foot", "by part")
 
 def _known_instrument(name: str) -> str:
     program_of(name)
+    return name
+
+
+def _known_drum(name: str) -> str:
+    drum_of(name)
     return name
 
 
@@ -38,6 +43,7 @@ def _known_pitch(pitch: object) -> int | str:
 
 
 Instrument = Annotated[str, AfterValidator(_known_instrument)]
+Drum = Annotated[str, AfterValidator(_known_drum)]
 ScaleName = Annotated[str, AfterValidator(_known_scale)]
 # One validator instead of a union, so that a slip is reported once and in our words.
 Pitch = Annotated[
@@ -70,6 +76,11 @@ class Voice(Words):
     instrument: Instrument | None = Field(
         None, description="Name of a General MIDI instrument that plays the notes of the score."
     )
+    drum: Drum | None = Field(
+        None,
+        description="Name of a General MIDI drum, such as 'low wood block', that plays the notes "
+        "on the channel of drums, instead of an instrument and its pitch.",
+    )
     pitch: Pitch | None = Field(
         None,
         description="MIDI number, note name (C4 is 60), 'by size' (small is high), or 'by foot' or "
@@ -81,6 +92,12 @@ class Voice(Words):
     gain_db: float = Field(0.0, ge=-60, le=24, description="Louder or softer [dB].")
     mute: bool = Field(False, description="True to silence these events in score and sound.")
 
+    @model_validator(mode="after")
+    def _drum_or_instrument(self) -> Self:
+        if self.drum is not None and (self.instrument is not None or self.pitch is not None):
+            raise ValueError("give either drum, or instrument and pitch: a drum has one pitch")
+        return self
+
 
 class Sound(Words):
     """The sound of a scene: the scale of its notes, its voices, its loudness."""
@@ -91,6 +108,9 @@ class Sound(Words):
         "'A dorian', or 'chromatic'. A pitch given as a note stays as it is.",
     )
     voices: tuple[Voice, ...] = Field((), description="Voices; the first that fits an event wins.")
+    tracks: Literal["performer", "cause"] = Field(
+        "performer", description="Whether each performer or each cause has a track of the score."
+    )
     volume_db: float = Field(
         0.0, ge=-60, le=24, description="Loudness of the whole, score and sound [dB]."
     )

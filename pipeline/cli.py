@@ -237,6 +237,10 @@ def midi(
     scene: SceneName,
     out: Out = Path("out"),
     sets: Sets = None,
+    subframe: Annotated[
+        bool,
+        typer.Option("--subframe", help="Notes and sounds at their exact times, not on frames."),
+    ] = False,
     json_lines: JsonFlag = False,
     quiet: QuietFlag = False,
     verbose: VerboseFlag = False,
@@ -245,7 +249,7 @@ def midi(
     from pipeline.production import produce
 
     reporter = _flags(json_lines, quiet, verbose)
-    outputs = produce.score_only(_order(scene, sets, out), reporter)
+    outputs = produce.score_only(_order(scene, sets, out, subframe=subframe), reporter)
     reporter.result(f"{outputs.midi}")
 
 

@@ -74,9 +74,7 @@ def camera_poses(
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     ground = _ground(take)
-    # A time is the decimal number that was written, which lies on a frame or does not.
-    starts = [1 + math.ceil(Fraction(repr(cut.start)) * header.rate) for cut in cuts]
-    starts = [min(start, header.frames + 1) for start in starts]
+    starts = [min(start, header.frames + 1) for start in first_frames(cuts, header.rate)]
     ends = [*starts[1:], header.frames + 1]
     poses: list[CameraPose] = []
     mounts = mounts or [-1] * len(cuts)
@@ -89,6 +87,12 @@ def camera_poses(
         else:
             poses.extend(_cut(take, cut, rows, ground, aspect))
     return tuple(poses)
+
+
+def first_frames(cuts: Sequence[Camera], rate: Fraction) -> list[int]:
+    """Return the frame from which each cut is seen, which may lie after the last."""
+    # A time is the decimal number that was written, which lies on a frame or does not.
+    return [1 + math.ceil(Fraction(repr(cut.start)) * rate) for cut in cuts]
 
 
 def _cut(

@@ -23,6 +23,7 @@ class Order:
         frames: ranges such as "1-48,60-90x5"; None for all.
         jobs: processes that render at once.
         sound: whether the film has sound, and MIDI and WAV are written.
+        subframe: whether sounds stand at the exact times of their causes, not on frames.
         backend: which variant of Mitsuba.
 
     Raises:
@@ -35,6 +36,7 @@ class Order:
     frames: str | None = None
     jobs: int = 1
     sound: bool = True
+    subframe: bool = False
     backend: Choice = "auto"
 
     def __post_init__(self) -> None:

@@ -60,6 +60,21 @@ class Outputs:
         return self.folder / "events.jsonl"
 
     @property
+    def event_table(self) -> Path:
+        """The same events as a table."""
+        return self.folder / "events.csv"
+
+    @property
+    def edit_list(self) -> Path:
+        """Cuts, sounds and instructions for editing programs."""
+        return self.folder / f"{self.name}.edl"
+
+    @property
+    def labels(self) -> Path:
+        """Sounds, cuts and instructions as labels of Audacity."""
+        return self.folder / f"{self.name}_labels.txt"
+
+    @property
     def take(self) -> Path:
         """The take."""
         return self.folder / "take.zarr"

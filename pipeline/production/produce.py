@@ -20,7 +20,6 @@ from audio.midi import write_midi
 from audio.modal import write_wav
 from audio.score import Score
 from pipeline.errors import FilmingError, ScoringError, StoreError
-from pipeline.production.events import event_lines
 from pipeline.production.filming import due, film_frames
 from pipeline.production.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.interrupts import held_back
@@ -28,6 +27,7 @@ from pipeline.production.manifest import Manifest, packages
 from pipeline.production.order import Order
 from pipeline.production.outputs import PARTIAL, Outputs, opened, replace_folder
 from pipeline.production.reporting import Reporter, Stage, stage, step
+from pipeline.production.score_files import facts_of, write_cues, write_events
 from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
 from pipeline.production.workers import Share, film_in_processes
@@ -82,7 +82,7 @@ def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
     """Simulate a scene and keep its take and events."""
     with working(order, reporter) as run:
         take = take_of(run)
-        put(run.outputs.events, event_lines(take))
+        write_events(run.outputs, take)
         _finish(run, take)
         return run.outputs, take
 
@@ -168,11 +168,11 @@ def _kept_take(run: Production, key: str) -> Take | None:
 
 
 def _write_score(run: Production, take: Take, shooting: Shooting) -> Score:
-    """Write MIDI, WAV and events."""
+    """Write MIDI, WAV, events and what goes with them."""
     with stage(run.reporter, "score", 3) as current:
         began = time.monotonic()
-        score, late = score_of(run.order.scene, take, shooting.poses)
-        changed = put(run.outputs.events, event_lines(take))
+        score, late = score_of(run.order.scene, take, shooting.poses, run.order.subframe)
+        changed = write_events(run.outputs, take) | write_cues(run.outputs, score)
         step(run.reporter, current, 1)
         midi = write_midi(score, run.outputs.midi)
         step(run.reporter, current, 2)
@@ -183,7 +183,13 @@ def _write_score(run: Production, take: Take, shooting: Shooting) -> Score:
         current.result = f"{len(score.events)} events, {loud}" + (
             f", {late} after the last frame" if late else ""
         )
+    if not run.outputs.edit_list.exists():
+        run.reporter.note(
+            f"score: {score.rate} frames a second have no timecode, or the film lasts longer than "
+            "a day; no edit list is written"
+        )
     run.manifest.words["events"] = {"written": len(score.events), "after_the_last_frame": late}
+    run.manifest.words["midi"] = facts_of(midi, score.subframe)
     return score
 
 
@@ -285,7 +291,8 @@ def _finish(run: Production, take: Take) -> None:
     """Write the manifest, if anything has changed."""
     outputs, header = run.outputs, take.header
     digests = {"take": take.digest}
-    for name, path in (("midi", outputs.midi), ("wav", outputs.wav), ("events", outputs.events)):
+    files = {"midi": outputs.midi, "wav": outputs.wav, "events": outputs.events}
+    for name, path in files.items():
         if path.is_file():
             digests[name] = hashlib.blake2b(path.read_bytes(), digest_size=20).hexdigest()
     words: dict[str, Any] = {

@@ -17,6 +17,7 @@ from pipeline.simulation.attaching import Bond
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.reel import put_down, reel
+from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
     Contact,
@@ -28,9 +29,11 @@ from pipeline.simulation.take import (
     SoundEvent,
     Take,
     TerrainRecord,
+    Told,
 )
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Inventory, Rows
+from pipeline.spec.script import said
 
 
 class Recorder:
@@ -56,6 +59,7 @@ class Recorder:
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
         self._notes: dict[tuple[str, str], Note] = {}
+        self._told: list[Told] = []
 
     def hang(self, bonds: Iterable[Bond]) -> None:
         """Let performers hang on the nodes that they go along with."""
@@ -147,6 +151,11 @@ class Recorder:
         for note in notes:
             self._notes.setdefault((note.kind, note.part), note)
 
+    def told(self, step: int, orders: Orders) -> None:
+        """Keep what the script asks of whom from `step` on."""
+        for who, given in orders.items():
+            self._told.extend(Told(step, who, said(do)) for do in given)
+
     def take(self) -> Take:
         """Return the finished take."""
         field = self.ground.field
@@ -173,6 +182,7 @@ class Recorder:
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self._notes.values()),
+            told=tuple(self._told),
         )
 
 

@@ -137,6 +137,7 @@ class Simulation:
             if sought := looker.sought(orders):
                 self._write_kept()
                 looker.see(self.recorder.solids(self._obstacles, sought, self._kept - 1))
+        self.recorder.told(self.step_number, orders)
         for troupe in self.troupes:
             troupe.read(orders)
 

@@ -30,8 +30,11 @@ Place = tuple[float, float, float]
 
 ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
-TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes")
+TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes", "told")
 """What a take has rows of that are no numbers alone."""
+
+LATER = ("told",)
+"""Of these, what is left out where there is none: takes have had it only since a later version."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,6 +236,15 @@ class Note:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Told:
+    """An instruction of the script, when it was given: to `who`, from `step` on."""
+
+    step: int
+    who: str
+    text: str
+
+
 @dataclass(frozen=True, eq=False)
 class TerrainRecord:
     """The ground as it was stood on.
@@ -272,6 +284,7 @@ class Take:
         contacts: in the order of time.
         events: sound events in the order of time.
         notes: what the author should know.
+        told: what the script told whom, in the order of time.
     """
 
     header: Header
@@ -289,6 +302,7 @@ class Take:
     contacts: tuple[Contact, ...]
     events: tuple[SoundEvent, ...]
     notes: tuple[Note, ...]
+    told: tuple[Told, ...] = ()
 
     def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
         """Yield the name and the values of every array, in a fixed order."""
@@ -312,14 +326,18 @@ class Take:
         Last columns that have their defaults are left out, so that what was written before
         there were such columns has the same digest still.
         """
-        return {name: [_plain(row) for row in getattr(self, name)] for name in TABLES}
+        return {name: [_plain(row) for row in getattr(self, name)] for name in self._kept()}
+
+    def _kept(self) -> list[str]:
+        """Return the names of the tables that are kept."""
+        return [name for name in TABLES if name not in LATER or getattr(self, name)]
 
     def _words(self) -> Iterator[str]:
         """Yield, piece by piece, all that is no array as one JSON text with sorted keys."""
         head, scaled, sizes = self.header.as_dict(), self.scaled, self.mesh_sizes
         yield f'{{"header": {_json(head)}, "meshes": {_json(sizes)}, "scaled": {_json(scaled)}, '
         yield '"tables": {'
-        for i, name in enumerate(sorted(TABLES)):
+        for i, name in enumerate(sorted(self._kept())):
             yield f'{", " if i else ""}"{name}": ['
             # Row by row: of a long film the whole text would be as much memory as the contacts.
             for k, row in enumerate(getattr(self, name)):

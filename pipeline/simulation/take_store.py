@@ -20,6 +20,7 @@ from pipeline.errors import StoreError
 from pipeline.simulation.reel import reel, rows_of
 from pipeline.simulation.take import (
     FORMAT,
+    LATER,
     Channel,
     Contact,
     Header,
@@ -30,6 +31,7 @@ from pipeline.simulation.take import (
     SoundEvent,
     Take,
     TerrainRecord,
+    Told,
 )
 
 FRAMES_A_CHUNK = 32
@@ -41,6 +43,7 @@ ROWS: dict[str, Any] = {
     "contacts": Contact,
     "events": SoundEvent,
     "notes": Note,
+    "told": Told,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
@@ -124,7 +127,9 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
         return values
 
     tables: dict[str, Any] = {
-        name: tuple(_rows(row, plain["tables"][name])) for name, row in ROWS.items()
+        name: tuple(_rows(row, plain["tables"][name]))
+        for name, row in ROWS.items()
+        if name not in LATER or name in plain["tables"]
     }
     rows: dict[str, Any] = {name: array(name) for name in BY_ROW}
     terrain = plain["terrain"]

@@ -87,9 +87,9 @@ class Bending(Lasting):
         description="Rate under which it ends; half of `above_deg_s` if not given [degrees/s].",
     )
     materials: Factors = Field(
-        {"metal": 1.0, "plastic": 1.0, "rubber": 1.0, "chitin": 60.0},
+        {"metal": 1.0, "plastic": 1.0, "rubber": 1.0},
         description="Kinds of materials whose joints are heard at all, each with a factor on both "
-        "rates: chitin is heard where it bends very fast only, fur never.",
+        "rates: with `chitin: 60` an insect's knees are heard where they bend very fast.",
     )
 
     @model_validator(mode="after")

@@ -142,6 +142,22 @@ Do = Annotated[
 ]
 
 
+def said(do: Do) -> str:
+    """Return an instruction as its author wrote it, such as "go_to [3, 4.5]"."""
+    if isinstance(do, str):
+        return do
+    words = do.model_dump(mode="json", exclude_unset=True)
+    return ", ".join(f"{key} {_flow(value)}" for key, value in words.items())
+
+
+def _flow(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_flow(one)}" for key, one in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_flow(one) for one in value) + "]"
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
 class When(Words):
     """Something that happens."""
 

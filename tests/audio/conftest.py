@@ -124,6 +124,45 @@ def parse_wav(path: Path) -> Any:
     return (whole.view("<i4")[:, 0] / 2**31).reshape(-1, 2)
 
 
+_END = 0xFF2F
+
+
+def _laws(smf: Smf, frames: int, rate: Any, drums: bool = False) -> None:
+    """Hold what is true of every file: lengths, no overlap, ends at the last frame."""
+    end = smf.tracks[0][-1][0]
+    assert smf.seconds(end) == frames / rate
+    for track in smf.tracks:
+        assert [tick for tick, kind, _ in track if kind == _END] == [end]
+        assert track[-1][1] == _END
+    sounding: dict[tuple[int, int], int] = {}
+    stands: dict[tuple[int, int], bytes] = {}
+    for tick, status, data in smf.played():
+        kind, key = status & 0xF0, (status & 15, data[0] if data else 0)
+        if status >= 0xFF00:
+            continue
+        if kind == 0x90:
+            assert key not in sounding, "struck while it sounds"
+            sounding[key] = tick
+        elif kind == 0x80:
+            assert tick > sounding.pop(key), "shorter than a tick"
+        else:
+            held = [key for key in sounding if key[0] == status & 15]
+            gesture = kind == 0xE0 or (kind == 0xB0 and data[0] == 11)
+            what = status, data[0] if kind == 0xB0 else -1
+            # A track may say again for itself what holds already.
+            if stands.get(what) != data:
+                assert len(held) <= gesture, "changed under notes that it does not belong to"
+            stands[what] = data
+        assert drums or status & 15 != 9, "the channel of drums"
+    assert not sounding, "a note without an end"
+
+
+@pytest.fixture(scope="session")
+def check_laws() -> Callable[..., None]:
+    """Give the judge of parsed MIDI files: file, frames and rate."""
+    return _laws
+
+
 @pytest.fixture(scope="session")
 def read_smf() -> Callable[[bytes], Smf]:
     """Give the reader of MIDI bytes."""

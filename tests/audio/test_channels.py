@@ -5,13 +5,21 @@ from dataclasses import replace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio.channels import CHANNELS, Placed, allocate
+from audio.channels import CHANNELS, DRUMS, allocate
+from audio.gestures import Moment
+from audio.placed import Placed
 
 TAIL = 20
 
 
-def note(track=0, start=0, end=10, program=0, pan=64, pitch=60, velocity=80):
-    return Placed(track, start, end, program, pan, pitch, velocity)
+def note(track=0, start=0, end=10, program=0, pan=64, pitch=60, velocity=80, **rest):
+    return Placed(track, start, end, program, pan, pitch, velocity, **rest)
+
+
+def slide(start=0, end=10, **words):
+    """Return a note that sinks and fades from tick to tick."""
+    gesture = tuple(Moment(t, -100 * (t - start), 127 - (t - start)) for t in range(start, end))
+    return note(start=start, end=end, gesture=gesture, **words)
 
 
 def placed(*notes):
@@ -27,36 +35,68 @@ def messages(played):
 
 
 def check(played):
-    sounding, program, pan = {}, {}, {}
+    sounding, program, pan, moved = {}, {}, {}, set()
     for tick, _, _, kind, n in messages(played):
         if kind == "off":
             assert sounding.pop((n.channel, n.pitch)) is n
             assert tick > n.start
             continue
+        assert (n.channel, n.pitch) not in sounding, "struck while it sounds"
+        if n.drum:
+            assert n.channel == DRUMS
+            assert not any((n.sets_program, n.sets_pan, n.gesture))
+            sounding[n.channel, n.pitch] = n
+            continue
         assert n.channel in CHANNELS
         held = [key for key in sounding if key[0] == n.channel]
-        assert not (held and (n.sets_program or n.sets_pan)), "changed under a sounding note"
+        changes = (program.get(n.channel), pan.get(n.channel)) != (n.program, n.pan)
+        assert not (held and changes), "changed under a sounding note"
+        assert not (held and (n.gesture or n.channel in moved)), "bent under a sounding note"
+        assert not any(sounding[key].gesture for key in held), "plays along with a gesture"
+        if n.gesture:
+            assert n.start == n.gesture[0].tick
+            assert n.gesture[-1].tick < n.end
+            moved.add(n.channel)
+        else:
+            assert n.rests or n.channel not in moved
+            moved.discard(n.channel)
         program |= {n.channel: n.program} if n.sets_program else {}
         pan |= {n.channel: n.pan} if n.sets_pan else {}
         assert (program[n.channel], pan[n.channel]) == (n.program, n.pan)
-        assert (n.channel, n.pitch) not in sounding, "struck while it sounds"
         sounding[n.channel, n.pitch] = n
+
+
+def check_words(played):
+    """Hold that one track alone says which program and pan its notes have, and where it rests."""
+    program, pan, ranged, moved = {}, {}, set(), set()
+    for n in played:
+        if n.drum:
+            continue
+        program |= {n.channel: n.program} if n.sets_program else {}
+        pan |= {n.channel: n.pan} if n.sets_pan else {}
+        assert (program[n.channel], pan[n.channel]) == (n.program, n.pan)
+        ranged |= {n.channel} if n.sets_range else set()
+        assert not n.gesture or n.channel in ranged
+        moved -= {n.channel} if n.rests else set()
+        assert n.gesture or n.channel not in moved
+        moved |= {n.channel} if n.gesture else set()
 
 
 @settings(max_examples=300)
 @given(
     st.lists(
         st.builds(
-            lambda track, start, length, program, pan, pitch, velocity: note(
-                track, start, start + length, program, pan, pitch, velocity
+            lambda kind, start, length, **words: (slide if kind == "slide" else note)(
+                start=start, end=start + length, **words, **{"drum": True} if kind == "drum" else {}
             ),
-            st.integers(0, 3),
+            st.sampled_from(["note", "note", "slide", "drum"]),
             st.integers(0, 8),
             st.integers(1, 6),
-            st.integers(0, 6),
-            st.sampled_from([0, 64, 127]),
-            st.integers(60, 62),
-            st.integers(1, 127),
+            track=st.integers(0, 3),
+            program=st.integers(0, 20),
+            pan=st.sampled_from([0, 64, 127]),
+            pitch=st.integers(60, 62),
+            velocity=st.integers(1, 127),
         ),
         max_size=80,
     )
@@ -64,7 +104,12 @@ def check(played):
 def test_however_notes_meet_a_player_hears_each_with_its_program_and_pan(notes):
     played, losses = placed(*notes)
     check(played)
-    assert len(played) + losses.merged + losses.dropped == len(notes)
+    for track in range(4):
+        check_words([n for n in played if n.track == track])
+    assert len(played) + len(losses.merged) == len(notes)
+    # One that is struck at its moment, or at the tick before, stands for each that is merged.
+    struck = {n.start for n in played}
+    assert all(tick in struck or tick - 1 in struck for tick in losses.merged)
 
 
 def test_notes_of_one_program_and_pan_share_a_channel():
@@ -87,27 +132,112 @@ def test_an_end_in_a_later_track_does_not_silence_an_onset_on_its_tick():
 
 
 def test_an_end_in_an_earlier_track_leaves_the_channel_for_its_tick():
-    played, _ = placed(note(track=0, end=10), note(track=1, start=10, end=20))
-    assert played[0].channel == played[1].channel
+    held = [note(program=i, end=99) for i in range(1, 15)]
+    played, losses = placed(note(track=0, end=10), *held, note(track=1, start=10, end=20))
+    assert played[0].channel == played[-1].channel
+    assert (played[0].end, losses.cut_short) == (10, 0)
 
 
 def test_equal_onsets_merge_into_the_harder_one():
-    played, losses = placed(note(velocity=50), note(track=1, velocity=90))
+    played, losses = placed(note(velocity=50), note(velocity=90))
     assert [n.velocity for n in played] == [90]
-    assert losses.merged == 1
+    assert losses.merged == [0]
 
 
-def test_a_sixteenth_program_is_dropped_while_fifteen_sound():
-    played, losses = placed(*(note(track=i, program=i) for i in range(16)))
+def test_equal_onsets_of_two_tracks_merge_only_where_no_channel_is_silent():
+    twins = [note(velocity=50), note(track=1, velocity=90)]
+    played, losses = placed(*twins)
+    assert [(n.track, n.velocity) for n in played] == [(0, 50), (1, 90)]
+    assert losses.merged == []
+    played, losses = placed(*twins, *(note(program=i) for i in range(1, 15)))
+    assert [n.velocity for n in played if n.program == 0] == [90]
+    assert losses.merged == [0]
+
+
+def test_a_sixteenth_program_at_one_moment_is_told_by_the_note_most_like_it():
+    crowd = [note(track=i, program=i, pitch=60 + i) for i in range(15)]
+    played, losses = placed(*crowd, note(track=15, program=15, pitch=66, velocity=99))
     assert len(played) == 15
-    assert losses.dropped == 1
+    assert losses.merged == [0]
+    assert {n.pitch: n.velocity for n in played} == {n.pitch: 80 for n in crowd} | {66: 99}
+
+
+def test_a_sixteenth_program_later_takes_the_channel_that_was_struck_first():
+    crowd = [note(start=i, end=50, program=i) for i in (3, 1, 2, *range(4, 16))]
+    played, losses = placed(*crowd, note(start=20, end=60, program=99))
+    first = next(n for n in played if n.program == 1)
+    assert (first.end, first.channel) == (20, played[-1].channel)
+    assert (losses.cut_short, losses.merged) == (1, [])
+    check(played)
+
+
+def test_a_gesture_has_its_channel_to_itself_and_leaves_it_as_it_was():
+    played, _ = placed(
+        slide(), note(start=5, pitch=64), note(start=40, end=50, pitch=62), slide(60, 70)
+    )
+    slid, beside, after, again = played
+    assert slid.channel != beside.channel
+    assert (slid.sets_range, again.sets_range and again.channel == slid.channel) == (True, False)
+    assert [n.rests for n in played] == [False, False, after.channel == slid.channel, False]
+    check(played)
+
+
+def test_a_note_that_comes_back_to_a_channel_finds_it_as_it_was():
+    others = [note(start=20, end=99, program=i) for i in range(1, 15)]
+    played, _ = placed(slide(), *others, note(start=50, end=60))
+    assert (played[0].channel, played[-1].rests) == (played[-1].channel, True)
+    check(played)
+
+
+def test_a_gesture_is_given_up_where_no_channel_is_silent():
+    held = [note(program=i, end=50) for i in range(15)]
+    played, losses = placed(*held, slide(0, 60, program=3, pitch=64))
+    assert played[-1].gesture == ()
+    assert (played[-1].channel, losses.stiff) == (played[3].channel, 1)
+    check(played)
+
+
+def test_a_gesture_silences_what_was_struck_before_but_no_other_gesture():
+    held = [slide(0, 99), *(note(start=i, end=99, program=i) for i in range(1, 15))]
+    played, losses = placed(*held, slide(20, 60, program=20))
+    assert (played[0].end, played[1].end, played[-1].channel) == (99, 20, played[1].channel)
+    assert bool(played[-1].gesture)
+    assert (losses.stiff, losses.cut_short) == (0, 1)
+    check(played)
+
+
+def test_each_track_says_for_itself_what_its_notes_need():
+    played, _ = placed(
+        note(program=5, pan=0), note(track=1, start=40, end=50, program=5, pan=0), slide(60, 70),
+        note(track=1, start=80, end=90),
+    )  # fmt: skip
+    first, other, slid, back = played
+    assert other.channel == first.channel
+    assert (other.sets_program, other.sets_pan) == (True, True)
+    for track in (0, 1):
+        check_words([n for n in played if n.track == track])
+    assert back.rests == (back.channel == slid.channel)
+
+
+def test_drums_have_their_channel_and_one_key_sounds_once():
+    played, losses = placed(
+        *(note(drum=True, pitch=38, program=i, pan=p) for i, p in ((0, 0), (5, 127))),
+        note(start=5, end=15, drum=True, pitch=38),
+        note(start=5, end=15, drum=True, pitch=42),
+        note(start=5, end=15, pitch=38),
+    )
+    assert [(n.channel, n.start, n.end) for n in played] == [
+        (9, 0, 5), (9, 5, 15), (9, 5, 15), (0, 5, 15),
+    ]  # fmt: skip
+    assert (losses.merged, losses.cut_short) == ([0], 1)
+    check(played)
 
 
 def test_a_sixteenth_direction_moves_to_the_nearest():
     pans = [8 * i for i in range(15)]
     played, losses = placed(*(note(pan=p) for p in pans), note(track=1, pan=27, pitch=61))
     assert played[-1].pan == 24
-    assert (losses.moved, losses.dropped) == (1, 0)
+    assert (losses.moved, losses.merged) == (1, [])
 
 
 def test_with_all_channels_held_a_pitch_struck_again_cuts_the_earlier_one():

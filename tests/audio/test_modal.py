@@ -55,6 +55,15 @@ def test_a_blow_is_heard_from_the_sample_of_its_frame_on(step, heard, rate):
         assert np.abs(sound[at : at + 48]).max() > np.abs(sound).max() / 3
 
 
+@pytest.mark.parametrize("rate", RATES, ids=str)
+def test_below_frames_a_blow_is_heard_from_the_sample_of_its_cause_on(step, heard, rate):
+    time = Fraction(19, 7) / rate
+    sound = heard([step(4, time=time)], 2 * int(rate) + 3, rate, subframe=True)
+    at = int(time * 48_000 + Fraction(1, 2))
+    assert not sound[:at].any()
+    assert np.abs(sound[at]).min() > 1e-4
+
+
 @pytest.mark.parametrize("material", sorted(FAMILIES))
 def test_every_material_on_every_ground_starts_at_once_and_dies_away(step, heard, material):
     for surface in FAMILIES:

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from audio.instruments import INSTRUMENTS, program_of
+from audio.instruments import DRUMS, INSTRUMENTS, drum_of, program_of
 from audio.scales import MODES, parse_note, parse_scale
 from audio.voices import notes_of
 from audio.words import Sound, Voice, When
@@ -19,6 +19,13 @@ def test_instruments_are_the_programs_of_general_midi():
     known |= {"woodblock": 115, "gunshot": 127, "music box": 10, "flute": 73, "timpani": 47}
     assert {name: program_of(name) for name in known} == known
     assert program_of("Honky Tonk  Piano") == 3
+
+
+def test_drums_are_the_keys_of_general_midi():
+    assert len(DRUMS) == len(set(DRUMS)) == 47
+    known = {"acoustic bass drum": 35, "Hand-Clap": 39, "crash cymbal 1": 49, "claves": 75}
+    known |= {"low wood block": 77, "open triangle": 81}
+    assert {name: drum_of(name) for name in known} == known
 
 
 @pytest.mark.parametrize(
@@ -35,6 +42,9 @@ def test_instruments_are_the_programs_of_general_midi():
         ({"voices": [{"gain_db": float("inf")}]}, ("voices", 0, "gain_db"), "finite"),
         ({"voices": [{"when": {"whom": "x"}}]}, ("voices", 0, "when", "whom"), "not permitted"),
         ({"volume_db": float("nan")}, ("volume_db",), "finite"),
+        ({"voices": [{"drum": "cowbel"}]}, ("voices", 0, "drum"), "'cowbell'"),
+        ({"voices": [{"drum": "maracas", "pitch": 60}]}, ("voices", 0), "either drum"),
+        ({"tracks": "causes"}, ("tracks",), "'performer' or 'cause'"),
         ({"loud": 1}, ("loud",), "not permitted"),
     ],
 )

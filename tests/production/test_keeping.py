@@ -29,7 +29,7 @@ FILM = {"tiny.mp4", "manifest.json"}
 def test_all_outputs_are_there(film: Studio) -> None:
     assert {path.name for path in film.made.iterdir()} == {
         *(".lock", "frames", "take.zarr", "events.jsonl", "manifest.json"),
-        *("tiny.mp4", "tiny.mid", "tiny.wav"),
+        *("tiny.mp4", "tiny.mid", "tiny.wav", "tiny.edl", "tiny_labels.txt", "events.csv"),
     }
     assert {path.name for path in (film.made / "frames").iterdir()} == {
         f"{f:04d}.png" for f in range(1, 9)
@@ -37,6 +37,7 @@ def test_all_outputs_are_there(film: Studio) -> None:
     manifest = json.loads((film.made / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["digests"]["take"] == read_take(film.made / "take.zarr").digest
     assert manifest["events"] == {"written": 6, "after_the_last_frame": 0}
+    assert manifest["midi"]["notes"] + manifest["midi"]["merged"] == 6
 
 
 def test_a_second_run_changes_nothing(studio: Studio) -> None:
@@ -86,7 +87,8 @@ def test_a_changed_walk_is_simulated_again(studio: Studio) -> None:
     before = studio.state()
     studio.render("cast.bug.walk.cycle=0.4")
     changes = studio.changes(before)
-    assert {"take.zarr", "events.jsonl", "tiny.mid", "tiny.wav"} <= changes
+    assert {"take.zarr", "events.jsonl", "events.csv", "tiny.mid", "tiny.wav"} <= changes
+    assert {"tiny.edl", "tiny_labels.txt"} <= changes
     # The first frame may be the same: nobody has moved in it yet.
     assert {f"frames/{f:04d}.png" for f in range(2, 9)} <= changes
 
@@ -140,7 +142,13 @@ def test_one_harmed_frame_is_made_again_alone(studio: Studio, film: Studio, harm
 
 @pytest.mark.parametrize(
     "name",
-    ["tiny.mp4", *(pytest.param(n, marks=SLOW) for n in ("tiny.mid", "tiny.wav", "events.jsonl"))],
+    [
+        "tiny.mp4",
+        *(
+            pytest.param(n, marks=SLOW)
+            for n in ("tiny.mid", "tiny.wav", "events.jsonl", "tiny.edl")
+        ),
+    ],
 )
 def test_a_deleted_output_is_made_again_alone(studio: Studio, film: Studio, name: str) -> None:
     before = studio.state()

@@ -380,7 +380,7 @@ def test_each_jump_is_heard_once_at_its_take_off_and_once_a_foot_at_its_landing(
     touches = [c for c in take.contacts if c.kind == "touch"]
     assert len(lifts) == n * jumps
     assert len(touches) in (n * jumps, n * (jumps - 1))
-    offs = [e for e in take.events if e.cause == "take-off"]
+    offs = [e for e in take.events if e.cause == "boing"]
     falls = [e for e in take.events if e.cause == "footfall"]
     assert len(offs) == jumps
     assert len(falls) == len(touches)

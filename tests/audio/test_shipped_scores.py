@@ -1,0 +1,96 @@
+"""Every shipped scene's score stands on its frames, at every rate, to three readers."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import mido
+import pytest
+import symusic
+
+from audio.midi import write_midi
+from pipeline.production.scoring import score_of
+from pipeline.production.shooting import Shooting
+from pipeline.simulation.simulate import simulate
+from pipeline.spec import load_scene
+from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+
+GOLDENS = Path(__file__).parents[1] / "goldens" / "motion"
+
+RATES = [Fraction(r) for r in (10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120)]
+RATES += [Fraction(144), Fraction(240), *(Fraction(r * 1000, 1001) for r in (24, 30, 60))]
+
+LONG = 100_000
+"""Steps times nodes; more than that takes some three seconds to simulate."""
+
+
+def _work(name: str) -> float:
+    try:
+        golden = json.loads((GOLDENS / f"{name}.json").read_text(encoding="utf-8"))
+        return golden["facts"]["frames"] * golden["facts"]["steps"] * len(golden["nodes"])
+    except (OSError, KeyError):
+        return 0
+
+
+def _tier(name: str) -> list[pytest.MarkDecorator]:
+    if name == "first_steps":
+        return []
+    return [pytest.mark.nightly if _work(name) > LONG else pytest.mark.slow]
+
+
+SCENES = [pytest.param(name, marks=_tier(name)) for name in shipped_scenes()]
+
+
+def with_symusic(data: bytes) -> Iterator[int]:
+    """Give the ticks of onsets as symusic reads them."""
+    for track in symusic.Score.from_midi(data).tracks:
+        yield from (note.time for note in track.notes)
+
+
+def with_mido(data: bytes) -> Iterator[int]:
+    """Give the ticks of onsets as mido reads them."""
+    for track in mido.MidiFile(file=io.BytesIO(data), charset="utf-8").tracks:
+        now = 0
+        for message in track:
+            now += message.time
+            if message.type == "note_on" and message.velocity:
+                yield now
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_note_of_a_shipped_scene_stands_on_its_frame(
+    name: str, read_smf: Any, check_laws: Any, tmp_path: Path
+) -> None:
+    scene = load_scene(library() / (name + SUFFIX))
+    take = simulate(scene)
+    score, _ = score_of(scene, take, Shooting(scene, take).poses)
+    path = tmp_path / "score.mid"
+    drums = any(voice.drum for voice in scene.sound.voices)
+    for rate in {*RATES, scene.rate}:
+        report = write_midi(replace(score, rate=rate), path)
+        data = path.read_bytes()
+        smf = read_smf(data)
+        check_laws(smf, score.frames, rate, drums)
+        ticks = sorted(tick for tick, *_ in smf.onsets())
+        assert sorted(with_symusic(data)) == sorted(with_mido(data)) == ticks
+        assert len(ticks) == report.notes == len(score.events) - report.muted - report.merged
+        cues = {tick for tick, _ in smf.texts(0xFF07)}
+        assert {smf.seconds(tick) for tick in ticks} == {smf.seconds(tick) for tick in cues}
+        if not report.muted:
+            shown = {(event.frame - 1) / rate for event in score.events}
+            assert {smf.seconds(tick) for tick in ticks} == shown
+    exact = replace(score, subframe=True)
+    write_midi(exact, path)
+    smf = read_smf(path.read_bytes())
+    check_laws(smf, score.frames, score.rate, drums)
+    if not report.muted:
+        times = sorted(event.time for event in score.events)
+        cues_at = [smf.seconds(at) for at, _ in smf.texts(0xFF07)]
+        off = [abs(cue - time) for cue, time in zip(cues_at, times, strict=True)]
+        assert max(off, default=0) <= smf.seconds(1) / 2

@@ -29,7 +29,7 @@ def conductor(score: Score, grid: Grid, notes: tuple[Note, ...]) -> list[Timed]:
     ]
     cues = [
         (
-            grid.tick_at(score.onset(note.event)),
+            grid.tick_at(note.onset),
             mido.MetaMessage("cue_marker", text=clean(cause_of(note.event))),
         )
         for note in notes

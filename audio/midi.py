@@ -116,7 +116,7 @@ def _placed(
     wanted = []
     for note in notes:
         # A note is a tick long at least, also one at the last half tick of all.
-        start = min(grid.tick_at(score.onset(note.event)), last - 1)
+        start = min(grid.tick_at(note.onset), last - 1)
         end = min(start + grid.ticks(note.seconds), last)
         wanted.append(
             Placed(

@@ -100,14 +100,13 @@ def _mixed(score: Score, notes: tuple[Note, ...]) -> tuple[Signal, float]:
         event = note.event
         happened = (event.frame, event.time, event.cause, event.who, event.part, event.other)
         seen[happened] = seen.get(happened, -1) + 1
-        onset = score.onset(event)
-        left = float(score.frames / score.rate - onset)
+        left = float(score.frames / score.rate - note.onset)
         blow, trim_db = blow_of(note, score.seed, seen[happened], left)
         gain = 10 ** ((note.level + trim_db) / 20)
         to_left, to_right = sides(pan_of(event))
         add(
             stereo,
-            sample_at(onset),
+            sample_at(note.onset),
             _kept_or_sounded(kept, blow, score.seed),
             (gain * to_left, gain * to_right),
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 from math import isfinite, log2
 
 from audio.errors import ScoreError
@@ -34,22 +35,26 @@ class Note:
 
     Attributes:
         event: what happened.
+        onset: when it is to be heard [s].
         program: General MIDI program.
         pitch: MIDI pitch; of a drum its key.
         seconds: length of the note [s].
         level: peak level at the listener, gains included [dBFS].
         tuned: whether the author gave the pitch, so that the sound follows it too.
         decay: time in which the sound shall die away [s]; None to leave it to the material.
+        send: share of its level that the room is given, 0 to 1.
         drum: whether it is played on the channel of drums.
     """
 
     event: ScoreEvent
+    onset: Fraction
     program: int
     pitch: int
     seconds: float
     level: float
     tuned: bool = False
     decay: float | None = None
+    send: float = 0.0
     drum: bool = False
 
 
@@ -72,7 +77,7 @@ def notes_of(score: Score) -> tuple[Note, ...]:
         voice = _first_fitting(score.sound, event)
         if not voice.mute:
             rank = ranks[event.who, _kin(event), event.part]
-            notes.append(_note(event, voice, scale, rank, score.sound.volume_db))
+            notes.append(_note(score, event, voice, scale, rank))
     return tuple(notes)
 
 
@@ -149,7 +154,7 @@ def _matches(name: str, pattern: str) -> bool:
     return re.fullmatch(".*".join(pieces), folded(name)) is not None
 
 
-def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: float) -> Note:
+def _note(score: Score, event: ScoreEvent, voice: Voice, scale: Scale, rank: int) -> Note:
     length = voice.length or event.duration or _natural_length(event)
     default = "by part" if folded(event.cause) in _BY_PART else "by size"
     quiet = rub_of(event.cause) or motion_of(event.cause)
@@ -158,10 +163,14 @@ def _note(event: ScoreEvent, voice: Voice, scale: Scale, rank: int, volume_db: f
         pitch = drum_of(voice.drum)
     return Note(
         event=event,
+        onset=score.onset(event),
         program=program_of(voice.instrument or _instrument(event)),
         pitch=pitch if isinstance(pitch, int) else _scale_pitch(event, scale, pitch, rank),
         seconds=length,
-        level=loudness_db(event) + (quiet.level if quiet else 0.0) + voice.gain_db + volume_db,
+        level=loudness_db(event)
+        + (quiet.level if quiet else 0.0)
+        + voice.gain_db
+        + score.sound.volume_db,
         tuned=voice.pitch is not None,
         decay=voice.length,
         drum=voice.drum is not None,

@@ -18,7 +18,7 @@ def label_lines(score: Score) -> bytes:
         (Fraction(marker.frame - 1) / score.rate, 0.0, told(marker)) for marker in score.markers
     ]
     for note in notes_of(score):
-        labels.append((score.onset(note.event), note.event.duration, cause_of(note.event)))
+        labels.append((note.onset, note.event.duration, cause_of(note.event)))
     labels.sort(key=lambda label: label[0])
     return "".join(_line(*label) for label in labels).encode("utf-8", "replace")
 

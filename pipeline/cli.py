@@ -294,6 +294,28 @@ def sheet(
     reporter.result(f"{contact_sheet(order, count, columns, reporter)}")
 
 
+@plots.command("events")
+def plot_events(
+    scene: SceneName,
+    out: Out = Path("out"),
+    sets: Sets = None,
+    pictures: Annotated[
+        bool, typer.Option("--pictures/--no-pictures", help="Show frames of the film, or none.")
+    ] = True,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Draw what is heard: a piano roll by causes, frames of the film, the waveform."""
+    from pipeline.production import event_plot
+
+    reporter = _flags(json_lines, quiet, verbose)
+    order = _order(scene, sets, out, backend=backend)
+    svg, png = event_plot.plot_events(order, reporter, pictures)
+    reporter.result(f"{svg}, {png}")
+
+
 @plots.command("gait")
 def plot_gait(
     scene: SceneName,

@@ -8,7 +8,6 @@ Source: Sims 1987, figure 9.2.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import drawsvg
@@ -21,6 +20,7 @@ from pipeline.production.gait_bars import CreatureBars, LegBars, bars_of, walker
 from pipeline.production.order import Order
 from pipeline.production.produce import take_of, working
 from pipeline.production.reporting import Reporter
+from pipeline.production.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.simulation.spatial import Array
 
 MARGIN, TOP, GAP = 36, 92, 24
@@ -31,27 +31,6 @@ NAMES, HEAD, FOOT = 92, 62, 44
 
 ROW, BAR = 30, 10
 """Height of a leg's row and of one of its two bars [pixels]."""
-
-SECOND, LEAST_WIDTH, MOST_WIDTH = 260, 1000, 6000
-"""Width of a second, and of all bars at least and at most [pixels]."""
-
-TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
-ROOM = 56
-"""Least distance of ticks [pixels]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Axis:
-    """The axis of time: pixels of its begin, pixels a second, duration, frames a second."""
-
-    x: float
-    scale: float
-    duration: float
-    rate: float
-
-    def at(self, time: float) -> float:
-        """Return where a time stands."""
-        return self.x + self.scale * time
 
 
 def plot_gait(order: Order, reporter: Reporter) -> tuple[Path, Path]:
@@ -84,8 +63,8 @@ def gait_svg(title: str, creatures: Sequence[CreatureBars], duration: float, rat
         duration: of the film [s].
         rate: frames a second.
     """
-    length = min(max(SECOND * duration, LEAST_WIDTH), MOST_WIDTH)
-    width = length + NAMES + 2 * MARGIN + 24
+    axis = Axis.from_(MARGIN + NAMES, duration, rate)
+    width = axis.length + NAMES + 2 * MARGIN + 24
     heights = [HEAD + ROW * len(creature.legs) + FOOT for creature in creatures]
     height = TOP + sum(heights) + GAP * len(heights)
     canvas = Canvas(drawsvg.Drawing(width, height, font_family=FONT))
@@ -93,7 +72,6 @@ def gait_svg(title: str, creatures: Sequence[CreatureBars], duration: float, rat
     canvas.say(title, (MARGIN, 46), 30, INK, bold=True)
     told = "feet on the ground: as planned by the gait (pale, above), as they were (full, below)"
     canvas.say(told, (MARGIN, 74), 15, FAINT)
-    axis = Axis(MARGIN + NAMES, length / duration, duration, rate)
     y = float(TOP)
     for creature, tall in zip(creatures, heights, strict=True):
         _draw(canvas, Panel(MARGIN, y, width - 2 * MARGIN, tall), creature, axis)
@@ -111,7 +89,8 @@ def _draw(canvas: Canvas, panel: Panel, creature: CreatureBars, axis: Axis) -> N
     bottom = top + ROW * len(creature.legs)
     for x, span in _boxes(creature.flights, axis):
         canvas.draw(drawsvg.Rectangle(x, top, span, bottom - top, fill="#ffffff"))
-    _scale(canvas, axis, top, bottom)
+    draw_seconds(canvas, axis, top, bottom)
+    draw_frames(canvas, axis, top)
     colors = limb_colors(creature.figure.skeleton.legs)
     for i, (leg, color) in enumerate(zip(creature.legs, colors, strict=True)):
         _row(canvas, leg, color, axis, top + ROW * i, panel.x + 16)
@@ -132,21 +111,3 @@ def _boxes(spans: Array, axis: Axis) -> Iterable[tuple[float, float]]:
         last = min(end, axis.duration)
         if last > begin:
             yield axis.at(begin), axis.scale * (last - begin)
-
-
-def _scale(canvas: Canvas, axis: Axis, top: float, bottom: float) -> None:
-    """Draw seconds below the bars, frames above."""
-    step = next((s for s in TICKS if s * axis.scale >= ROOM), TICKS[-1])
-    for i in range(int(axis.duration / step + 1e-9) + 1):
-        x = axis.at(i * step)
-        canvas.draw(drawsvg.Line(x, top, x, bottom + 5, stroke="#d7d3c8", stroke_width=1))
-        canvas.say(f"{i * step:g} s", (x, bottom + 22), 12, FAINT, "middle")
-    every = next((n for n in (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 5000) if
-                  n * axis.scale / axis.rate >= ROOM), 10000)  # fmt: skip
-    last = round(axis.duration * axis.rate)
-    for frame in (1, *range(every, last + 1, every)):
-        x = axis.at((frame - 1) / axis.rate)
-        canvas.draw(drawsvg.Line(x, top - 6, x, top, stroke=FAINT, stroke_width=1))
-        if frame == 1 or frame > every / 2:
-            canvas.say(f"frame {frame}" if frame == 1 else f"{frame}", (x, top - 11), 12, FAINT,
-                       "start" if frame == 1 else "middle")  # fmt: skip

@@ -71,7 +71,7 @@ def render(order: Order, reporter: Reporter) -> Outputs:
         take = take_of(run)
         shooting = Shooting(order.scene, take)
         if order.sound:
-            _write_score(run, take, shooting)
+            write_score(run, take, shooting)
         keys = _frames(run, shooting, frames)
         _film(run, frames, keys)
         _finish(run, take)
@@ -91,7 +91,7 @@ def score_only(order: Order, reporter: Reporter) -> Outputs:
     """Simulate a scene if need be and write its score, rendering nothing."""
     with working(order, reporter) as run:
         take = take_of(run)
-        _write_score(run, take, Shooting(order.scene, take))
+        write_score(run, take, Shooting(order.scene, take))
         _finish(run, take)
         return run.outputs
 
@@ -167,8 +167,8 @@ def _kept_take(run: Production, key: str) -> Take | None:
 # --- score ------------------------------------------------------------------------
 
 
-def _write_score(run: Production, take: Take, shooting: Shooting) -> Score:
-    """Write MIDI, WAV, events and what goes with them."""
+def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
+    """Write MIDI, WAV, events and what goes with them, inside `working`."""
     with stage(run.reporter, "score", 3) as current:
         began = time.monotonic()
         score, late = score_of(run.order.scene, take, shooting.poses, run.order.subframe)

@@ -248,7 +248,8 @@ def test_a_body_in_flight_falls_freely_and_its_speed_never_jumps(legs: Rows, dut
             for edge in (begin, begin + length):
                 before, at, after = bounce.height(edge + np.array([-1e-6, 0.0, 1e-6]))
                 assert abs((after - at) - (at - before)) < 1e-9
-        assert np.abs(bounce.beat(FINE)).max() < 2.0
+        # The amplitude is half of the whole way, as finely as it is looked at.
+        assert np.abs(bounce.beat(FINE)).max() < 2.0 + 1e-3
 
 
 def test_a_bounce_is_there_for_gaits_with_flights_alone() -> None:

@@ -384,13 +384,17 @@ def test_each_jump_is_heard_once_at_its_take_off_and_once_a_foot_at_its_landing(
     falls = [e for e in take.events if e.cause == "footfall"]
     assert len(offs) == jumps
     assert len(falls) == len(touches)
-    assert len(take.events) == len(offs) + len(falls)
-    for one, (p, v) in zip(offs, level_hops.lifts, strict=True):
-        assert one.strength == pytest.approx(np.linalg.norm(v))
+    # What bends may squeak besides.
+    assert {e.cause for e in take.events} <= {"boing", "footfall", "squeak", "squawk"}
+    rise = GRAVITY / (take.header.rate * take.header.samples)
+    for one, lift, (p, v) in zip(offs, lifts[::n], level_hops.lifts, strict=True):
+        # Measured between two rows, hence less by what the weight takes of it in one.
+        assert v[1] - float(rise) <= one.strength <= v[1] + 1e-3
+        assert one.step + one.fraction == pytest.approx(lift.step + lift.fraction)
         assert np.hypot(one.place[0] - p[0], one.place[2] - p[2]) < p[1]
     # Feet come down with the body, which falls as fast as it rose, or somewhat less.
     for one in falls:
-        assert 0.35 < one.strength / offs[0].strength < 1.5
+        assert 0.35 < one.strength / np.linalg.norm(level_hops.lifts[0][1]) < 1.5
 
 
 def test_who_falls_is_heard_a_few_times_and_ever_softer_at_the_end():

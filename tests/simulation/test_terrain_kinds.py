@@ -26,6 +26,7 @@ from pipeline.spec import (
     Terrain,
 )
 from pipeline.spec.terrain import TERRAIN_PRESETS, Grid, Ground
+from pipeline.spec.terrain.wild import HillsTerrain
 
 KINDS = get_args(get_args(Terrain)[0])
 SEEDED = ("fractal", "hills", "boulders", "ditches", "stones")
@@ -272,6 +273,13 @@ WORDS: dict[str, Any] = {
     "scale": st.none() | st.floats(0.1, 100),
     "diameters": st.tuples(st.floats(0.1, 9), st.floats(0.1, 9)).map(lambda d: tuple(sorted(d))),
 }
+
+
+def test_hills_far_wider_than_their_ground_leave_it_flat() -> None:
+    for spacing in np.arange(5.0, 20.0, 0.25):
+        words = {"size": (0.5, 0.5), "cells": (9, 10), "spacing": float(spacing), "height": 1.0}
+        heights = build_ground(HillsTerrain.model_validate(words), 2).field.heights
+        assert np.ptp(heights) in (0.0, pytest.approx(1.0))
 
 
 @pytest.mark.parametrize("kind", GRIDS, ids=lambda kind: kind.__name__)

@@ -11,7 +11,9 @@ Source: Sims 1987, 13.1.2, sounds from motion.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -22,7 +24,7 @@ from pipeline.simulation.take import Place
 from pipeline.spec.detect import Roll
 
 PAUSE = 2
-"""Steps without it that take a rub back which has not yet lasted."""
+"""Steps without it that take a rub back which has not yet lasted, and are not heard in one."""
 
 SLIPS = 0.2
 """Part of a ball's speed that its contact has at most while it rolls."""
@@ -129,4 +131,14 @@ class Rubbing:
         # Of the pause in which it ended nothing is heard.
         speeds, places = zip(*self._way[i][: last - first + 1], strict=True)
         where = (x, y, z), (a, b, c)
-        return Rub(i, self.kind, first, last, *where, speed, other, speeds, places)
+        return Rub(i, self.kind, first, last, *where, speed, other, _bridged(speeds), places)
+
+
+def _bridged(speeds: Sequence[float]) -> tuple[float, ...]:
+    """Return speeds with shaking contacts left out: a step or two at 0 between two others."""
+    found, moving = list(speeds), [k for k, speed in enumerate(speeds) if speed > 0.0]
+    for a, b in pairwise(moving):
+        if 1 < b - a <= PAUSE + 1:
+            for k in range(a + 1, b):
+                found[k] = speeds[a] + (speeds[b] - speeds[a]) * (k - a) / (b - a)
+    return tuple(found)

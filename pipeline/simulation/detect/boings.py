@@ -76,15 +76,21 @@ class _Push:
         lowest = seen.p[seen.told][:, self._own, 1].min(axis=1).tolist()
         places = body[seen.told].tolist()
         rows = count(seen.first + seen.told.start)
+        lifts = seen.lifts.get(self.solid.performer, ())
         for row, rise, low, place in zip(rows, rises, lowest, places, strict=False):
-            push = self._goes_on(_Moment(row, rise, low, place))
+            push = self._goes_on(_Moment(row, rise, low, place), lifts)
             if push is not None:
-                begin = _lifted(push.row, seen.lifts.get(self.solid.performer, ()))
+                begin = max(_near(push.row, lifts), default=float(push.row))
                 values = [[push.rise, *push.place]]
                 yield Spell(0, begin, int(begin), int(begin), push.rise, values)
 
-    def _goes_on(self, now: _Moment) -> _Moment | None:
-        """Take in a row; return the moment of the push that it shows to be one."""
+    def _goes_on(self, now: _Moment, lifts: Sequence[float]) -> _Moment | None:
+        """Take in a row; return the moment of the push that it shows to be one.
+
+        Args:
+            now: the row.
+            lifts: rows at which contacts say that a foot leaves the ground.
+        """
         top = self._top
         # In one flight there is one push: the speed upward has to come up again.
         self._stood = self._stood or now.rise < 0.5 * self._above
@@ -94,24 +100,27 @@ class _Push:
             self._top = now
             return None
         rows = now.row - top.row
-        if rows < self._flight:
+        lifted = bool(_near(top.row, lifts))
+        if rows < self._flight and not lifted:
             return None
         # The next one begins from here.
         self._top = now
-        fall = (top.rise - now.rise) / (GRAVITY * self._dt * rows)
-        falls = FREE[0] <= fall <= FREE[1]
-        along = now.low - top.low >= ALONG * (now.place[1] - top.place[1])
         soon = top.row - self._told < self._pause
-        if top.rise < self._above or soon or not (falls and along):
+        if top.rise < self._above or soon or not (lifted or self._flies(top, now)):
             return None
         self._told, self._stood, self._top = top.row, False, None
         return top
 
+    def _flies(self, top: _Moment, now: _Moment) -> bool:
+        """Tell whether a creature falls from one moment to another, and its feet come along."""
+        fall = (top.rise - now.rise) / (GRAVITY * self._dt * (now.row - top.row))
+        along = now.low - top.low >= ALONG * (now.place[1] - top.place[1])
+        return FREE[0] <= fall <= FREE[1] and along
 
-def _lifted(row: int, lifts: Sequence[float]) -> float:
-    """Return when the last foot left the ground about a row, in rows; the row if none is known."""
-    near = [lift for lift in lifts if abs(lift - row) <= NEAR]
-    return max(near, default=float(row))
+
+def _near(row: int, lifts: Sequence[float]) -> list[float]:
+    """Return when feet left the ground about a row, in rows."""
+    return [lift for lift in lifts if abs(lift - row) <= NEAR]
 
 
 @dataclass(frozen=True, slots=True)

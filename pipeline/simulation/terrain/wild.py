@@ -33,6 +33,10 @@ def fractal(words: FractalTerrain, chance: np.random.Generator) -> HeightField:
     return HeightField(_spanning(_to_heights(spectrum, words), words.height), words.size)
 
 
+VANISHES = float(np.finfo(np.float64).tiny / np.finfo(np.float64).eps)
+"""Heights under this have lost their digits."""
+
+
 def hills(words: HillsTerrain, chance: np.random.Generator) -> HeightField:
     """Return smooth hills about `spacing` apart and `height` high."""
     return HeightField(swells(words, words.height, words.spacing, chance), words.size)
@@ -77,7 +81,8 @@ def _to_heights(spectrum: Array, words: Grid) -> Array:
 def _spanning(heights: Array, height: float) -> Array:
     """Scale to `height` between lowest and highest point, with the mean at 0."""
     span = float(np.ptp(heights))
-    if span == 0.0:
+    # Hills far wider than the ground leave nothing of their waves but what underflows.
+    if span < VANISHES:
         return np.zeros_like(heights)
     result: Array = (heights - heights.mean()) * (height / span)
     return result

@@ -11,12 +11,21 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from render.backend import Backend
 from render.frame import Frame
 from render.shot import Shot
+from render.words import FullFilm
 
 if TYPE_CHECKING:
     from render.stage import Stage
+
+Image = NDArray[np.float32]
+
+_STRIDE = 7919
+"""Between the seeds of the moments of one frame."""
 
 
 @dataclass
@@ -88,10 +97,7 @@ class Renderer:
             DenoiseError: the denoiser failed.
         """
         film = shot.film.resolved()
-        stage = self._staged(shot)
-        with self.split.timed("trace"):
-            light = stage.trace(shot.seed)
-            albedo = light if film.denoise == "off" else stage.albedo(shot.seed)
+        light, albedo = self._exposed(shot, film)
         with self.split.timed("denoise"):
             light = self._denoiser.clean(light, albedo, film.denoise)
         frame = Frame(light, film.exposure)
@@ -100,6 +106,25 @@ class Renderer:
                 _ = frame.srgb8
         self.split.frames += 1
         return frame
+
+    def _exposed(self, shot: Shot, film: FullFilm) -> tuple[Image, Image]:
+        """Return light and albedo, each the mean of all moments that the shutter is open."""
+        stage = self._staged(shot)
+        count = len(shot.moments)
+        samples = max(round(film.samples / count), 1)
+        lights, albedos = [], []
+        for k, moment in enumerate(shot.moments):
+            if k:
+                with self.split.timed("update"):
+                    stage.move(moment)
+            # Each moment has samples of its own, or its noise would be that of one.
+            seed = shot.seed + _STRIDE * k
+            with self.split.timed("trace"):
+                lights.append(stage.trace(seed, samples))
+                if film.denoise != "off":
+                    albedos.append(stage.albedo(seed, samples))
+        light = _mean(lights)
+        return light, _mean(albedos) if albedos else light
 
     def _staged(self, shot: Shot) -> Stage:
         from render.stage import Stage
@@ -112,9 +137,15 @@ class Renderer:
                 stage = Stage(shot)
         else:
             with self.split.timed("update"):
-                stage.move(shot)
+                stage.move(shot.moments[0])
         self._stage = stage
         return stage
+
+
+def _mean(images: list[Image]) -> Image:
+    if len(images) == 1:
+        return images[0]
+    return np.asarray(sum(images[1:], images[0]) / np.float32(len(images)))
 
 
 @cache

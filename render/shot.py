@@ -80,6 +80,19 @@ class CameraPose:
 
 
 @dataclass(frozen=True, eq=False)
+class Moment:
+    """Where everything stands at one instant while the shutter is open.
+
+    Attributes:
+        meshes: surfaces in world coordinates, of one topology in all moments of a shot.
+        camera: pose at this instant.
+    """
+
+    meshes: tuple[Mesh, ...]
+    camera: CameraPose
+
+
+@dataclass(frozen=True, eq=False)
 class Shot:
     """One frame as the renderer sees it.
 
@@ -90,6 +103,8 @@ class Shot:
         camera: pose of this frame.
         film: size, samples, depth, denoiser and tone, written out in full.
         seed: of the sampler; constant over a film flickers less than one a frame.
+        later: moments of the same exposure after the first, as long apart as that is after the
+            shutter opened twice; none for a frame without motion blur.
     """
 
     meshes: tuple[Mesh, ...]
@@ -98,6 +113,12 @@ class Shot:
     camera: CameraPose
     film: Film
     seed: int = 0
+    later: tuple[Moment, ...] = ()
+
+    @property
+    def moments(self) -> tuple[Moment, ...]:
+        """All moments of the exposure, whose light is averaged."""
+        return Moment(self.meshes, self.camera), *self.later
 
     @cached_property
     def build(self) -> str:
@@ -114,7 +135,10 @@ class Shot:
     def digest(self) -> str:
         """Digest of everything that the picture depends on, as hexadecimal digits."""
         camera = repr((self.camera, self.seed)).encode()
-        return _digest((self.build.encode(), camera, *(mesh.digest for mesh in self.meshes)))
+        pieces = [self.build.encode(), camera, *(mesh.digest for mesh in self.meshes)]
+        for moment in self.later:
+            pieces += [repr(moment.camera).encode(), *(mesh.digest for mesh in moment.meshes)]
+        return _digest(pieces)
 
 
 def _digest(pieces: Iterable[bytes]) -> str:

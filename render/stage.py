@@ -17,7 +17,7 @@ from render.color import linear
 from render.errors import ShotError
 from render.lights import emitters
 from render.meshes import Group, built, groups, moved, update
-from render.shot import CameraPose, Mesh, Shot
+from render.shot import CameraPose, Mesh, Moment, Shot
 from render.words import FullFilm, Material
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
@@ -53,32 +53,31 @@ class Stage:
         self._colors = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
         self._values = mi.traverse(self._scene)
         self._shown: tuple[Mesh, ...] = shot.meshes
-        self.move(shot)
+        self.move(shot.moments[0])
 
-    def move(self, shot: Shot) -> None:
-        """Move meshes and camera to where they stand in a shot of the same build."""
+    def move(self, moment: Moment) -> None:
+        """Move meshes and camera to where they stand at a moment of a shot of the same build."""
         for i, group in enumerate(self._groups):
-            if moved(group, self._shown, shot.meshes):
-                update(self._values, f"mesh{i}.", group, shot.meshes)
-        self._shown = shot.meshes
-        _aim(self._values, shot.camera, self._film)
+            if moved(group, self._shown, moment.meshes):
+                update(self._values, f"mesh{i}.", group, moment.meshes)
+        self._shown = moment.meshes
+        _aim(self._values, moment.camera, self._film)
         self._values.update()
 
-    def trace(self, seed: int) -> NDArray[np.float32]:
+    def trace(self, seed: int, samples: int) -> NDArray[np.float32]:
         """Return the light that the camera sees, (H, W, 3), linear sRGB."""
-        return self._render(self._integrator, seed)
+        return self._render(self._integrator, seed, samples)
 
-    def albedo(self, seed: int) -> NDArray[np.float32]:
+    def albedo(self, seed: int, samples: int) -> NDArray[np.float32]:
         """Return the colour of what the camera sees first, (H, W, 3), 0 to 1.
 
         A pass of its own, because around the path tracer it doubles the time.
         """
-        return np.ascontiguousarray(self._render(self._colors, seed)[..., -3:].clip(0.0, 1.0))
+        colors = self._render(self._colors, seed, samples)
+        return np.ascontiguousarray(colors[..., -3:].clip(0.0, 1.0))
 
-    def _render(self, integrator: Any, seed: int) -> NDArray[np.float32]:
-        image = integrator.render(
-            self._scene, self._sensor, seed=seed & 0xFFFFFFFF, spp=self._film.samples
-        )
+    def _render(self, integrator: Any, seed: int, samples: int) -> NDArray[np.float32]:
+        image = integrator.render(self._scene, self._sensor, seed=seed & 0xFFFFFFFF, spp=samples)
         # Reading the pixels waits for Mitsuba, so that times taken outside are honest.
         return np.array(image, np.float32)
 

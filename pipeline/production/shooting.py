@@ -6,14 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pipeline.production.camera import camera_poses
+from pipeline.production.camera import camera_poses, first_frames
 from pipeline.production.landscape import ground_meshes
 from pipeline.production.mounting import mounts_of
+from pipeline.production.panning import Panning
 from pipeline.production.skinning import Skin
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
-from render.shot import Mesh, Shot
+from render.shot import Mesh, Moment, Shot
 from render.words import MATERIALS, Material
 
 
@@ -35,29 +36,36 @@ class Shooting:
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         aspect = self.film.size[0] / self.film.size[1]
         self.poses = camera_poses(take, scene.camera, aspect, mounts_of(scene, take.nodes))
+        self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
         self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)
         self._skin = Skin.of(take)
 
     def shot(self, frame: int) -> Shot:
         """Return the shot of the 1-based `frame`."""
-        row = self.clock.row_of_frame(frame)
-        vertices = self._skin.posed(self.take, row)
-        meshes = list(self._ground)
-        for i, part in enumerate(self.take.parts):
-            mesh = self.take.meshes[part.mesh]
-            placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
-            if not part.life[0] <= row < part.life[1]:
-                # Hidden by collapsing: the topology of a build stays as it is.
-                placed = np.zeros_like(placed)
-            meshes.append(Mesh(part.name, placed, mesh.faces, part.material))
+        first, *later = (self._moment(frame, part) for part in self.film.exposures)
         return Shot(
-            meshes=tuple(meshes),
+            meshes=first.meshes,
             materials=self.materials,
             light=self.light,
-            camera=self.poses[frame - 1],
+            camera=first.camera,
             film=self.film,
+            later=tuple(later),
         )
+
+    def _moment(self, frame: int, part: float) -> Moment:
+        """Return where all stands a part of a frame after its begin."""
+        row = self.clock.row_of_frame(frame)
+        vertices = self._skin.posed(self.take, row + part * self.clock.samples)
+        meshes = list(self._ground)
+        for i, piece in enumerate(self.take.parts):
+            mesh = self.take.meshes[piece.mesh]
+            placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
+            if not piece.life[0] <= row < piece.life[1]:
+                # Hidden by collapsing: the topology of a build stays as it is.
+                placed = np.zeros_like(placed)
+            meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material))
+        return Moment(tuple(meshes), self._panning.at(frame, part))
 
 
 def _materials(scene: Scene, take: Take) -> Mapping[str, Material]:

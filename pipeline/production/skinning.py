@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
 
+LEAP = 400.0
+"""Speed over which something is taken to be set elsewhere [m/s]."""
+
 
 @dataclass(frozen=True, eq=False)
 class Skin:
@@ -46,11 +49,13 @@ class Skin:
             starts=np.concatenate([[0], np.cumsum(counts)]),
         )
 
-    def posed(self, take: Take, row: int) -> NDArray[np.float32]:
-        """Return the vertices (V, 3) in the world in `row` [m]."""
-        R, p = matrix(take.rotations[row]), take.positions[row]
+    def posed(self, take: Take, at: float) -> NDArray[np.float32]:
+        """Return the vertices (V, 3) in the world [m], at a row or between two."""
+        q, p, scales = _poses(take, at)
+        row = int(at)
+        R = matrix(q)
         # A scale is of the node's own geometry: along its axes, before it is turned.
-        R[list(take.scaled)] *= take.scales[row][:, None, :]
+        R[list(take.scaled)] *= scales[:, None, :]
         world = np.zeros((self.vertices.shape[1], 3))
         for k in range(2 if self.blended else 1):
             moved = p[self.nodes[k]] + (R[self.nodes[k]] @ self.vertices[k][..., None])[..., 0]
@@ -60,3 +65,21 @@ class Skin:
             # Hidden by collapsing: the topology of a build stays as it is.
             world[gone[self.nodes[0]]] = 0.0
         return world.astype(np.float32)
+
+
+def _poses(take: Take, at: float) -> tuple[Array, Array, Array]:
+    """Return rotations wxyz (J, 4), positions (J, 3) [m] and scales, straight between two rows."""
+    row = int(at)
+    part, after = at - row, min(row + 1, len(take.positions) - 1)
+    q, p, scales = take.rotations[row], take.positions[row], take.scales[row]
+    if part == 0.0 or after == row:
+        return q, p, scales
+    # Who is set from one place to another in no time is not drawn on the way there.
+    step = take.positions[after] - p
+    rate = float(take.header.rate * take.header.samples)
+    goes = (np.linalg.norm(step, axis=-1) * rate < LEAP)[:, None]
+    # Signs of neighbours agree, and a row is short: a chord is as good as the arc.
+    turned = q + part * (take.rotations[after] - q)
+    turned /= np.linalg.norm(turned, axis=-1, keepdims=True)
+    scaled = scales + part * (take.scales[after] - scales)
+    return np.where(goes, turned, q), np.where(goes, p + part * step, p), scaled

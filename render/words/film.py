@@ -11,13 +11,19 @@ from render.words.base import Words
 Denoise = Literal["off", "fast", "high"]
 Format = Literal["png", "exr"]
 Preset = Literal["draft", "preview", "final"]
+Degrees = Annotated[float, Field(ge=0, le=360)]
+Moments = Annotated[int, Field(ge=1, le=256)]
 # H.264 in 4:2:0 keeps one chroma sample for two by two pixels.
 Even = Annotated[int, Field(ge=16, le=8192, multiple_of=2)]
 
+# A shutter that is open for half of a frame is what films are shot with.
+_STILL: dict[str, Any] = {"shutter_deg": 0.0, "moments": 4}
+_BLURRED: dict[str, Any] = {"shutter_deg": 180.0, "moments": 6}
+
 _PRESETS: dict[Preset, dict[str, Any]] = {
-    "draft": {"size": (320, 180), "samples": 2, "depth": 3, "denoise": "fast"},
-    "preview": {"size": (640, 360), "samples": 4, "depth": 4, "denoise": "fast"},
-    "final": {"size": (1280, 720), "samples": 12, "depth": 5, "denoise": "high"},
+    "draft": {"size": (320, 180), "samples": 2, "depth": 3, "denoise": "fast", **_STILL},
+    "preview": {"size": (640, 360), "samples": 4, "depth": 4, "denoise": "fast", **_STILL},
+    "final": {"size": (1280, 720), "samples": 12, "depth": 5, "denoise": "high", **_BLURRED},
 }
 
 
@@ -29,6 +35,14 @@ class Film(Words):
     samples: int | None = Field(None, ge=1, le=65536, description="Light paths a pixel.")
     depth: int | None = Field(None, ge=1, le=64, description="Longest light path, in segments.")
     denoise: Denoise | None = Field(None, description="What removes the noise that is left.")
+    shutter_deg: Degrees | None = Field(
+        None,
+        description="How long the shutter is open, 360 for the whole frame: what moves is blurred.",
+    )
+    moments: Moments | None = Field(
+        None,
+        description="Moments of which a blurred frame is made, which share its samples.",
+    )
     exposure: float = Field(0.0, ge=-20, le=20, description="Stops brighter than by itself.")
     format: Format = Field("png", description="png is ready to show; exr keeps all light.")
 
@@ -45,3 +59,16 @@ class FullFilm(Film):
     samples: int = Field(ge=1, le=65536)
     depth: int = Field(ge=1, le=64)
     denoise: Denoise
+    shutter_deg: Degrees
+    moments: Moments
+
+    @property
+    def exposures(self) -> tuple[float, ...]:
+        """When a frame is taken, in parts of a frame from its begin: the middles of its moments.
+
+        A moment has a sample of each pixel at least.
+        """
+        if self.shutter_deg == 0.0:
+            return (0.0,)
+        count = min(self.moments, self.samples)
+        return tuple(self.shutter_deg / 360.0 * (k + 0.5) / count for k in range(count))

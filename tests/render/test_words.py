@@ -80,7 +80,8 @@ def test_hexadecimal_colours_are_srgb() -> None:
         (Film, {"size": [641, 360]}),
         (Film, {"size": [640, 8]}),
         (Film, {"samples": 0}),
-        (Film, {"shutter_deg": 180}),
+        (Film, {"shutter_deg": 400}),
+        (Film, {"moments": 0}),
     ],
 )
 def test_nonsense_is_refused(model: type[Material], words: dict[str, object]) -> None:

@@ -1,0 +1,53 @@
+"""Panning: where a camera stands between its frames, while the shutter is open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from render.shot import CameraPose
+
+Triple = tuple[float, float, float]
+
+
+class Panning:
+    """Poses of a camera at any time; within a shot it goes straight from frame to frame.
+
+    Args:
+        poses: by frame.
+        cuts: frames from which each shot is seen.
+    """
+
+    def __init__(self, poses: Sequence[CameraPose], cuts: Sequence[int]) -> None:
+        self._poses, self._cuts = poses, frozenset(cuts)
+
+    def at(self, frame: int, part: float) -> CameraPose:
+        """Return the pose a part of a frame after the begin of the 1-based `frame`."""
+        now = self._poses[frame - 1]
+        if part == 0.0:
+            return now
+        if self._goes_on(frame):
+            return _between(now, self._poses[frame], part)
+        # Of the last frame of a shot the next one is not seen: it goes on as it came.
+        if frame > 1 and self._goes_on(frame - 1):
+            return _between(self._poses[frame - 2], now, 1.0 + part)
+        return now
+
+    def _goes_on(self, frame: int) -> bool:
+        """Tell whether the frame after a 1-based `frame` belongs to the same shot."""
+        return frame < len(self._poses) and frame + 1 not in self._cuts
+
+
+def _between(a: CameraPose, b: CameraPose, part: float) -> CameraPose:
+    if a == b:
+        return a
+    return CameraPose(
+        p_WC=_mixed(a.p_WC, b.p_WC, part),
+        p_WT=_mixed(a.p_WT, b.p_WT, part),
+        up=_mixed(a.up, b.up, part),
+        fov_deg=a.fov_deg + part * (b.fov_deg - a.fov_deg),
+    )
+
+
+def _mixed(a: Triple, b: Triple, part: float) -> Triple:
+    x, y, z = (p + part * (q - p) for p, q in zip(a, b, strict=True))
+    return x, y, z

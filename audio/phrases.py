@@ -11,7 +11,7 @@ from fractions import Fraction
 from math import log10
 
 from audio.chords import parse_chord
-from audio.phrase_words import StepWords
+from audio.phrase_words import StepWords, Timed
 from audio.scales import Scale
 from audio.words import Voice
 
@@ -52,8 +52,8 @@ def answer(
         yield _together(Fraction(0), pitches, 0.0, None)
         return
     after = Fraction(0)
-    for step in voice.phrase:
-        time = _time(step, tempo, rate)
+    for step in voice.phrase.steps:
+        time = _time(step if step.says_when else voice.phrase, tempo, rate)
         if not step.rest:
             length = step.length or voice.length or float(time)
             yield _together(after, _pitches(step, pitch, scale), step.gain_db, length)
@@ -67,7 +67,7 @@ def _together(
     return Struck(after, pitches, gain_db - 10 * log10(len(pitches)), seconds)
 
 
-def _time(step: StepWords, tempo: float, rate: Fraction) -> Fraction:
+def _time(step: Timed, tempo: float, rate: Fraction) -> Fraction:
     """Return the time to the next step [s], decimals as the author wrote them."""
     if step.frames is not None:
         return step.frames / rate

@@ -93,7 +93,8 @@ class Voice(Words):
     phrase: Phrase | None = Field(
         None,
         description="Notes that answer an event: degrees such as [0, 2, [0, 4], rest, 7], or "
-        "mappings that also say how long each lasts.",
+        "mappings that also say how long each lasts; or all of it with one time for each step, such "
+        "as {steps: [0, 2, 4], beats: 0.25}.",
     )
     velocity: Velocity | None = Field(
         None, description="How hard notes are struck; a number for always so."
@@ -118,7 +119,8 @@ class Voice(Words):
         if self.drum is not None and (self.instrument is not None or self.pitch is not None):
             raise ValueError("give either drum, or instrument and pitch: a drum has one pitch")
         tuned = [w for w in ("scale", "chord", "octave", "transpose") if getattr(self, w)]
-        if self.phrase and any(s.chord is not None or s.degrees != (0,) for s in self.phrase):
+        steps = self.phrase.steps if self.phrase else ()
+        if any(step.chord is not None or step.degrees != (0,) for step in steps):
             tuned.append("degrees or chords in its phrase")
         if self.drum is not None and tuned:
             raise ValueError(f"a drum has one pitch; leave out {', '.join(tuned)}")

@@ -93,8 +93,8 @@ class Voice(Words):
     phrase: Phrase | None = Field(
         None,
         description="Notes that answer an event: degrees such as [0, 2, [0, 4], rest, 7], or "
-        "mappings that also say how long each lasts; or all of it with one time for each step, such "
-        "as {steps: [0, 2, 4], beats: 0.25}.",
+        "mappings that also say how long each lasts; or all of it with one time for each step, as "
+        "in {steps: [0, 2, 4], beats: 0.25}.",
     )
     velocity: Velocity | None = Field(
         None, description="How hard notes are struck; a number for always so."

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic.config import JsonDict
 
 from audio.model import Words
 from audio.pitch_words import ChordName
@@ -13,7 +14,7 @@ LONGEST = 256
 """Most steps of a phrase."""
 
 # Its own check, because a list whose only item is wrong would be called too short as well.
-_SOME = {"minItems": 1}
+_SOME: JsonDict = {"minItems": 1}
 
 Degree = Annotated[int, Field(ge=-70, le=70)]
 Beats = Annotated[float, Field(gt=0, le=256)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from fractions import Fraction
 
@@ -62,20 +63,20 @@ def test_each_foot_has_its_note_once_a_bar(notes: tuple[Note, ...], who: str) ->
     assert all(pitches[note.event.part] == note.pitch for note in own)
     for part in pitches:
         at = frames_of(notes, who, part)
-        assert {b - a for a, b in zip(at, at[1:], strict=False)} == {BAR}
+        assert {b - a for a, b in itertools.pairwise(at)} == {BAR}
 
 
 def test_four_feet_against_three_against_two(notes: tuple[Note, ...]) -> None:
     for who, feet in FEET.items():
         at = [frame for frame in frames_of(notes, who) if frame >= BAR]
-        assert {b - a for a, b in zip(at, at[1:], strict=False)} == {BAR // feet}
+        assert {b - a for a, b in itertools.pairwise(at)} == {BAR // feet}
         assert all(frame % (BAR // feet) == 0 for frame in at)
 
 
 def test_the_kangaroo_hops_four_times_in_three_bars(notes: tuple[Note, ...]) -> None:
     # The first hop is from standing.
     landings = frames_of(notes, "roo")[1:]
-    hops = [b - a for a, b in zip(landings, landings[1:], strict=False)]
+    hops = [b - a for a, b in itertools.pairwise(landings)]
     assert len(hops) >= 9
     assert set(hops) == {3 * BAR // 4}
 

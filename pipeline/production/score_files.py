@@ -79,6 +79,6 @@ def shifts_line(shifts: Shifts, score: Score) -> str | None:
     frames = float(shifts.greatest * score.rate)
     return (
         f"score: {shifts.moved} of {shifts.asked} events moved to {grid}: by {mean:.0f} ms on "
-        f"average, {greatest:.0f} ms ({frames:.2g} frames) at most; {shifts.earlier} sound earlier "
+        f"average, {greatest:.0f} ms ({frames:.1f} frames) at most; {shifts.earlier} sound earlier "
         "than they are seen"
     )

@@ -138,7 +138,7 @@ def _played(
         pitch=own,
         seconds=voice.length or event.duration or _natural_length(event),
         level=_level(event, voice, sound) + voice.gain_db + sound.volume_db,
-        tuned=voice.pitch is not None or voice.chord is not None or voice.phrase is not None,
+        tuned=voice.drum is None and any((voice.pitch is not None, voice.chord, voice.phrase)),
         decay=voice.length,
         send=send_of(event.distance, sound.reverb if voice.reverb is None else voice.reverb),
         drum=voice.drum is not None,

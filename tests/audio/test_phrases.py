@@ -122,6 +122,7 @@ def test_what_lasts_does_so_once_and_its_phrase_goes_on_with_blows(step, score_o
 def test_a_drum_beats_the_rhythm_of_a_phrase(step, score_of):
     voices = [{"drum": "maracas", "phrase": {"steps": [0, 0, "rest", 0], "frames": 2}}]
     notes = notes_of(score_of([step()], sound={"voices": voices}))
+    assert not any(note.tuned for note in notes)
     assert [(n.onset * 24, n.pitch, n.drum) for n in notes] == [(f, 70, True) for f in (0, 2, 6)]
 
 

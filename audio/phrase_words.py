@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 from pydantic.config import JsonDict
@@ -98,7 +98,9 @@ def _step(words: Any) -> Any:
 
 Step = Annotated[
     StepWords,
-    BeforeValidator(_step, json_schema_input_type=Degree | list[Degree] | str | StepWords),
+    BeforeValidator(
+        _step, json_schema_input_type=Degree | list[Degree] | Literal["rest"] | StepWords
+    ),
 ]
 
 

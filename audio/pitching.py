@@ -29,7 +29,7 @@ class Rank:
     Attributes:
         place: 0 for the first, in the order of names in which foot_2 comes before foot_10.
         parts: how many there are.
-        size: of the largest of them [m]; all count their steps from its pitch.
+        size: of the largest of them [m]; if there are several, all count steps from its pitch.
     """
 
     place: int
@@ -88,7 +88,8 @@ def pitch_by(rule: str, event: ScoreEvent, rank: Rank, scale: Scale, program: in
         return _folded(scale.pitch(_degree(event.size, scale, lowest, highest)), lowest, highest)
     # Two octaves of steps, then again from the start: a centipede stays in tune and in hearing.
     steps = min(rank.parts, 2 * len(scale.intervals))
-    degree = _degree(rank.size, scale, lowest, highest)
+    size = rank.size if rank.parts > 1 else event.size
+    degree = _degree(size, scale, lowest, highest)
     while degree > 0 and scale.pitch(degree + steps - 1) > highest:
         degree -= 1
     return _folded(scale.pitch(degree + rank.place % steps), lowest, highest)

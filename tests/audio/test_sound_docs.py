@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
 from audio.chords import KINDS
 from audio.midi import midi_bytes
+from audio.phrase_words import PhraseWords, StepWords
+from audio.quantise_words import QuantiseWords
 from audio.scales import MODES
-from audio.words import Sound
+from audio.velocity_words import VelocityWords
+from audio.words import Sound, Voice, When
 from pipeline.spec import load_scene
 
 PAGE = (Path(__file__).parents[2] / "docs" / "sound.md").read_text(encoding="utf-8")
@@ -46,6 +48,5 @@ def test_the_page_names_every_kind_of_scale_chord_and_word() -> None:
     for kind in (*MODES, *filter(None, KINDS)):
         assert f"`{kind}`" in PAGE, kind
     said = set(re.findall(r"[a-z_]+", PAGE))
-    assert set(Sound.model_fields) <= said
-    named = {key for example in EXAMPLES for key in yaml.safe_load(example)["sound"]}
-    assert named <= set(Sound.model_fields)
+    for model in (Sound, Voice, When, QuantiseWords, VelocityWords, PhraseWords, StepWords):
+        assert set(model.model_fields) <= said, model

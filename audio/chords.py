@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import cache
 
 from audio.names import nearest
 from audio.scales import Scale, parse_scale, pitch_class
@@ -90,6 +91,7 @@ def _allowed() -> str:
     return f"roots: C, C#, Db ... B; kinds: none for major, {kinds}"
 
 
+@cache
 def parse_steps(text: str) -> Scale:
     """Read a scale, or a chord whose notes are to be the steps of one.
 

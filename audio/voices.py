@@ -98,6 +98,8 @@ def voiced(score: Score) -> Voiced:
     ranks = ranks_of(score.events)
     notes: list[Note] = []
     shifts: list[Fraction] = []
+    # Of a crash hundreds begin on one frame.
+    drawn: dict[Fraction, Fraction] = {}
     left_out = 0
     end = score.frames / score.rate
     for event in sorted(score.events, key=_order):
@@ -106,8 +108,10 @@ def voiced(score: Score) -> Voiced:
             continue
         onset = score.onset(event)
         if score.sound.quantise is not None and voice.quantise:
-            onset = quantised(onset, score.sound.quantise, score)
-            shifts.append(onset - score.onset(event))
+            if onset not in drawn:
+                drawn[onset] = quantised(onset, score.sound.quantise, score)
+            shifts.append(drawn[onset] - onset)
+            onset = drawn[onset]
         played = list(_played(score, event, voice, rank_of(ranks, event), onset))
         within = [note for note in played if note.onset < end]
         left_out += len(played) - len(within)

@@ -1,10 +1,10 @@
-"""Channels for sounding notes: program and pan belong to a channel, so notes share one or differ.
+"""Channels for sounding notes: program, pan and reverb belong to a channel, so notes share one.
 
 Notes come in the order in which a player meets them: by tick, then by track. Each is given a
-channel that has its track, program and pan already, else one that has fallen silent, and only then
-another's: first a dying tail, then that of another track, then a neighbouring pan, then the channel
-of whatever began longest ago. Only what begins at one moment with fifteen others must share a note
-with one of them. What was given up on the way is counted.
+channel that has its track, program, pan and reverb already, else one that has fallen silent, and
+only then another's: first a dying tail, then that of another track, then a neighbouring pan or
+reverb, then the channel of whatever began longest ago. Only what begins at one moment with fifteen
+others must share a note with one of them. What was given up on the way is counted.
 
 A note with a gesture has its channel to itself, because pitch wheel and expression belong to
 channels too. Each track says by itself all that its notes need, also where another track has said
@@ -29,16 +29,22 @@ class _Said:
 
     program: int = -1
     pan: int = -1
+    send: int = -1
     ranged: bool = False
     moved: bool = False
+
+    def suits(self, note: Placed) -> bool:
+        """Say whether a note can be played with what has been told."""
+        return (self.program, self.pan, self.send) == (note.program, note.pan, note.send)
 
     def hear(self, note: Placed) -> None:
         """Take in what a note needs, and let the note say what is new."""
         note.sets_program |= self.program != note.program
         note.sets_pan |= self.pan != note.pan
+        note.sets_send |= self.send != note.send
         note.sets_range |= bool(note.gesture) and not self.ranged
         note.rests |= self.moved and not note.gesture
-        self.program, self.pan = note.program, note.pan
+        self.program, self.pan, self.send = note.program, note.pan, note.send
         self.ranged |= bool(note.gesture)
         self.moved = bool(note.gesture)
 
@@ -132,7 +138,7 @@ def _choose(channels: list[_Channel], note: Placed, tail: int, losses: Losses) -
         note.gesture = ()
         losses.stiff += 1
     shared = silent if note.gesture else [c for c in channels if c.open(note)]
-    same = [c for c in shared if (c.said.program, c.said.pan) == (note.program, note.pan)]
+    same = [c for c in shared if c.said.suits(note)]
     own = [c for c in same if c.track == note.track]
     for channel in own:
         if channel.struck(note) is None and not _rings_bent(channel, note, tail):
@@ -170,7 +176,7 @@ def _crowded(
     if cut is not None:
         return cut
     alike = [c for c in shared if c.said.program == note.program]
-    alike.sort(key=lambda c: abs(c.said.pan - note.pan))
+    alike.sort(key=lambda c: (abs(c.said.pan - note.pan), abs(c.said.send - note.send)))
     near = _neighbour(alike, note, losses)
     if near is not None or _merge(alike, note, losses):
         return near
@@ -227,11 +233,12 @@ def _cut_in(same: list[_Channel], note: Placed, losses: Losses) -> _Channel | No
 
 
 def _neighbour(alike: list[_Channel], note: Placed, losses: Losses) -> _Channel | None:
-    """Move a note to the nearest direction that its program sounds from."""
+    """Move a note to the nearest direction and reverb that its program sounds with."""
     for channel in alike:
         if channel.struck(note) is None:
-            note.pan = channel.said.pan
-            losses.moved += 1
+            losses.moved += note.pan != channel.said.pan
+            losses.reverbs += note.send != channel.said.send
+            note.pan, note.send = channel.said.pan, channel.said.send
             return channel
     return None
 

@@ -33,6 +33,7 @@ def conductor(score: Score, grid: Grid, notes: tuple[Note, ...]) -> list[Timed]:
             mido.MetaMessage("cue_marker", text=clean(cause_of(note.event))),
         )
         for note in notes
+        if note.opens
     ]
     return [*_head(score, grid), *markers, *cues]
 

@@ -43,6 +43,25 @@ INSTRUMENTS: tuple[str, ...] = (
     *("telephone ring", "helicopter", "applause", "gunshot"),
 )
 
+# Where instruments that are chosen without an author's word are usually played; of bars and bells
+# the sounding pitch. Others stay within the middle of the keyboard.
+RANGES: dict[str, tuple[int, int]] = {
+    "kalimba": (48, 88),
+    "xylophone": (53, 96),
+    "marimba": (36, 96),
+    "vibraphone": (41, 89),
+    "celesta": (60, 96),
+    "glockenspiel": (67, 96),
+    "melodic tom": (36, 79),
+    "slap bass 1": (36, 67),
+    "slap bass 2": (36, 67),
+    "muted guitar": (40, 83),
+    "clavinet": (36, 89),
+    "muted trumpet": (52, 84),
+    "whistle": (67, 96),
+}
+_MIDDLE = (36, 96)
+
 # In the order of the keys, from the lowest on.
 _LOWEST_DRUM = 35
 DRUMS: tuple[str, ...] = (
@@ -72,6 +91,11 @@ def program_of(name: str) -> int:
     if program is None:
         raise ValueError(unknown("instrument", name, INSTRUMENTS))
     return program
+
+
+def range_of(program: int) -> tuple[int, int]:
+    """Return the lowest and the highest pitch at which an instrument is usually played."""
+    return RANGES.get(INSTRUMENTS[program], _MIDDLE)
 
 
 def drum_of(name: str) -> int:

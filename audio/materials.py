@@ -63,8 +63,8 @@ FAMILIES: dict[str, Family] = {
     "metal": Family(PLATE, 900, 0.0009, 3, 0.4, 0.04, 3, "vibraphone", 260),
     "glass": Family(BELL, 1900, 0.0016, 5, 0.4, 0.04, 1, "celesta", 900),
     "ice": Family(BELL, 1300, 0.008, 12, 0.6, 0.06, 0, "glockenspiel", 420, -14, (3e3, 12e3), 0.05),
-    "plastic": Family(SHELL, 700, 0.045, 20, 0.9, 0.16, -2, "xylophone", 320),
-    "rubber": Family(MEMBRANE, 190, 0.22, 18, 1.1, 0.70, -3, "melodic tom", 120),
+    "plastic": Family(SHELL, 700, 0.045, 20, 0.9, 0.16, -2, "clavinet", 320),
+    "rubber": Family(MEMBRANE, 190, 0.22, 18, 1.1, 0.70, -3, "slap bass 2", 120),
     "flesh": Family(MEMBRANE, 170, 0.30, 30, 1.2, 0.80, -4, "melodic tom", 110),
     "cloth": Family(
         MEMBRANE, 210, 0.40, 45, 1.2, 0.85, -9, "muted guitar", 130, -4, (300, 4e3), 0.06

@@ -16,7 +16,6 @@ from audio.blows import Blow, blow_of, sounded
 from audio.errors import ScoreError
 from audio.files import put
 from audio.grid import SAMPLE_RATE, sample_at, sample_of
-from audio.heard import pan_of
 from audio.mixing import add, faded, limited, sides
 from audio.score import Score
 from audio.voices import Note, notes_of
@@ -76,8 +75,8 @@ def write_wav(score: Score, path: Path) -> WavReport:
         path=path,
         changed=changed,
         samples=whole.shape[0],
-        events=len(notes),
-        muted=len(score.events) - len(notes),
+        events=sum(note.opens for note in notes),
+        muted=len(score.events) - sum(note.opens for note in notes),
         peak_db=_decibels(peak / _FULL),
         rms_db=_decibels(rms),
         limited_db=limited_db,
@@ -103,7 +102,7 @@ def _mixed(score: Score, notes: tuple[Note, ...]) -> tuple[Signal, float]:
         left = float(score.frames / score.rate - note.onset)
         blow, trim_db = blow_of(note, score.seed, seen[happened], left)
         gain = 10 ** ((note.level + trim_db) / 20)
-        to_left, to_right = sides(pan_of(event))
+        to_left, to_right = sides(note.side)
         add(
             stereo,
             sample_at(note.onset),

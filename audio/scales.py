@@ -79,7 +79,12 @@ def parse_scale(text: str) -> Scale:
     letter, sign, kind = match.groups()
     if folded(kind) not in MODES:
         raise ValueError(unknown("scale", kind, MODES))
-    return Scale((_LETTERS[letter.lower()] + _SIGNS[sign]) % 12, MODES[folded(kind)])
+    return Scale(pitch_class(letter, sign), MODES[folded(kind)])
+
+
+def pitch_class(letter: str, sign: str) -> int:
+    """Return the pitch class of a letter and a sharp, a flat or nothing: 0 for C to 11 for B."""
+    return (_LETTERS[letter.lower()] + _SIGNS[sign]) % 12
 
 
 def parse_note(text: str) -> int:

@@ -16,7 +16,7 @@ Timed = tuple[int, mido.Message | mido.MetaMessage]
 
 # mido writes longer ones in silence, as bytes that no reader understands.
 _MAX_DELTA = 2**28 - 1
-_PAN, _EXPRESSION = 10, 11
+_PAN, _EXPRESSION, _REVERB = 10, 11, 91
 # Registered parameter 0 is the range of the pitch wheel, in semitones and hundredths; parameter
 # 127, 127 is none, so that what another program sends later changes nothing.
 _RANGE = ((101, 0), (100, 0), (6, BEND_RANGE), (38, 0), (101, 127), (100, 127))
@@ -49,6 +49,8 @@ def _played(note: Placed) -> Iterator[Timed]:
         yield at, mido.Message("program_change", channel=channel, program=note.program)
     if note.sets_pan:
         yield _control(note, at, _PAN, note.pan)
+    if note.sets_send:
+        yield _control(note, at, _REVERB, note.send)
     if note.sets_range:
         yield from (_control(note, at, number, value) for number, value in _RANGE)
     if note.rests:

@@ -1,40 +1,36 @@
-"""Which voice an event has: the author's first rule that fits, completed by sensible defaults."""
+"""Notes: what is played for each event, by the author's words and by sensible defaults."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import isfinite, log2
 
-from audio.errors import ScoreError
-from audio.heard import loudness_db
+from audio.checks import check
+from audio.chords import parse_steps
+from audio.fitting import first_fitting
+from audio.heard import pan_of
 from audio.instruments import drum_of, program_of
 from audio.materials import family_of
 from audio.motions import motion_of
 from audio.names import folded
+from audio.phrases import Struck, answer, heard
+from audio.pitching import BY_PART, Rank, pitch_by, rank_of, ranks_of
+from audio.quantising import Shifts, on_frame, quantised, shifts_of
 from audio.rubs import rub_of
-from audio.scales import Scale, parse_scale
+from audio.scales import Scale
 from audio.score import Score, ScoreEvent
-from audio.words import Sound, Voice, When
-
-# What feet do: a step of the scale for each of them.
-_BY_PART = ("footfall", "scuff")
-
-# Middle of the keyboard for a piece of 0.1 m. Real strings and bars climb an octave for half the
-# length; two thirds of it keeps a brick and a beetle on one instrument.
-_SIZE_PITCH = 67.0
-_SEMITONES_PER_HALVING = 8.0
-_LOWEST, _HIGHEST = 36, 96
+from audio.sends import send_of
+from audio.velocities import level_by
+from audio.words import Sound, Voice
 
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """An event with its voice chosen.
+    """A note that is played for an event.
 
     Attributes:
-        event: what happened.
+        event: what happened; for later notes of a phrase without what lasts of it.
         onset: when it is to be heard [s].
         program: General MIDI program.
         pitch: MIDI pitch; of a drum its key.
@@ -44,6 +40,8 @@ class Note:
         decay: time in which the sound shall die away [s]; None to leave it to the material.
         send: share of its level that the room is given, 0 to 1.
         drum: whether it is played on the channel of drums.
+        pan: where the author puts it, left (-1) to right (1); None for where it is.
+        opens: whether it is the first note of its event; others belong to its chord or phrase.
     """
 
     event: ScoreEvent
@@ -56,48 +54,69 @@ class Note:
     decay: float | None = None
     send: float = 0.0
     drum: bool = False
+    pan: float | None = None
+    opens: bool = True
+
+    @property
+    def side(self) -> float:
+        """Where it stands between left (-1) and right (1)."""
+        return pan_of(self.event) if self.pan is None else self.pan
+
+
+@dataclass(frozen=True, slots=True)
+class Voiced:
+    """All notes of a score.
+
+    Attributes:
+        notes: in an order that hangs on the events alone, each event's one after the other.
+        after_the_end: notes of phrases that would begin after the last frame; left out.
+        shifts: what the quantisation did.
+    """
+
+    notes: tuple[Note, ...]
+    after_the_end: int
+    shifts: Shifts
 
 
 def notes_of(score: Score) -> tuple[Note, ...]:
-    """Give every event that is not muted its voice, in an order that hangs on the events alone.
+    """Return the notes of a score; raises as `voiced` does."""
+    return voiced(score).notes
+
+
+def openings(score: Score) -> tuple[Note, ...]:
+    """Return the first note of every event that is not muted; raises as `voiced` does."""
+    return tuple(note for note in notes_of(score) if note.opens)
+
+
+def voiced(score: Score) -> Voiced:
+    """Give every event that is not muted its voice.
 
     Raises:
         ScoreError: an event lies outside the score or holds a number that is not finite.
     """
-    if score.frames < 1:
-        raise ScoreError(f"a score has at least one frame; got {score.frames}")
-    if score.rate <= 0:
-        raise ScoreError(f"a frame rate is positive; got {score.rate}")
-    for event in score.events:
-        _check(event, score)
-    ranks = _part_ranks(score.events)
-    scale = parse_scale(score.sound.scale)
-    notes = []
+    check(score)
+    ranks = ranks_of(score.events)
+    notes: list[Note] = []
+    shifts: list[Fraction] = []
+    # Of a crash hundreds begin on one frame.
+    drawn: dict[Fraction, Fraction] = {}
+    left_out = 0
+    end = score.frames / score.rate
     for event in sorted(score.events, key=_order):
-        voice = _first_fitting(score.sound, event)
-        if not voice.mute:
-            rank = ranks[event.who, _kin(event), event.part]
-            notes.append(_note(score, event, voice, scale, rank))
-    return tuple(notes)
-
-
-def _check(event: ScoreEvent, score: Score) -> None:
-    name = f"{event.cause} of {event.who}.{event.part} at frame {event.frame}"
-    if not 1 <= event.frame <= score.frames:
-        raise ScoreError(f"{name} lies outside frames 1 to {score.frames}")
-    if not 0 <= score.onset(event) < score.frames / score.rate:
-        raise ScoreError(f"{name}: its time, {float(event.time):.6g} s, lies outside the film")
-    if not all(isfinite(speed) and speed >= 0 for speed in event.speeds):
-        raise ScoreError(f"{name}: its speeds are to be finite and not negative")
-    numbers = {
-        field: getattr(event, field)
-        for field in ("strength", "energy", "size", "distance", "azimuth", "duration")
-    }
-    for field, value in numbers.items():
-        if not isfinite(value):
-            raise ScoreError(f"{name}: {field} is {value}")
-    if event.size <= 0 or min(event.distance, event.duration, event.energy) < 0:
-        raise ScoreError(f"{name}: size is positive; distance, duration and energy not negative")
+        voice = first_fitting(score.sound, event)
+        if voice.mute:
+            continue
+        onset = score.onset(event)
+        if score.sound.quantise is not None and voice.quantise:
+            if onset not in drawn:
+                drawn[onset] = quantised(onset, score.sound.quantise, score)
+            shifts.append(drawn[onset] - onset)
+            onset = drawn[onset]
+        played = list(_played(score, event, voice, rank_of(ranks, event), onset))
+        within = [note for note in played if note.onset < end]
+        left_out += len(played) - len(within)
+        notes += within
+    return Voiced(tuple(notes), left_out, shifts_of(shifts))
 
 
 def _order(event: ScoreEvent) -> tuple[object, ...]:
@@ -108,73 +127,69 @@ def _order(event: ScoreEvent) -> tuple[object, ...]:
     )
 
 
-def _part_ranks(events: Iterable[ScoreEvent]) -> dict[tuple[str, str, str], int]:
-    parts: dict[tuple[str, str], set[str]] = {}
-    for event in events:
-        parts.setdefault((event.who, _kin(event)), set()).add(event.part)
-    return {
-        (*of, part): rank
-        for of, names in parts.items()
-        for rank, part in enumerate(sorted(names, key=_natural))
-    }
-
-
-def _kin(event: ScoreEvent) -> str:
-    """Return what causes count their parts together: a knee that squeaks tunes no foot."""
-    cause = folded(event.cause)
-    return _BY_PART[0] if cause in _BY_PART else cause
-
-
-def _natural(name: str) -> tuple[list[tuple[int, str]], str]:
-    """Return the key that sorts foot_2 before foot_10."""
-    pieces = re.findall(r"[0-9]+|[^0-9]+", name)
-    return [(int(p), "") if p.isascii() and p.isdigit() else (-1, p) for p in pieces], name
-
-
-def _first_fitting(sound: Sound, event: ScoreEvent) -> Voice:
-    for voice in sound.voices:
-        if _fits(voice.when, event):
-            return voice
-    return Voice()
-
-
-def _fits(when: When, event: ScoreEvent) -> bool:
-    wanted = (
-        (when.cause, event.cause),
-        (when.who, event.who),
-        (when.part, event.part),
-        (when.material, event.material),
-        (when.surface, event.surface),
-    )
-    return all(pattern is None or _matches(name, pattern) for pattern, name in wanted)
-
-
-def _matches(name: str, pattern: str) -> bool:
-    pieces = (re.escape(piece) for piece in folded(pattern).split("*"))
-    return re.fullmatch(".*".join(pieces), folded(name)) is not None
-
-
-def _note(score: Score, event: ScoreEvent, voice: Voice, scale: Scale, rank: int) -> Note:
-    length = voice.length or event.duration or _natural_length(event)
-    default = "by part" if folded(event.cause) in _BY_PART else "by size"
-    quiet = rub_of(event.cause) or motion_of(event.cause)
-    pitch = voice.pitch if voice.pitch is not None else default
-    if voice.drum is not None:
-        pitch = drum_of(voice.drum)
-    return Note(
+def _played(
+    score: Score, event: ScoreEvent, voice: Voice, rank: Rank, onset: Fraction
+) -> Iterator[Note]:
+    """Give the notes of one event; all stand on frames unless sounds stand below them."""
+    sound = score.sound
+    scale = parse_steps(voice.scale or sound.scale)
+    program = program_of(voice.instrument or _instrument(event))
+    own = _pitch(event, voice, rank, scale, program)
+    note = Note(
         event=event,
-        onset=score.onset(event),
-        program=program_of(voice.instrument or _instrument(event)),
-        pitch=pitch if isinstance(pitch, int) else _scale_pitch(event, scale, pitch, rank),
-        seconds=length,
-        level=loudness_db(event)
-        + (quiet.level if quiet else 0.0)
-        + voice.gain_db
-        + score.sound.volume_db,
-        tuned=voice.pitch is not None,
+        onset=onset,
+        program=program,
+        pitch=own,
+        seconds=voice.length or event.duration or _natural_length(event),
+        level=_level(event, voice, sound) + voice.gain_db + sound.volume_db,
+        tuned=voice.drum is None and any((voice.pitch is not None, voice.chord, voice.phrase)),
         decay=voice.length,
+        send=send_of(event.distance, sound.reverb if voice.reverb is None else voice.reverb),
         drum=voice.drum is not None,
+        pan=voice.pan,
     )
+    for struck in answer(voice, own, scale, sound.tempo_bpm, score.rate):
+        yield from _struck(note, struck, score)
+
+
+def _struck(note: Note, struck: Struck, score: Score) -> Iterator[Note]:
+    onset = note.onset + struck.after
+    event = note.event
+    if struck.after > 0:
+        onset = onset if score.subframe else on_frame(onset, score.rate)
+        # What lasts does so once; its phrase goes on with blows.
+        event = replace(event, duration=0.0, speeds=(), course=())
+    for place, pitch in enumerate(struck.pitches):
+        yield replace(
+            note,
+            event=event,
+            onset=onset,
+            pitch=pitch,
+            seconds=struck.seconds or note.seconds,
+            level=note.level + struck.gain_db,
+            opens=struck.after == 0 and place == 0,
+        )
+
+
+def _pitch(event: ScoreEvent, voice: Voice, rank: Rank, scale: Scale, program: int) -> int:
+    if voice.drum is not None:
+        return drum_of(voice.drum)
+    pitch = voice.pitch
+    if pitch is None:
+        pitch = "by part" if folded(event.cause) in BY_PART else "by size"
+    if not isinstance(pitch, int):
+        pitch = pitch_by(pitch, event, rank, scale, program)
+    return heard(pitch + 12 * voice.octave + voice.transpose)
+
+
+def _level(event: ScoreEvent, voice: Voice, sound: Sound) -> float:
+    velocity = voice.velocity or sound.velocity
+    level = level_by(velocity, event)
+    if velocity.curve != "physical":
+        return level
+    # What only glides or stirs the air gives less of its energy away than a blow.
+    quiet = rub_of(event.cause) or motion_of(event.cause)
+    return level + (quiet.level if quiet else 0.0)
 
 
 def _instrument(event: ScoreEvent) -> str:
@@ -189,17 +204,3 @@ def _natural_length(event: ScoreEvent) -> float:
     if rub is not None:
         return rub.seconds
     return min(max(0.25 + 0.5 * event.size, 0.25), 1.5)
-
-
-def _scale_pitch(event: ScoreEvent, scale: Scale, rule: str, rank: int) -> int:
-    by_size = _SIZE_PITCH - _SEMITONES_PER_HALVING * log2(event.size / 0.1)
-    degree = scale.degree(min(max(by_size, _LOWEST), _HIGHEST))
-    if rule != "by size":
-        # Two octaves of steps, then again from the start: a centipede stays in tune and in hearing.
-        degree += rank % (2 * len(scale.intervals))
-    pitch = scale.pitch(degree)
-    while pitch > _HIGHEST:
-        pitch -= 12
-    while pitch < _LOWEST:
-        pitch += 12
-    return pitch

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidator, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from audio.instruments import drum_of, program_of
-from audio.names import folded
-from audio.scales import parse_note, parse_scale
-
-PITCH_RULES = ("by size", "by foot", "by part")
+from audio.model import Words
+from audio.phrase_words import Phrase
+from audio.pitch_words import ChordName, Pitch, ScaleName
+from audio.quantise_words import QuantiseWords
+from audio.velocity_words import Velocity, VelocityWords
 
 
 def _known_instrument(name: str) -> str:
@@ -23,40 +24,29 @@ def _known_drum(name: str) -> str:
     return name
 
 
-def _known_scale(text: str) -> str:
-    parse_scale(text)
-    return text
-
-
-def _known_pitch(pitch: object) -> int | str:
-    allowed = f"a MIDI number 0 to 127, a note such as C4, or one of: {', '.join(PITCH_RULES)}"
-    if isinstance(pitch, int) and not isinstance(pitch, bool) and 0 <= pitch <= 127:
-        return pitch
-    if not isinstance(pitch, str):
-        raise ValueError(f"a pitch is {allowed}; got {pitch!r}")
-    if folded(pitch) in PITCH_RULES:
-        return folded(pitch)
-    try:
-        return parse_note(pitch)
-    except ValueError as error:
-        raise ValueError(f"{error} (a pitch is {allowed})") from error
-
-
 Instrument = Annotated[str, AfterValidator(_known_instrument)]
 Drum = Annotated[str, AfterValidator(_known_drum)]
-ScaleName = Annotated[str, AfterValidator(_known_scale)]
-# One validator instead of a union, so that a slip is reported once and in our words.
-Pitch = Annotated[
-    int | str,
-    PlainValidator(_known_pitch, json_schema_input_type=Annotated[int, Field(ge=0, le=127)] | str),
-]
 Pattern = Annotated[str, Field(min_length=1)]
+Share = Annotated[float, Field(ge=0, le=1)]
 
 
-class Words(BaseModel):
-    """What the author's models of sound have in common."""
+class Within(Words):
+    """A range of numbers."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    above: float | None = Field(None, ge=0, description="The least that fits.")
+    below: float | None = Field(None, gt=0, description="What is as much or more does not fit.")
+
+    @model_validator(mode="after")
+    def _holds_something(self) -> Self:
+        if self.above is not None and self.below is not None and self.above >= self.below:
+            raise ValueError(f"nothing is above {self.above:g} and below {self.below:g}")
+        return self
+
+    def holds(self, value: float) -> bool:
+        """Say whether a number lies within."""
+        return (self.above is None or value >= self.above) and (
+            self.below is None or value < self.below
+        )
 
 
 class When(Words):
@@ -65,8 +55,13 @@ class When(Words):
     cause: Pattern | None = Field(None, description="What happened, such as footfall or scuff.")
     who: Pattern | None = Field(None, description="Name of the performer that sounds.")
     part: Pattern | None = Field(None, description="Its part, such as foot_l1 or foot_*.")
+    other: Pattern | None = Field(None, description="What it met, such as terrain or crate.")
     material: Pattern | None = Field(None, description="Material of the part that sounds.")
     surface: Pattern | None = Field(None, description="Material of what it met.")
+    size: Within | None = Field(None, description="Length of what sounds [m].")
+    strength: Within | None = Field(
+        None, description="Speed of the blow, or of the motion that sounds [m/s]."
+    )
 
 
 class Voice(Words):
@@ -83,19 +78,54 @@ class Voice(Words):
     )
     pitch: Pitch | None = Field(
         None,
-        description="MIDI number, note name (C4 is 60), 'by size' (small is high), or 'by foot' or "
-        "'by part' (a step of the scale for each part); tunes the note and the sound.",
+        description="MIDI number, note name (C4 is 60), 'by size' (small is high), 'by foot' or "
+        "'by part' (a step of the scale for each part), or 'by foot from C3' (the first foot "
+        "there); tunes the note and the sound.",
+    )
+    scale: ScaleName | None = Field(
+        None, description="Scale of these notes, or a chord whose notes are the steps."
+    )
+    chord: ChordName | None = Field(
+        None, description="Chord that is played at once, such as Am7, its root nearest to pitch."
+    )
+    octave: int = Field(0, ge=-8, le=8, description="Octaves higher, or lower.")
+    transpose: int = Field(0, ge=-48, le=48, description="Semitones higher, or lower.")
+    phrase: Phrase | None = Field(
+        None,
+        description="Notes that answer an event: degrees such as [0, 2, [0, 4], rest, 7], or "
+        "mappings that also say how long each lasts; or all of it with one time for each step, as "
+        "in {steps: [0, 2, 4], beats: 0.25}.",
+    )
+    velocity: Velocity | None = Field(
+        None, description="How hard notes are struck; a number for always so."
     )
     length: float | None = Field(
         None, gt=0, le=60, description="How long the note lasts and the sound dies away [s]."
     )
     gain_db: float = Field(0.0, ge=-60, le=24, description="Louder or softer [dB].")
+    pan: float | None = Field(
+        None, ge=-1, le=1, description="From left (-1) to right (1), instead of where it is."
+    )
+    reverb: Share | None = Field(
+        None, description="Share of what is far that the room gives back; 0 is dry."
+    )
+    quantise: bool = Field(
+        True, description="False to leave these events where their causes are, off the grid."
+    )
     mute: bool = Field(False, description="True to silence these events in score and sound.")
 
     @model_validator(mode="after")
     def _drum_or_instrument(self) -> Self:
         if self.drum is not None and (self.instrument is not None or self.pitch is not None):
             raise ValueError("give either drum, or instrument and pitch: a drum has one pitch")
+        tuned = [w for w in ("scale", "chord", "octave", "transpose") if getattr(self, w)]
+        steps = self.phrase.steps if self.phrase else ()
+        if any(step.chord is not None or step.degrees != (0,) for step in steps):
+            tuned.append("degrees or chords in its phrase")
+        if self.drum is not None and tuned:
+            raise ValueError(f"a drum has one pitch; leave out {', '.join(tuned)}")
+        if self.chord is not None and self.phrase is not None:
+            raise ValueError("give either chord or phrase: steps of a phrase may have chords")
         return self
 
 
@@ -105,9 +135,20 @@ class Sound(Words):
     scale: ScaleName = Field(
         "C minor pentatonic",
         description="Scale of the pitches that follow size or part: a root and a kind, such as "
-        "'A dorian', or 'chromatic'. A pitch given as a note stays as it is.",
+        "'A dorian', or 'chromatic', or a chord such as Am7. A pitch given as a note stays as it "
+        "is.",
     )
     voices: tuple[Voice, ...] = Field((), description="Voices; the first that fits an event wins.")
+    tempo_bpm: float = Field(
+        120.0, ge=10, le=480, description="Beats a minute of phrases and of the quantisation."
+    )
+    quantise: QuantiseWords | None = Field(
+        None, description="Draws notes to the grid of the tempo; nothing moves if not said."
+    )
+    velocity: Velocity = Field(VelocityWords(), description="How hard notes are struck.")
+    reverb: Share = Field(
+        0.5, description="Share of what is far that the room gives back; 0 is dry."
+    )
     tracks: Literal["performer", "cause"] = Field(
         "performer", description="Whether each performer or each cause has a track of the score."
     )

@@ -6,10 +6,11 @@ Source: CMX 3600.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import ceil
 
 from audio.conductor import cause_of, told
 from audio.score import Score
-from audio.voices import notes_of
+from audio.voices import openings
 from pipeline.production.timecode import counted_as, timecode
 
 TITLE = 70
@@ -52,8 +53,10 @@ def _locators(score: Score) -> Iterator[tuple[int, str, str]]:
     for marker in score.markers:
         if marker.kind != "cut":
             yield marker.frame, "GREEN", told(marker)
-    for note in notes_of(score):
-        yield note.event.frame, "RED", cause_of(note.event)
+    for note in openings(score):
+        # Where it is heard, which the quantisation may have moved.
+        frame = 1 + ceil(note.onset * score.rate)
+        yield frame, "RED", cause_of(note.event)
 
 
 def _line(text: str) -> str:

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 from audio.conductor import cause_of, told
 from audio.score import Score
-from audio.voices import notes_of
+from audio.voices import openings
 
 
 def label_lines(score: Score) -> bytes:
@@ -17,7 +17,7 @@ def label_lines(score: Score) -> bytes:
     labels = [
         (Fraction(marker.frame - 1) / score.rate, 0.0, told(marker)) for marker in score.markers
     ]
-    for note in notes_of(score):
+    for note in openings(score):
         labels.append((note.onset, note.event.duration, cause_of(note.event)))
     labels.sort(key=lambda label: label[0])
     return "".join(_line(*label) for label in labels).encode("utf-8", "replace")

@@ -27,7 +27,7 @@ from pipeline.production.manifest import Manifest, packages
 from pipeline.production.order import Order
 from pipeline.production.outputs import PARTIAL, Outputs, opened, replace_folder
 from pipeline.production.reporting import Reporter, Stage, stage, step
-from pipeline.production.score_files import facts_of, write_cues, write_events
+from pipeline.production.score_files import facts_of, shifts_line, write_cues, write_events
 from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
 from pipeline.production.workers import Share, film_in_processes
@@ -188,8 +188,11 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
             f"score: {score.rate} frames a second have no timecode, or the film lasts longer than "
             "a day; no edit list is written"
         )
+    moved = shifts_line(midi.shifts, score)
+    if moved is not None:
+        run.reporter.note(moved)
     run.manifest.words["events"] = {"written": len(score.events), "after_the_last_frame": late}
-    run.manifest.words["midi"] = facts_of(midi, score.subframe)
+    run.manifest.words["midi"] = facts_of(midi, score.subframe, score.rate)
     return score
 
 

@@ -35,7 +35,7 @@ def messages(played):
 
 
 def check(played):
-    sounding, program, pan, moved = {}, {}, {}, set()
+    sounding, program, pan, send, moved = {}, {}, {}, {}, set()
     for tick, _, _, kind, n in messages(played):
         if kind == "off":
             assert sounding.pop((n.channel, n.pitch)) is n
@@ -44,12 +44,13 @@ def check(played):
         assert (n.channel, n.pitch) not in sounding, "struck while it sounds"
         if n.drum:
             assert n.channel == DRUMS
-            assert not any((n.sets_program, n.sets_pan, n.gesture))
+            assert not any((n.sets_program, n.sets_pan, n.sets_send, n.gesture))
             sounding[n.channel, n.pitch] = n
             continue
         assert n.channel in CHANNELS
         held = [key for key in sounding if key[0] == n.channel]
-        changes = (program.get(n.channel), pan.get(n.channel)) != (n.program, n.pan)
+        told = program.get(n.channel), pan.get(n.channel), send.get(n.channel)
+        changes = told != (n.program, n.pan, n.send)
         assert not (held and changes), "changed under a sounding note"
         assert not (held and (n.gesture or n.channel in moved)), "bent under a sounding note"
         assert not any(sounding[key].gesture for key in held), "plays along with a gesture"
@@ -62,19 +63,23 @@ def check(played):
             moved.discard(n.channel)
         program |= {n.channel: n.program} if n.sets_program else {}
         pan |= {n.channel: n.pan} if n.sets_pan else {}
-        assert (program[n.channel], pan[n.channel]) == (n.program, n.pan)
+        send |= {n.channel: n.send} if n.sets_send else {}
+        told = program[n.channel], pan[n.channel], send[n.channel]
+        assert told == (n.program, n.pan, n.send)
         sounding[n.channel, n.pitch] = n
 
 
 def check_words(played):
     """Hold that one track alone says which program and pan its notes have, and where it rests."""
-    program, pan, ranged, moved = {}, {}, set(), set()
+    program, pan, send, ranged, moved = {}, {}, {}, set(), set()
     for n in played:
         if n.drum:
             continue
         program |= {n.channel: n.program} if n.sets_program else {}
         pan |= {n.channel: n.pan} if n.sets_pan else {}
-        assert (program[n.channel], pan[n.channel]) == (n.program, n.pan)
+        send |= {n.channel: n.send} if n.sets_send else {}
+        told = program[n.channel], pan[n.channel], send[n.channel]
+        assert told == (n.program, n.pan, n.send)
         ranged |= {n.channel} if n.sets_range else set()
         assert not n.gesture or n.channel in ranged
         moved -= {n.channel} if n.rests else set()
@@ -95,6 +100,7 @@ def check_words(played):
             track=st.integers(0, 3),
             program=st.integers(0, 20),
             pan=st.sampled_from([0, 64, 127]),
+            send=st.sampled_from([0, 0, 64]),
             pitch=st.integers(60, 62),
             velocity=st.integers(1, 127),
         ),
@@ -238,6 +244,22 @@ def test_a_sixteenth_direction_moves_to_the_nearest():
     played, losses = placed(*(note(pan=p) for p in pans), note(track=1, pan=27, pitch=61))
     assert played[-1].pan == 24
     assert (losses.moved, losses.merged) == (1, [])
+
+
+def test_another_share_of_the_reverb_has_another_channel_while_there_is_one():
+    played, losses = placed(note(send=0), note(send=64, pitch=64), note(send=0, pitch=67))
+    assert [n.channel for n in played][::2] == [played[0].channel] * 2
+    assert played[1].channel != played[0].channel
+    assert [n.sets_send for n in played] == [True, True, False]
+    assert losses.reverbs == 0
+
+
+def test_with_no_channel_left_a_note_takes_the_nearest_share_of_the_reverb():
+    held = [note(pan=0, send=s) for s in (0, 32)] + [note(program=i) for i in range(1, 14)]
+    played, losses = placed(*held, note(track=1, pan=0, send=96, pitch=61))
+    assert (played[-1].pan, played[-1].send) == (0, 32)
+    assert (losses.moved, losses.reverbs, losses.merged) == (0, 1, [])
+    check(played)
 
 
 def test_with_all_channels_held_a_pitch_struck_again_cuts_the_earlier_one():

@@ -46,10 +46,11 @@ def test_a_gesture_begins_with_its_note_at_the_pitch_of_its_top_speed(step, scor
     voice = [(t, status & 0xF0, data) for t, status, data in smf.tracks[1] if status < 0xFF00]
     onset = next(i for i, (_, kind, _) in enumerate(voice) if kind == 0x90)
     before = [(kind, data[0]) for _, kind, data in voice[:onset]]
-    # Program, pan, the wheel's range of twelve semitones, then wheel and expression.
+    # Program, pan, reverb, the wheel's range of twelve semitones, then wheel and expression.
     assert before == [
         (0xC0, 122),
         (0xB0, 10),
+        (0xB0, 91),
         *((0xB0, number) for number in (101, 100, 6, 38, 101, 100)),
         (0xE0, 0),
         (0xB0, 11),

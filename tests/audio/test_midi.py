@@ -88,6 +88,7 @@ def test_five_thousand_in_two_seconds_are_all_told_of(
         step(
             1 + i % 48,
             who=f"brick {i % 40}",
+            part=f"corner {i % 17}",
             material=materials[i % 8],
             size=0.02 + i % 17 / 10,
             azimuth=i % 31 / 10 - 1.5,

@@ -6,9 +6,12 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from audio.instruments import DRUMS, INSTRUMENTS, drum_of, program_of
+from audio.phrase_words import PhraseWords, StepWords
+from audio.quantise_words import QuantiseWords
 from audio.scales import MODES, parse_note, parse_scale
+from audio.velocity_words import VelocityWords
 from audio.voices import notes_of
-from audio.words import Sound, Voice, When
+from audio.words import Sound, Voice, When, Within
 
 ROOTS = ("C", "C#", "Db", "D", "Eb", "E", "F", "F♯", "G", "Ab", "A", "B♭", "B")
 
@@ -44,6 +47,14 @@ def test_drums_are_the_keys_of_general_midi():
         ({"volume_db": float("nan")}, ("volume_db",), "finite"),
         ({"voices": [{"drum": "cowbel"}]}, ("voices", 0, "drum"), "'cowbell'"),
         ({"voices": [{"drum": "maracas", "pitch": 60}]}, ("voices", 0), "either drum"),
+        ({"voices": [{"pitch": "by foot from H2"}]}, ("voices", 0, "pitch"), "no note name"),
+        (
+            {"voices": [{"when": {"size": {"above": 1, "below": 1}}}]},
+            ("voices", 0, "when", "size"),
+            "nothing is above 1 and below 1",
+        ),
+        ({"voices": [{"pan": 2}]}, ("voices", 0, "pan"), "less than or equal to 1"),
+        ({"voices": [{"reverb": -1}]}, ("voices", 0, "reverb"), "greater than or equal to 0"),
         ({"tracks": "causes"}, ("tracks",), "'performer' or 'cause'"),
         ({"loud": 1}, ("loud",), "not permitted"),
     ],
@@ -57,7 +68,7 @@ def test_a_wrong_word_is_refused_once_at_its_place_with_what_is_allowed(words, p
 
 
 def test_every_word_is_described():
-    for model in (Sound, Voice, When):
+    for model in (Sound, Voice, When, Within, StepWords, PhraseWords, QuantiseWords, VelocityWords):
         for name, info in model.model_fields.items():
             assert info.description, name
 
@@ -139,6 +150,25 @@ def test_the_first_fitting_voice_wins_and_all_its_conditions_must_hold(step, sco
     names = [INSTRUMENTS[note.program] for note in notes]
     assert names == ["celesta", "koto", "tuba", "marimba"]
     assert notes[0].pitch == 61
+
+
+def test_rules_tell_small_from_large_and_soft_from_hard_without_a_gap(step, score_of):
+    voices = [
+        {"when": {"size": {"above": 1}}, "pitch": 36},
+        {"when": {"size": {"above": 0.2, "below": 1}, "strength": {"below": 2}}, "pitch": 48},
+        {"when": {"strength": {"above": 2}, "other": "terr*"}, "pitch": 60},
+        {"when": {"other": "crate"}, "pitch": 72},
+        {"pitch": 84},
+    ]
+    events = [
+        step(1, size=1.0),
+        step(2, size=0.2),
+        step(3, size=0.2, strength=2.0),
+        step(4, size=0.99, strength=3.0, other="crate"),
+        step(5, size=0.19),
+    ]
+    notes = notes_of(score_of(events, sound={"voices": voices}))
+    assert [note.pitch for note in notes] == [36, 48, 60, 72, 84]
 
 
 def test_gains_add_up_and_are_heard_in_the_level(step, score_of):

@@ -1,0 +1,52 @@
+"""The examples of docs/sound.md are scenes that load and are heard."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from audio.chords import KINDS
+from audio.midi import midi_bytes
+from audio.phrase_words import PhraseWords, StepWords
+from audio.quantise_words import QuantiseWords
+from audio.scales import MODES
+from audio.velocity_words import VelocityWords
+from audio.words import Sound, Voice, When
+from pipeline.spec import load_scene
+
+PAGE = (Path(__file__).parents[2] / "docs" / "sound.md").read_text(encoding="utf-8")
+EXAMPLES = [text for text in re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL) if "sound:" in text]
+
+
+def test_there_are_examples() -> None:
+    assert len(EXAMPLES) >= 5
+
+
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_an_example_is_a_scene_that_loads_and_plays(
+    example: str, tmp_path: Path, step: Any, score_of: Any, read_smf: Any, check_laws: Any
+) -> None:
+    path = tmp_path / "example.yaml"
+    path.write_text(f"pronk: 1\nduration: 1\ncast: [figure: beetle]\n{example}", encoding="utf-8")
+    sound = load_scene(path).sound
+    voices = sound.voices
+    events = [
+        step(1 + i, who=(voice.when.who or "bug"), cause=(voice.when.cause or "footfall"))
+        for i, voice in enumerate(voices)
+    ]
+    words = {name: getattr(sound, name) for name in Sound.model_fields}
+    smf = read_smf(midi_bytes(score_of(events, sound=words)))
+    check_laws(smf, 24, 24, drums=any(voice.drum for voice in voices))
+    heard = len([voice for voice in voices if not voice.mute])
+    assert len(smf.onsets()) >= heard
+
+
+def test_the_page_names_every_kind_of_scale_chord_and_word() -> None:
+    for kind in (*MODES, *filter(None, KINDS)):
+        assert f"`{kind}`" in PAGE, kind
+    said = set(re.findall(r"[a-z_]+", PAGE))
+    for model in (Sound, Voice, When, QuantiseWords, VelocityWords, PhraseWords, StepWords):
+        assert set(model.model_fields) <= said, model

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor
@@ -190,10 +191,8 @@ class Roll:
 
 
 def legend(canvas: Canvas, notes: Sequence[Note], at: tuple[float, float], right: float) -> float:
-    """List causes and how many notes each has; return the base line of the last row."""
-    counts: dict[str, int] = {}
-    for note in notes:
-        counts[note.event.cause] = counts.get(note.event.cause, 0) + 1
+    """List causes and how often each is heard; return the base line of the last row."""
+    counts = Counter(note.event.cause for note in notes if note.opens)
     x, y = at
     for cause, count in sorted(counts.items(), key=lambda pair: -pair[1]):
         text = f"{cause} {count}"

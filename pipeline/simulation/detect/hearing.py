@@ -9,6 +9,9 @@ from pipeline.simulation.detect.scenery import Solid
 from pipeline.simulation.detect.spells import Spell
 from pipeline.simulation.take import Contact, Place, SoundEvent
 
+NOISE = 1e-6
+"""Part of a step under which a moment is that of the step: rounding must not cost a frame."""
+
 DIGITS = 6
 """Of strengths and places over time: a micrometre is not heard."""
 
@@ -25,10 +28,11 @@ def event_of(contact: Contact, cause: str, clock: Clock) -> SoundEvent:
     # The last row that is not after it.
     first = contact.step * clock.samples // clock.steps
     last = first if contact.until < 0 else contact.until * clock.samples // clock.steps
+    fraction = _settled(contact.fraction)
     return SoundEvent(
         step=contact.step,
-        fraction=contact.fraction,
-        frame=clock.frame_of(contact.step, contact.fraction),
+        fraction=fraction,
+        frame=clock.frame_of(contact.step, fraction),
         cause=cause,
         who=contact.performer,
         part=contact.part,
@@ -76,7 +80,11 @@ def event_of_spell(spell: Spell, cause: str, solid: Solid, clock: Clock) -> Soun
 def moment_of(row: float, clock: Clock) -> tuple[int, float]:
     """Return the step before a moment given in rows, and the fraction of a step after that."""
     steps = row * (clock.steps // clock.samples)
-    return int(steps), steps - int(steps)
+    return int(steps), _settled(steps - int(steps))
+
+
+def _settled(fraction: float) -> float:
+    return 0.0 if fraction < NOISE else fraction
 
 
 def _rounded(place: Place) -> Place:

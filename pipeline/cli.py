@@ -294,6 +294,43 @@ def sheet(
     reporter.result(f"{contact_sheet(order, count, columns, reporter)}")
 
 
+@app.command()
+def watch(
+    scene: SceneName,
+    frame: Annotated[
+        int | None, typer.Option(min=1, help="The frame to show; the middle one if left out.")
+    ] = None,
+    film: Annotated[
+        bool, typer.Option("--film", help="Make the film with its sound instead of one frame.")
+    ] = False,
+    out: Out = Path("out"),
+    preset: PresetOption = Preset.draft,
+    sets: Sets = None,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Show a scene, and again whenever its file or what it names has changed."""
+    from pipeline.production import produce, watching
+    from pipeline.production.stills import still
+    from pipeline.spec import find_scene
+
+    reporter = _flags(json_lines, quiet, verbose)
+    file = find_scene(scene)
+
+    def order_of() -> Order:
+        return _order(str(file), sets, out / watching.PLACE, preset, backend)
+
+    def make(order: Order) -> Path:
+        if film:
+            return produce.render(order, reporter).film()
+        last = order.scene.n_frames
+        return still(order, min(frame or (last + 1) // 2, last), reporter)
+
+    watching.watch(file, order_of, make, reporter, _say)
+
+
 @plots.command("events")
 def plot_events(
     scene: SceneName,

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, PlainValidato
 from audio.instruments import drum_of, program_of
 from audio.names import folded
 from audio.scales import parse_note, parse_scale
+from audio.track_words import Master, MasterOrOff, Room, RoomOrName
 
 PITCH_RULES = ("by size", "by foot", "by part")
 
@@ -117,4 +118,13 @@ class Sound(Words):
     listener: Literal["camera"] | tuple[float, float, float] = Field(
         "camera",
         description="Where one listens: at the camera, or at a place [x, y, z] facing as it does.",
+    )
+    room: RoomOrName = Field(Room(), description="What the track sounds in: open, dry, room, hall.")
+    master: MasterOrOff = Field(
+        Master(), description="How loud the track is made; off to leave it as it is."
+    )
+    soundfont: str | None = Field(
+        None,
+        min_length=1,
+        description="A SoundFont (.sf2) beside the scene that plays the score as the track.",
     )

@@ -10,9 +10,10 @@ from audio.grid import SAMPLE_RATE
 from audio.loudness import true_peaks
 
 _BLOCK = 48
-# Gain falls within 4 ms ahead of a crash, stays for 30 ms and comes back by 80 dB a second.
-_AHEAD, _HOLD = 4, 30
-_RISE = 10 ** (80.0 / 20 * _BLOCK / SAMPLE_RATE)
+# Gain falls within 2 ms ahead of a crash, stays for 4 ms and comes back by 300 dB a second: soon
+# enough to leave the ring of what it caught.
+_AHEAD, _HOLD = 2, 4
+_RISE = 10 ** (300.0 / 20 * _BLOCK / SAMPLE_RATE)
 
 
 def limited(stereo: Signal, ceiling: float) -> tuple[Signal, float]:

@@ -45,17 +45,17 @@ class Master(TrackWords):
         -1.0, ge=-20, le=-0.1, description="What no peak passes, between samples either [dB]."
     )
     most_gain_db: float = Field(
-        24.0,
+        30.0,
         ge=0,
         le=60,
         description="Most that a soft scene is raised [dB]: what is nearly silent stays soft.",
     )
     most_limiting_db: float = Field(
-        9.0,
+        18.0,
         ge=0,
         le=40,
-        description="Most that raising may cost the loudest place [dB]: loud things stay louder "
-        "than soft ones.",
+        description="Most that the highest peak is lowered to get there [dB]: what is loud stays "
+        "louder than what is soft.",
     )
 
 

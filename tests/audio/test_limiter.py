@@ -41,8 +41,8 @@ def test_what_is_far_from_a_crash_is_left_as_it_is():
     out, lowered = limited(mix, CEILING)
     assert lowered == pytest.approx(20 * np.log10(true_peak(mix) / CEILING), abs=0.01)
     assert np.array_equal(out[:23_000], mix[:23_000])
-    # A hold of 30 ms, then 80 dB a second.
-    back = 24_100 + int(48_000 * (0.045 + lowered / 80))
+    # A hold of 4 ms, then 300 dB a second.
+    back = 24_100 + int(48_000 * (0.012 + lowered / 300))
     assert np.array_equal(out[back:], mix[back:])
     assert (out[24_200] < 0.05).all()
 

@@ -32,6 +32,8 @@ _IN_A_JOINT = 0.04
 # How much louder the heavier side of what rolls is.
 _LUMPY = 0.25
 _LEAST_ONSET = 1e-4
+# How loud the modes of what rubs are beside the rub itself.
+_SHAKEN = 0.5
 _FADE = int(0.005 * SAMPLE_RATE)
 
 
@@ -220,8 +222,9 @@ def _rubbed(blow: Blow, drive: Drive, rng: np.random.Generator) -> Signal:
         turns = np.cumsum(drive.share * drive.rate) * blow.speed / (np.pi * blow.size)
         rough *= 1 + _LUMPY * np.sin(2 * np.pi * turns / SAMPLE_RATE)
     body = _ring(lasting(_own(own, ground, blow, rng), 0.03), blow)
-    shaken = np.convolve(rough, body[: 2 * _FADE])[:samples]
-    sound = _peaked(rough) + _peaked(shaken)
+    # What shakes a body is how steep the profile is: read slowly, it hardly does.
+    shaken = np.convolve(np.diff(rough, prepend=0.0), body[: 2 * _FADE])[:samples]
+    sound = _peaked(rough) + _SHAKEN * _peaked(shaken)
     edge = np.arange(samples) + 1.0
     return np.asarray(sound * np.minimum(1, np.minimum(edge / 40, edge[::-1] / (4 * _FADE))))
 

@@ -65,7 +65,7 @@ def drive_of(
 def _along(values: tuple[float, ...], samples: int, whole: float) -> Signal:
     """Return values at even times, on straight lines between them: (samples,)."""
     times = np.linspace(0.0, max(whole, 1 / SAMPLE_RATE), len(values))
-    return np.interp(np.arange(samples) / SAMPLE_RATE, times, np.asarray(values))
+    return np.asarray(np.interp(np.arange(samples) / SAMPLE_RATE, times, np.asarray(values)))
 
 
 def read_at(profile: Signal, pace: Signal) -> Signal:
@@ -76,7 +76,7 @@ def read_at(profile: Signal, pace: Signal) -> Signal:
         pace: (N,) samples of the profile a sample of the sound; not negative.
     """
     if (pace == 1.0).all() and pace.size <= profile.size:
-        return profile[: pace.size].copy()
+        return np.array(profile[: pace.size])
     at = np.concatenate(([0.0], np.cumsum(pace)[:-1]))
     whole = np.floor(at)
     x, i = at - whole, whole.astype(np.int64)

@@ -37,13 +37,17 @@ class Shape:
 # Roots of cos β cosh β = 1: a bar free at both ends.
 _BETA = np.array([4.730041, 7.853205, 10.995608, 14.137165, 17.278760, 20.420352])
 # (diameters, zero of the Bessel function of that order) of a membrane held at its rim.
-_DRUM = ((0, 2.4048), (1, 3.8317), (2, 5.1356), (0, 5.5201), (3, 6.3802), (1, 7.0156))
-_DRUM = (*_DRUM, (4, 7.5883), (2, 8.4172))
+_DRUM = (
+    *((0, 2.4048), (1, 3.8317), (2, 5.1356), (0, 5.5201)),
+    *((3, 6.3802), (1, 7.0156), (4, 7.5883), (2, 8.4172)),
+)
 # Half waves (along, across) of a plate free at its edges.
 _PLATE = ((1, 1), (2, 0), (0, 2), (2, 1), (1, 2), (3, 0), (2, 2), (3, 1), (0, 3), (1, 3))
 # (nodal meridians, nodal circles) of hum, prime, tierce, quint, nominal and on.
-_BELL = ((2, 0), (2, 1), (3, 0), (3, 1), (4, 0), (4, 1), (5, 1), (5, 0), (6, 0), (7, 0), (8, 0))
-_BELL = (*_BELL, (9, 0))
+_BELL = (
+    *((2, 0), (2, 1), (3, 0), (3, 1), (4, 0), (4, 1)),
+    *((5, 1), (5, 0), (6, 0), (7, 0), (8, 0), (9, 0)),
+)
 _SHELL = ((0, 1), (1, 1), (2, 1), (2, 2), (3, 1), (1, 2), (3, 2), (0, 2), (4, 1), (4, 2))
 
 
@@ -52,7 +56,7 @@ def _bar(along: float, across: float) -> Signal:
     x = _BETA * (along - 0.5)
     even = np.cos(x) / np.cos(_BETA / 2) + np.cosh(x) / np.cosh(_BETA / 2)
     odd = np.sin(x) / np.sin(_BETA / 2) + np.sinh(x) / np.sinh(_BETA / 2)
-    return np.where(np.arange(_BETA.size) % 2 == 0, even, odd) / 2
+    return np.asarray(np.where(np.arange(_BETA.size) % 2 == 0, even, odd) / 2)
 
 
 def _plate(along: float, across: float) -> Signal:
@@ -64,7 +68,7 @@ def _membrane(along: float, across: float) -> Signal:
     order, zero = np.array(_DRUM).T
     # A blow on the very rim would be none: what lies on the ground is struck within it.
     radius = 0.9 * abs(2 * along - 1)
-    return _bessel(order, zero * radius) / _MOST * np.cos(np.pi * order * across)
+    return np.asarray(_bessel(order, zero * radius) / _MOST * np.cos(np.pi * order * across))
 
 
 def _bessel(order: Signal, x: Signal) -> Signal:

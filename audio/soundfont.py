@@ -126,7 +126,7 @@ def _messages(score: Score) -> Iterator[tuple[int, Any]]:
     """Give the messages of all tracks in the order of a player, each with its sample."""
     grid = grid_of(score.rate)
     file = mido.MidiFile(file=io.BytesIO(midi_bytes(score)), charset="utf-8")
-    timed = []
+    timed = list[tuple[int, int, Any]]()
     for track in file.tracks:
         tick = 0
         for message in track:

@@ -8,6 +8,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 RoomName = Literal["open", "dry", "room", "hall"]
 
+Metres = Annotated[float, Field(gt=0, le=1000)]
+
 
 class TrackWords(BaseModel):
     """What the models of the track have in common."""
@@ -21,7 +23,7 @@ class Room(TrackWords):
     preset: RoomName = Field(
         "open", description="open (the ground and little else), dry (nothing), room or hall."
     )
-    size: Annotated[tuple[float, float, float], Field()] | None = Field(
+    size: tuple[Metres, Metres, Metres] | None = Field(
         None, description="Width, height and depth [m]; walls give way to what lies beyond."
     )
     absorption: float | None = Field(

@@ -86,7 +86,11 @@ def read_at(profile: Signal, pace: Signal) -> Signal:
 
 
 def gains_of(
-    course: tuple[Bearing, ...], nearest: float, whole: float, samples: int
+    course: tuple[Bearing, ...],
+    nearest: float,
+    whole: float,
+    samples: int,
+    pan: float | None = None,
 ) -> tuple[Signal, Signal]:
     """Return the gains of left and right on the way, beside the nearest place: (samples,) each.
 
@@ -95,10 +99,12 @@ def gains_of(
         nearest: distance that the loudness of the whole is given for [m].
         whole: duration from the first to the last bearing [s].
         samples: of the sound.
+        pan: where it stays between left (-1) and right (1); None to follow the bearings.
     """
     distance = _along(tuple(max(b.distance, NEAREST) for b in course), samples, whole)
-    # On the circle, so that what passes behind the listener does not turn about by the front.
-    sine = _along(tuple(float(np.sin(b.azimuth)) for b in course), samples, whole)
+    # Sines, so that what passes behind the listener does not turn about by the front.
+    at = tuple(float(np.sin(b.azimuth)) if pan is None else pan for b in course)
+    sine = _along(at, samples, whole)
     angle = (np.clip(sine, -1.0, 1.0) + 1) * np.pi / 4
     near = max(nearest, NEAREST) / distance
     return near * np.cos(angle), near * np.sin(angle)

@@ -21,7 +21,7 @@ from audio.heard import pan_of
 from audio.mastering import FULL, decibels, mastered
 from audio.mixing import Gain, add, faded, sides
 from audio.rooms import Space, acoustics_of
-from audio.score import Score, ScoreEvent
+from audio.score import Score
 from audio.soundfont import played
 from audio.voices import Note, notes_of
 
@@ -123,7 +123,7 @@ def _mixed(score: Score, notes: tuple[Note, ...]) -> Signal:
         blow, trim_db = blow_of(note, score.seed, seen[happened], left)
         gain = 10 ** ((note.level + trim_db) / 20)
         sound, start = _kept_or_sounded(kept, blow, score.seed), sample_at(note.onset)
-        add(stereo, start, sound, _gains(event, gain, sound.size))
+        add(stereo, start, sound, _gains(note, gain, sound.size))
         space.hear(event, start, sound, gain, note.send)
     space.add_to(stereo)
     tail = samples - sample_of(score.frames, score.rate)
@@ -131,8 +131,9 @@ def _mixed(score: Score, notes: tuple[Note, ...]) -> Signal:
     return stereo
 
 
-def _gains(event: ScoreEvent, gain: float, samples: int) -> tuple[Gain, Gain]:
+def _gains(note: Note, gain: float, samples: int) -> tuple[Gain, Gain]:
     """Return the gains of left and right; of what moves, at each sample."""
+    event = note.event
     if len(event.course) < 2:
         to_left, to_right = sides(pan_of(event))
         return gain * to_left, gain * to_right

@@ -81,6 +81,9 @@ def test_gains_go_with_one_over_distance_and_keep_power():
     at = np.linspace(0, left.size - 1, len(course)).astype(int)
     distance = np.array([bearing.distance for bearing in course])
     assert np.hypot(left, right)[at] == pytest.approx(2.0 / distance, rel=0.01)
+    left, right = gains_of(course, 2.0, seconds, 1000, pan=1.0)
+    assert np.abs(left).max() < 1e-12
+    assert (right > 0).all()
 
 
 @pytest.mark.parametrize("cause", ["roll", "slide", "scuff", "swoosh", "squeak", "squawk"])

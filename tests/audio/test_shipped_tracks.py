@@ -1,4 +1,4 @@
-"""Every shipped scene's track: onsets on their samples, peaks below the ceiling, as loud as told."""
+"""Every shipped scene's track: onsets on their samples, peaks below the ceiling, loud as told."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ _OFF = Master(most_gain_db=0.0)
 _MARGIN = 0.3
 # So much of what is too high is bent, which is not heard of blows; the rest is eased [dB].
 _BENT = 9.0
-_ROUNDS = 8
+_ROUNDS = 6
 _NEAR_ENOUGH = 0.05
 _LEAST_SLOPE = 0.25
 
@@ -65,7 +65,7 @@ def mastered(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Mast
         gain_db = min(wanted - loud, most)
     if peak_db + gain_db <= ceiling_db:
         return _measured(mix * 10 ** (gain_db / 20), gain_db, 0.0)
-    out, lowered = _limited(mix, gain_db, ceiling_db)
+    out = _limited(mix, gain_db, ceiling_db, peak_db)
     # What is lowered is lost to loudness: by the slope of the last round, at first none.
     slope, heard = 1.0, integrated(out)
     for _ in range(_ROUNDS if master else 0):
@@ -73,22 +73,20 @@ def mastered(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Mast
         if abs(more) < _NEAR_ENOUGH or wanted - heard < _NEAR_ENOUGH:
             break
         gain_db += more
-        out, lowered = _limited(mix, gain_db, ceiling_db)
+        out = _limited(mix, gain_db, ceiling_db, peak_db)
         before, heard = heard, integrated(out)
         slope = min(max((heard - before) / more, _LEAST_SLOPE), 1.0)
-    return _measured(out, gain_db, lowered)
+    return _measured(out, gain_db, peak_db + gain_db - ceiling_db)
 
 
-def _limited(mix: Signal, gain_db: float, ceiling_db: float) -> tuple[Signal, float]:
-    """Return the mix raised and below the ceiling, and the most that was taken off it [dB]."""
+def _limited(mix: Signal, gain_db: float, ceiling_db: float, peak_db: float) -> Signal:
+    """Return the mix raised and below the ceiling."""
     ceiling = 10 ** (ceiling_db / 20)
     raised = mix * 10 ** (gain_db / 20)
-    over_db = decibels(true_peak(raised)) - ceiling_db
-    tips = 10 ** (min(over_db, _BENT) / 20)
+    tips = 10 ** (min(peak_db + gain_db - ceiling_db, _BENT) / 20)
     eased, _ = limited(raised, ceiling * tips)
     # Between samples what is bent may reach a little over.
-    out, _ = limited(saturated(eased, ceiling), ceiling)
-    return out, over_db
+    return limited(saturated(eased, ceiling), ceiling)[0]
 
 
 def _measured(out: Signal, gain_db: float, lowered: float) -> Mastered:

@@ -39,6 +39,8 @@ $(STAMP): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit("pronk needs Python 3.11 or newer; try: make PYTHON=python3.11" if sys.version_info < (3, 11) else 0)'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --progress-bar off -c constraints.txt -e '.[dev]'
+	# Plays SoundFonts for its tests; alone, for what it needs beside plays on loudspeakers.
+	-$(BIN)/python -m pip install --progress-bar off -c constraints.txt --no-deps tinysoundfont
 	@touch $@
 
 clean:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from audio.grid import SAMPLE_RATE
+from audio.shapes import Shape
 
 Signal = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ _BLOCK = 256
 # Multiplications below which BLAS keeps to one thread. Products are cut to this size: threads that
 # wait for one another cost more than they bring, and bits must not hang on how many there are.
 _SMALL = 2**17
+# How far from the same spot a body is struck the next time, and what nodes give all the same.
+_BY, _AT_NODES, _LOWEST_AT_NODES = 0.02, 0.04, 0.15
 # -60 dB, as an exponent.
 _SILENT = float(np.log(1000.0))
 
@@ -48,29 +51,37 @@ class Bank:
 
 
 def struck(
-    ratios: tuple[float, ...],
+    shape: Shape,
     pitch: float,
     friction: float,
     damping: float,
     tilt: float,
+    spot: float | None,
     rng: np.random.Generator,
 ) -> Bank:
     """Return the modes that a blow on one spot of a body excites.
 
     Args:
-        ratios: of the modes to the lowest.
+        shape: of the body.
         pitch: of the lowest mode [Hz].
         friction: tan φ of the material.
         damping: of all modes [1/s].
         tilt: exponent by which higher modes are weaker.
-        rng: varies the spot, hence each mode's share, and by a trifle its frequency.
+        spot: where it is struck along its longest axis, 0 to 1; None to leave it to chance.
+        rng: varies the spot across, each mode's share, and by a trifle the spot and frequencies.
     """
-    ratio = np.asarray(ratios)
+    ratio = np.asarray(shape.ratios)
     # No body is the ideal one of its formula; the lowest mode stays in tune.
     detuned = pitch * ratio * (1 + 0.012 * rng.uniform(-1, 1, ratio.size) * (ratio > ratio[0]))
-    share = 10 ** (rng.uniform(-4, 4, ratio.size) / 20)
+    share = 10 ** (rng.uniform(-2, 2, ratio.size) / 20)
+    along, across, by = rng.uniform(0, 1), rng.uniform(0, 1), rng.uniform(-_BY, _BY)
+    if spot is not None:
+        along = min(max(spot + by, 0.0), 1.0)
+    moves = shape.moves(along, across)
+    # A blow has some width: a node is never quite silent, and the lowest mode never gone.
+    least = np.where(ratio > ratio[0], _AT_NODES, _LOWEST_AT_NODES)
     heard = (detuned < _HIGHEST) & (detuned > 20)
-    amplitude = share * (ratio / ratio[0]) ** -tilt
+    amplitude = share * np.maximum(np.abs(moves), least) * (ratio / ratio[0]) ** -tilt
     signed = amplitude * _signs(ratio.size, rng)
     # Modes that cancel at the onset would hide it.
     if signed.sum() > 0.2 * amplitude.sum():
@@ -80,7 +91,7 @@ def struck(
 
 
 def _signs(modes: int, rng: np.random.Generator) -> Signal:
-    """Return which modes start downward, as a spot of a body moves with some and against others.
+    """Return which modes start downward where one listens, some with and some against others.
 
     All upward would pile up to one spike that hides the ring: (modes,).
     """

@@ -9,10 +9,13 @@ from math import log2
 import numpy as np
 
 from audio.banks import Bank, Signal, hit, lasting, ring, struck
+from audio.courses import Drive, drive_of, read_at
 from audio.grains import band_noise, settling
 from audio.grid import SAMPLE_RATE
+from audio.heard import SPEED_POWER
 from audio.materials import Family, family_of
-from audio.motions import motion_of
+from audio.motions import Driven, Motion, motion_of
+from audio.names import folded
 from audio.rubs import rub_of
 from audio.voices import Note
 
@@ -23,6 +26,14 @@ _VARIANTS = 16
 # Source: ISO 9613-1:1993, at 20 °C and 50 % humidity.
 _AIR = 1.6e-9
 _LONGEST = 6.0
+_SPOTS = 16
+# What a joint is part of rings no longer than this while it rubs [s].
+_IN_A_JOINT = 0.04
+# How much louder the heavier side of what rolls is.
+_LUMPY = 0.25
+_LEAST_ONSET = 1e-4
+# How loud the modes of what rubs are beside the rub itself.
+_SHAKEN = 0.5
 _FADE = int(0.005 * SAMPLE_RATE)
 
 
@@ -39,8 +50,12 @@ class Blow:
         distance: [m], in doublings: air dulls what is far.
         pitch: that the author wants [Hz]; 0 to leave it to the size.
         decay: time to die away that the author wants [s]; 0 to leave it to the materials.
-        duration: of a sound that lasts [s]; 0 for a blow.
+        duration: of a sound that lasts, as far as it is heard [s]; 0 for a blow.
         variant: which of several alike.
+        spot: where along its longest axis a body is struck, in steps of a 16th; None if unknown.
+        whole: duration of the whole of what lasts [s].
+        speeds: of what lasts, at even times over the whole [m/s].
+        nearings: how fast it comes nearer, at these times [m/s].
     """
 
     cause: str
@@ -53,6 +68,10 @@ class Blow:
     decay: float
     duration: float
     variant: int
+    spot: float | None = None
+    whole: float = 0.0
+    speeds: tuple[float, ...] = ()
+    nearings: tuple[float, ...] = ()
 
 
 def blow_of(note: Note, seed: int, occurrence: int, left: float) -> tuple[Blow, float]:
@@ -80,6 +99,10 @@ def blow_of(note: Note, seed: int, occurrence: int, left: float) -> tuple[Blow, 
         decay=note.decay or 0.0,
         duration=min(event.duration, left),
         variant=int(chance.integers(_VARIANTS)),
+        spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
+        whole=event.duration,
+        speeds=event.speeds,
+        nearings=tuple(bearing.nearing for bearing in event.course),
     )
     return blow, float(chance.uniform(-0.8, 0.8))
 
@@ -103,19 +126,34 @@ def sounded(blow: Blow, seed: int) -> Signal:
     rng = _generator(seed, blow.cause, blow.material, blow.surface, blow.size, blow.variant)
     motion, rub = motion_of(blow.cause), rub_of(blow.cause)
     if motion is not None:
-        # Shorter ones are no sound, and divide by next to nothing.
-        seconds = max(blow.decay or blow.duration or motion.seconds, SHORTEST)
-        pitch = blow.pitch or motion.pitch * (0.1 / blow.size) ** 0.5
-        sound = motion.play(seconds, float(np.clip(pitch, 30, 6000)), blow.speed, rng)
+        sound = _moved(motion, blow, rng)
     elif rub is not None or blow.duration > 0:
-        seconds = blow.decay or blow.duration or (rub.seconds if rub else 0.0)
-        sound = _rubbed(blow, seconds, rng)
+        sound = _rubbed(blow, _driven(blow, rub.seconds if rub else 0.0), rng)
     else:
         sound = _struck(blow, rng)
     fade = min(_FADE, sound.size)
     sound[sound.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
-    peak = float(np.max(np.abs(sound), initial=0.0))
-    return sound / peak if peak > 0 else sound
+    sound = _peaked(sound)
+    # Whatever a sound does at its begin, its onset is to be found on its sample.
+    sound[0] = np.copysign(max(abs(sound[0]), _LEAST_ONSET), sound[0])
+    return sound
+
+
+def _driven(blow: Blow, otherwise: float) -> Drive:
+    """Return what drives a sound that lasts, as long as asked, as it does, or as is usual [s]."""
+    # Shorter ones are no sound, and divide by next to nothing.
+    seconds = max(blow.decay or blow.duration or otherwise, SHORTEST)
+    return drive_of(int(seconds * SAMPLE_RATE), blow.whole, blow.speeds, blow.nearings)
+
+
+def _moved(motion: Motion, blow: Blow, rng: np.random.Generator) -> Signal:
+    pitch = blow.pitch or motion.pitch * (0.1 / blow.size) ** 0.5
+    body = np.ones(1)
+    if motion.resonates:
+        own = family_of(blow.material, "wood")
+        body = _ring(lasting(_own(own, own, replace(blow, pitch=0.0), rng), _IN_A_JOINT), blow)
+    driven = Driven(_driven(blow, motion.seconds), float(np.clip(pitch, 30, 6000)), blow.speed)
+    return motion.play(driven, body, rng)
 
 
 def _struck(blow: Blow, rng: np.random.Generator) -> Signal:
@@ -141,13 +179,18 @@ def _own(own: Family, ground: Family, blow: Blow, rng: np.random.Generator) -> B
     pitch = blow.pitch or own.pitch * (0.1 / blow.size) ** 0.8
     # What rests on soft ground cannot ring freely.
     damping = own.damping + 160 * ground.friction
-    bank = struck(own.ratios, float(np.clip(pitch, 40, 6000)), own.friction, damping, own.tilt, rng)
+    bank = struck(
+        *(own.shape, float(np.clip(pitch, 40, 6000)), own.friction, damping, own.tilt),
+        *(blow.spot, rng),
+    )
     return lasting(bank, blow.decay) if blow.decay else bank
 
 
 def _ground(ground: Family, blow: Blow, rng: np.random.Generator) -> Bank:
     pitch = ground.ground * rng.uniform(0.94, 1.06)
-    bank = struck(ground.ratios, pitch, ground.friction, ground.damping + 8, ground.tilt, rng)
+    bank = struck(
+        *(ground.shape, pitch, ground.friction, ground.damping + 8, ground.tilt, None, rng)
+    )
     return lasting(bank, blow.decay) if blow.decay else bank
 
 
@@ -163,15 +206,25 @@ def _air_edge(distance: float) -> float:
     return float(np.sqrt(6 / (_AIR * distance)))
 
 
-def _rubbed(blow: Blow, seconds: float, rng: np.random.Generator) -> Signal:
-    """Return a scrape or a roll: grains of the surface that shake the body's modes."""
+def _rubbed(blow: Blow, drive: Drive, rng: np.random.Generator) -> Signal:
+    """Return a scrape or a roll: grains of the surface that shake the body's modes.
+
+    The surface is a profile that is read as fast as the body goes, so the noise sinks with its
+    speed, while the modes stay where they are.
+    """
     own, ground = family_of(blow.material, "wood"), family_of(blow.surface, "wood")
-    samples = max(int(seconds * SAMPLE_RATE), 64)
+    samples = drive.samples
     low, high = ground.band
-    rough = band_noise(samples, (low, min(high, _air_edge(blow.distance))), rng)
+    band = (low, min(high, _air_edge(blow.distance)))
+    rough = read_at(band_noise(samples, band, rng), drive.share * drive.rate)
+    rough *= drive.share**SPEED_POWER
+    if folded(blow.cause) == "roll":
+        turns = np.cumsum(drive.share * drive.rate) * blow.speed / (np.pi * blow.size)
+        rough *= 1 + _LUMPY * np.sin(2 * np.pi * turns / SAMPLE_RATE)
     body = _ring(lasting(_own(own, ground, blow, rng), 0.03), blow)
-    shaken = np.convolve(rough, body[: 2 * _FADE])[:samples]
-    sound = _peaked(rough) + _peaked(shaken)
+    # What shakes a body is how steep the profile is: read slowly, it hardly does.
+    shaken = np.convolve(np.diff(rough, prepend=0.0), body[: 2 * _FADE])[:samples]
+    sound = _peaked(rough) + _SHAKEN * _peaked(shaken)
     edge = np.arange(samples) + 1.0
     return np.asarray(sound * np.minimum(1, np.minimum(edge / 40, edge[::-1] / (4 * _FADE))))
 

@@ -3,7 +3,8 @@
 AudioError
 ├── GridError        no exact grid of notes for a frame rate
 ├── ScoreError       an event or a length that a score cannot hold
-└── SoundFileError   a file could not be written; the earlier one stands untouched
+├── SoundFileError   a file could not be written; the earlier one stands untouched
+└── SoundFontError   a SoundFont cannot be played
 """
 
 from __future__ import annotations
@@ -23,3 +24,7 @@ class ScoreError(AudioError):
 
 class SoundFileError(AudioError):
     """A file could not be written."""
+
+
+class SoundFontError(AudioError):
+    """A SoundFont is missing or damaged, or there is nothing to play it with."""

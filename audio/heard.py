@@ -11,8 +11,8 @@ from audio.score import ScoreEvent
 _REFERENCE_DB = -10.0
 _REFERENCE_DISTANCE = 4.0
 _REFERENCE_MASS = 0.5
-# Nearer than this, loudness no longer grows: a camera that flies through a foot stays listenable.
-_NEAREST = 0.5
+NEAREST = 0.5
+"""Nearer than this [m], loudness no longer grows: a camera may fly through a foot."""
 SPEED_POWER = 0.7
 """Amplitude grows with speed to this power; 1 would be physical and hides soft steps."""
 _SLOWEST, _FASTEST = 0.02, 1000.0
@@ -25,7 +25,7 @@ def loudness_db(event: ScoreEvent) -> float:
     # What is heavier moves more air; where no energy is given, half a cube of water.
     mass = 2 * event.energy / speed**2 if event.energy > 0 else 500 * min(event.size, _LARGEST) ** 3
     weight = 5 * log10(max(mass, 1e-9) / _REFERENCE_MASS)
-    near = 20 * log10(_REFERENCE_DISTANCE / max(event.distance, _NEAREST))
+    near = 20 * log10(_REFERENCE_DISTANCE / max(event.distance, NEAREST))
     return _REFERENCE_DB + 20 * SPEED_POWER * log10(speed) + min(max(weight, -8.0), 8.0) + near
 
 

@@ -9,14 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from audio.names import folded
-
-# Frequency ratios of modes. Bar, membrane and bell follow Source: Fletcher and Rossing 1998; plate
-# and shell are chosen by ear, denser and without harmony.
-BAR = (1.0, 2.756, 5.404, 8.933, 13.34, 18.64)
-PLATE = (1.0, 1.73, 2.33, 2.91, 4.10, 4.61, 5.99, 7.42, 8.90, 10.4)
-BELL = (0.5, 1.0, 1.2, 1.5, 2.0, 2.5, 2.67, 3.0, 4.0, 5.33, 6.67, 8.0)
-MEMBRANE = (1.0, 1.593, 2.136, 2.296, 2.653, 2.918, 3.156, 3.5)
-SHELL = (1.0, 1.42, 2.09, 2.56, 3.39, 4.08, 5.20, 6.63, 8.37, 10.1)
+from audio.shapes import BAR, BELL, MEMBRANE, PLATE, SHELL, Shape
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +17,7 @@ class Family:
     """How a family of materials sounds, as what strikes and as what is struck.
 
     Attributes:
-        ratios: of the modes to the lowest.
+        shape: of a piece of it, whose modes ring.
         pitch: frequency of the lowest mode of a piece of 0.1 m [Hz].
         friction: tan φ, internal friction.
         damping: of all modes, from air and grip [1/s].
@@ -39,7 +32,7 @@ class Family:
         instrument: of General MIDI that plays its notes.
     """
 
-    ratios: tuple[float, ...]
+    shape: Shape
     pitch: float
     friction: float
     damping: float

@@ -11,12 +11,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from audio.banks import Signal
+from audio.convolution import convolved
+from audio.courses import Drive, read_at
 from audio.grains import band_noise
 from audio.grid import SAMPLE_RATE
+from audio.heard import SPEED_POWER
 from audio.names import folded
+from audio.stick_slip import jolt, slipped, slips_a_second
 
-# seconds, pitch [Hz], speed [m/s], rng -> (N,)
-Player = Callable[[float, float, float, np.random.Generator], Signal]
+# What air carries off vortices grows with the sixth power of speed; amplitude, with the third.
+# Source: Curle 1955.
+_AIR_POWER = 3.0
+# Bands of a swoosh below its highest; further down nothing is heard.
+_OCTAVES = 4.0
+_RISE = int(0.003 * SAMPLE_RATE)
+_HIGHEST = 12_000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """What a motion's sound is made of.
+
+    Attributes:
+        drive: how fast it goes and how fast it is heard, at each sample.
+        pitch: at its greatest speed [Hz].
+        speed: its greatest [m/s].
+    """
+
+    drive: Drive
+    pitch: float
+    speed: float
+
+
+Player = Callable[[Driven, Signal, np.random.Generator], Signal]
+"""What is driven, the ring of what it is part of (K,), dice -> (N,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +57,7 @@ class Motion:
         seconds: how long it lasts where the event does not say [s].
         play: makes the sound.
         level: against a blow of the same speed [dB]: air and joints take little of the energy.
+        resonates: whether the modes of what moves are heard.
     """
 
     instrument: str
@@ -36,6 +65,7 @@ class Motion:
     seconds: float
     play: Player
     level: float
+    resonates: bool = False
 
 
 def motion_of(cause: str) -> Motion | None:
@@ -55,15 +85,33 @@ def arch(samples: int, summit: float) -> Signal:
     return np.asarray(np.sin(0.5 * np.pi * bent) ** 2)
 
 
-def _swoosh(seconds: float, pitch: float, speed: float, rng: np.random.Generator) -> Signal:
-    samples = max(int(seconds * SAMPLE_RATE), 64)
+def _envelope(drive: Drive, power: float, summit: float) -> Signal:
+    """Return how loud a motion is at each sample: by its speed if known, else an arch: (N,)."""
+    if drive.steady:
+        return arch(drive.samples, summit)
+    edge = np.arange(drive.samples) + 1.0
+    ends = np.minimum(1, np.minimum(edge / _RISE, edge[::-1] / (2 * _RISE)))
+    return np.asarray(ends * drive.share**power)
+
+
+def _swoosh(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    drive, samples = driven.drive, driven.drive.samples
     # Vortices are shed at a rate that grows with speed (Strouhal), hence the band rises with it.
-    centre = float(np.clip(pitch * speed / 3, 150, 6000))
-    near = band_noise(samples, (centre, 1.6 * centre), rng)
-    far = band_noise(samples, (0.5 * centre, 0.8 * centre), rng)
-    pass_by = arch(samples, 0.45)
-    sound = pass_by * (pass_by * near + (1 - pass_by) * far)
-    return np.asarray(sound - pass_by * (sound.sum() / pass_by.sum()))
+    top = float(np.clip(driven.pitch * driven.speed / 3, 150, 6000))
+    loud = _envelope(drive, _AIR_POWER, 0.45)
+    octaves = np.log2(np.maximum(loud if drive.steady else drive.share, 1e-3))
+    lowest = int(np.ceil(-max(float(octaves.min()), -_OCTAVES)))
+    sound = np.zeros(samples)
+    for octave in range(lowest + 1):
+        centre = top * 2.0**-octave
+        noise = band_noise(samples, (centre, 1.6 * centre), rng)
+        # Neighbouring bands share the power between them.
+        near = np.clip(1 - np.abs(octaves + octave), 0, 1)
+        if octave == lowest:
+            near = np.where(octaves < -octave, 1.0, near)
+        sound += np.sin(0.5 * np.pi * near) * noise
+    sound = read_at(sound, drive.rate) * loud
+    return np.asarray(sound - loud * (sound.sum() / loud.sum()))
 
 
 def _tone(samples: int, frequency: Signal, overtones: tuple[float, ...]) -> Signal:
@@ -79,34 +127,56 @@ def _wander(samples: int, depth: float, rng: np.random.Generator) -> Signal:
     return np.interp(np.linspace(0, 7, samples), np.arange(8), knots)
 
 
-def _whistle(seconds: float, pitch: float, speed: float, rng: np.random.Generator) -> Signal:
-    samples = max(int(seconds * SAMPLE_RATE), 64)
-    frequency = pitch * _wander(samples, 0.02, rng) * (1 + 0.1 * min(speed / 5, 2))
+def _whistle(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    drive, samples = driven.drive, driven.drive.samples
+    pitch = driven.pitch * (1 + 0.1 * min(driven.speed / 5, 2))
+    # An aeolian tone: as high as it is fast (Strouhal).
+    frequency = pitch * drive.share * drive.rate * _wander(samples, 0.02, rng)
     breath = 0.1 * band_noise(samples, (pitch, 1.5 * pitch), rng)
-    return np.asarray((_tone(samples, frequency, (1.0, 0.08)) + breath) * arch(samples, 0.3))
+    tone = _tone(samples, np.minimum(frequency, _HIGHEST), (1.0, 0.08))
+    return np.asarray((tone + breath) * _envelope(drive, _AIR_POWER, 0.3))
 
 
-def _squeak(seconds: float, pitch: float, speed: float, rng: np.random.Generator) -> Signal:
-    samples = max(int(seconds * SAMPLE_RATE), 64)
-    rise = np.linspace(0.92, 1.12, samples)
-    frequency = pitch * rise * _wander(samples, 0.05, rng)
-    # Stick and slip: a saw-tooth, rough at tens of slips a second.
-    rough = 1 + 0.5 * np.sin(2 * np.pi * rng.uniform(45, 80) * np.arange(samples) / SAMPLE_RATE)
-    tone = _tone(samples, frequency, (1.0, 0.5, 0.33, 0.25, 0.2))
-    return np.asarray(tone * rough * arch(samples, 0.2))
+def _squeak(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    return _rasped(driven, body, (0.92, 1.12), 0.03, rng)
 
 
-def _squawk(seconds: float, pitch: float, speed: float, rng: np.random.Generator) -> Signal:
-    samples = max(int(seconds * SAMPLE_RATE), 64)
-    fall = np.linspace(1.25, 0.8, samples)
-    frequency = pitch * fall * _wander(samples, 0.08, rng)
-    return np.asarray(
-        _tone(samples, frequency, (0.6, 1.0, 0.8, 0.7, 0.5, 0.3)) * arch(samples, 0.15)
-    )
+def _squawk(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    return _rasped(driven, body, (1.25, 0.8), 0.08, rng)
 
 
-def _boing(seconds: float, pitch: float, speed: float, rng: np.random.Generator) -> Signal:
-    samples = max(int(seconds * SAMPLE_RATE), 64)
+def _rasped(
+    driven: Driven,
+    body: Signal,
+    bend: tuple[float, float],
+    rough: float,
+    rng: np.random.Generator,
+) -> Signal:
+    """Return a joint that sticks and slips: its slips, and what they ring.
+
+    Args:
+        driven: the joint.
+        body: (K,) ring of the limb.
+        bend: factors of its pitch at begin and end, where its speed is not known.
+        rough: share by which slips come early or late.
+        rng: of that.
+    """
+    drive, samples = driven.drive, driven.drive.samples
+    top = driven.pitch * _wander(samples, rough, rng)
+    if drive.steady:
+        top *= np.linspace(*bend, samples)
+    rate = slips_a_second(top, drive.share)
+    slips = slipped(np.minimum(rate * drive.rate, _HIGHEST), rough, rng)
+    jerk = convolved(slips, jolt(driven.pitch))
+    sound = jerk / max(float(np.abs(jerk).max()), 1e-12)
+    rung = convolved(sound, body)
+    sound = 0.5 * sound + rung / max(float(np.abs(rung).max()), 1e-12)
+    return np.asarray(sound * _envelope(drive, SPEED_POWER, 0.2))
+
+
+def _boing(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    samples, pitch = driven.drive.samples, driven.pitch
+    seconds = samples / SAMPLE_RATE
     t = np.arange(samples) / SAMPLE_RATE
     # A spring's tone is bent by its own swing, which dies away with it.
     swing = 0.28 * np.exp(-4 * t / seconds) * np.sin(2 * np.pi * rng.uniform(8.5, 10.5) * t)
@@ -115,8 +185,8 @@ def _boing(seconds: float, pitch: float, speed: float, rng: np.random.Generator)
     return np.asarray(tone * np.exp(-5 * t / seconds) * ends)
 
 
-def _breath(seconds: float, pitch: float, speed: float, rng: np.random.Generator) -> Signal:
-    samples = max(int(seconds * SAMPLE_RATE), 64)
+def _breath(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    samples, pitch = driven.drive.samples, driven.pitch
     puff = arch(samples, 0.3)
     sound = puff * band_noise(samples, (0.6 * pitch, 2 * pitch), rng)
     return np.asarray(sound - puff * (sound.sum() / puff.sum()))
@@ -125,8 +195,8 @@ def _breath(seconds: float, pitch: float, speed: float, rng: np.random.Generator
 MOTIONS: dict[str, Motion] = {
     "swoosh": Motion("breath noise", 900, 0.4, _swoosh, -24.0),
     "whistle": Motion("whistle", 1500, 0.5, _whistle, -30.0),
-    "squeak": Motion("guitar fret noise", 1300, 0.16, _squeak, -6.0),
-    "squawk": Motion("muted trumpet", 480, 0.25, _squawk, -6.0),
+    "squeak": Motion("guitar fret noise", 1300, 0.16, _squeak, -6.0, resonates=True),
+    "squawk": Motion("muted trumpet", 480, 0.25, _squawk, -6.0, resonates=True),
     "boing": Motion("slap bass 1", 170, 0.7, _boing, -6.0),
     "push off": Motion("slap bass 1", 170, 0.5, _boing, -6.0),
     "breath": Motion("breath noise", 700, 0.8, _breath, -12.0),

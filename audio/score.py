@@ -50,6 +50,7 @@ class ScoreEvent:
         speeds: of a sound that lasts, at even times from its onset to its end [m/s]; empty where
             it does not change or is not known.
         course: of a sound that lasts and moves, where it is at these times; empty where it stays.
+        spot: where on itself it is struck, 0 to 1 along its longest axis; None if that is unknown.
     """
 
     frame: int
@@ -68,6 +69,7 @@ class ScoreEvent:
     duration: float = 0.0
     speeds: tuple[float, ...] = ()
     course: tuple[Bearing, ...] = ()
+    spot: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from audio.model import Words
 from audio.phrase_words import Phrase
 from audio.pitch_words import ChordName, Pitch, ScaleName
 from audio.quantise_words import QuantiseWords
+from audio.track_words import Master, MasterOrOff, Room, RoomOrName
 from audio.velocity_words import Velocity, VelocityWords
 
 
@@ -158,4 +159,13 @@ class Sound(Words):
     listener: Literal["camera"] | tuple[float, float, float] = Field(
         "camera",
         description="Where one listens: at the camera, or at a place [x, y, z] facing as it does.",
+    )
+    room: RoomOrName = Field(Room(), description="What the track sounds in: open, dry, room, hall.")
+    master: MasterOrOff = Field(
+        Master(), description="How loud the track is made; off to leave it as it is."
+    )
+    soundfont: str | None = Field(
+        None,
+        min_length=1,
+        description="A SoundFont (.sf2) beside the scene that plays the score as the track.",
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,6 +29,7 @@ from pipeline.production.reporting import Reporter, Stage, stage, step
 from pipeline.production.score_files import facts_of, shifts_line, write_cues, write_events
 from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
+from pipeline.production.track_report import facts_of_track, loudness_told
 from pipeline.production.workers import Share, film_in_processes
 from pipeline.simulation.casting import makes_machine_code
 from pipeline.simulation.simulate import simulate, versions
@@ -179,8 +179,7 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
         wav = write_wav(score, run.outputs.wav)
         if changed or midi.changed or wav.changed:
             run.timed("score", began)
-        loud = f"peak {wav.peak_db:.1f} dB" if wav.peak_db > -math.inf else "silent"
-        current.result = f"{len(score.events)} events, {loud}" + (
+        current.result = f"{len(score.events)} events, {loudness_told(wav)}" + (
             f", {late} after the last frame" if late else ""
         )
     if not run.outputs.edit_list.exists():
@@ -193,6 +192,7 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
         run.reporter.note(moved)
     run.manifest.words["events"] = {"written": len(score.events), "after_the_last_frame": late}
     run.manifest.words["midi"] = facts_of(midi, score.subframe, score.rate)
+    run.manifest.words["wav"] = facts_of_track(wav)
     return score
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from operator import attrgetter
 
 from audio.score import Score, ScoreEvent
+from pipeline.production.contact_spots import ContactSpots
 from pipeline.production.listening import Listener
 from pipeline.production.markers import markers_of
 from pipeline.simulation.clock import Clock
@@ -28,11 +29,12 @@ def score_of(
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     listener = Listener(scene.sound.listener, scene.camera, clock, poses)
+    spots = ContactSpots(take)
     heard = [event for event in take.events if event.frame <= header.frames]
     score = Score(
         rate=header.rate,
         frames=header.frames,
-        events=tuple(_placed(event, clock, listener) for event in heard),
+        events=tuple(_placed(event, clock, listener, spots) for event in heard),
         sound=scene.sound,
         seed=header.seed,
         title=scene.title,
@@ -42,7 +44,7 @@ def score_of(
     return score, len(take.events) - len(heard)
 
 
-def _placed(event: SoundEvent, clock: Clock, listener: Listener) -> ScoreEvent:
+def _placed(event: SoundEvent, clock: Clock, listener: Listener, spots: ContactSpots) -> ScoreEvent:
     """Return an event as it is heard: where it begins, or where what lasts comes nearest."""
     course = listener.course(event.track[0], event.places)
     begin = listener.bearing(event.frame, event.place)
@@ -66,4 +68,5 @@ def _placed(event: SoundEvent, clock: Clock, listener: Listener) -> ScoreEvent:
         duration=float((last - first) / (clock.rate * clock.samples)),
         speeds=event.strengths,
         course=course,
+        spot=spots.spot(event) if first == last else None,
     )

@@ -17,6 +17,7 @@ from pipeline.spec.overrides import override
 from pipeline.spec.references import faults_of_references
 from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.shipped import find_figure
+from pipeline.spec.sound_files import sound_named_in_full
 from pipeline.spec.terrain import beside as named_in_full
 from pipeline.spec.timing import faults_of_timing
 from pipeline.spec.tree import Leaf, Row, Table, plain
@@ -155,7 +156,8 @@ def _scene(
     tree = search.complete(tree)
     tree, nameless = named_in_full(tree, beside)
     tree, missing = bodies_named_in_full(tree, beside)
-    nameless = [*nameless, *missing]
+    tree, silent = sound_named_in_full(tree, beside)
+    nameless = [*nameless, *missing, *silent]
     scene, invalid = check(Scene, tree)
     if scene is None:
         # What does not fit together is found by the model only when all else is right.

@@ -1,0 +1,50 @@
+"""Every shipped scene's track: onsets on their samples, peaks below the ceiling, loud as told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyloudnorm
+import pytest
+from scipy.signal import resample_poly
+
+from audio.grid import sample_at
+from audio.modal import write_wav
+from audio.voices import notes_of
+from pipeline.production.scoring import score_of
+from pipeline.production.shooting import Shooting
+from pipeline.simulation.simulate import simulate
+from pipeline.spec import load_scene
+from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+
+SLOW = {"squeaky_robot": pytest.mark.slow, "pass_by": pytest.mark.slow, "toy": pytest.mark.slow}
+SCENES = [
+    pytest.param(name, marks=() if name == "first_steps" else SLOW.get(name, pytest.mark.nightly))
+    for name in shipped_scenes()
+]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_track_of_a_shipped_scene(name: str, read_wav: Any, tmp_path: Path) -> None:
+    scene = load_scene(library() / (name + SUFFIX))
+    take = simulate(scene)
+    score, _ = score_of(scene, take, Shooting(scene, take).poses)
+    report = write_wav(score, tmp_path / "track.wav")
+    sound = read_wav(tmp_path / "track.wav")
+    magnitude = np.abs(sound).max(axis=1)
+    onsets = sorted({sample_at(note.onset) for note in notes_of(score)})
+    assert not magnitude[: min(onsets, default=len(sound))].any()
+    assert magnitude[onsets].all()
+    if not onsets:
+        return
+    master = scene.sound.master
+    assert master is not None
+    # Others' meters: eight times oversampled, and the loudness of a library of its own.
+    assert np.abs(resample_poly(sound, 8, 1, axis=0)).max() < 10 ** (master.true_peak_db / 20)
+    loudness = pyloudnorm.Meter(48_000).integrated_loudness(sound)
+    assert loudness == pytest.approx(report.lufs, abs=0.3)
+    assert report.lufs < master.lufs + 0.5
+    capped = (master.most_gain_db - report.gain_db, master.most_limiting_db - report.limited_db)
+    assert report.lufs > master.lufs - 0.5 or min(capped) < 0.1

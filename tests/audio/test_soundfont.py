@@ -1,0 +1,95 @@
+"""SoundFonts: each note on its sample, and one clear message for what cannot be played."""
+
+import importlib.util
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from audio.errors import SoundFontError
+from audio.grid import sample_of
+from audio.modal import write_wav
+from tests.audio.sf2 import sf2
+
+PLAYS = pytest.mark.skipif(
+    importlib.util.find_spec("tinysoundfont") is None, reason="tinysoundfont is not installed"
+)
+CLICK = np.exp(-np.arange(2400) / 400) * np.cos(2 * np.pi * 1000 * np.arange(2400) / 48_000)
+
+
+@pytest.fixture
+def font(tmp_path):
+    """Give a font of one click for one program and the drums."""
+    path = tmp_path / "ein Klick – ü.sf2"
+    path.write_bytes(sf2(CLICK, [(0, 0), (128, 0)]))
+    return path
+
+
+def test_without_a_player_the_message_says_what_to_install(
+    font, step, score_of, tmp_path, monkeypatch
+):
+    monkeypatch.setitem(sys.modules, "tinysoundfont", None)
+    score = score_of([step(1)], sound={"soundfont": str(font)})
+    with pytest.raises(SoundFontError, match="pip install --no-deps tinysoundfont"):
+        write_wav(score, tmp_path / "a.wav")
+    assert not (tmp_path / "a.wav").exists()
+
+
+@PLAYS
+@pytest.mark.parametrize("rate", [Fraction(24), Fraction(30_000, 1001), Fraction(60)])
+def test_every_note_begins_on_its_sample(font, step, score_of, read_wav, tmp_path, rate):
+    frames = [1, 9, 20, 31, 40]
+    happened = [step(frame, who=f"w{frame}", azimuth=frame / 9 - 2) for frame in frames]
+    words = {"soundfont": str(font), "voices": [{"pitch": "C4", "length": 0.1}]}
+    report = write_wav(score_of(happened, 40, rate, words), tmp_path / "a.wav")
+    sound = np.abs(read_wav(tmp_path / "a.wav")).max(axis=1)
+    assert len(sound) == report.samples == sample_of(41, rate)
+    assert report.true_peak_db < -1
+    for frame in frames:
+        at = sample_of(frame, rate)
+        # A note's first sample is the click's first.
+        assert sound[at] > 0.3 * sound[at : at + 400].max()
+        assert sound[max(at - 40, 0) : at].max(initial=0) < 0.02 * sound[at]
+
+
+@PLAYS
+def test_the_notes_of_the_score_are_what_is_played(font, step, score_of, read_wav, tmp_path):
+    def pitch(note):
+        words = {"soundfont": str(font), "voices": [{"pitch": note}]}
+        write_wav(score_of([step(1)], 24, sound=words), tmp_path / "p.wav")
+        spectrum = np.abs(np.fft.rfft(read_wav(tmp_path / "p.wav")[:, 0]))
+        return float(spectrum.argmax())
+
+    assert pitch("C4") == pytest.approx(1000, rel=0.02)
+    assert pitch("C5") == pytest.approx(2000, rel=0.02)
+
+
+@PLAYS
+def test_no_events_are_silent_and_drums_are_played(font, step, score_of, tmp_path):
+    words = {"soundfont": str(font)}
+    assert write_wav(score_of(sound=words), tmp_path / "a.wav").lufs == -np.inf
+    words["voices"] = [{"drum": "claves"}]
+    assert write_wav(score_of([step(1)], sound=words), tmp_path / "b.wav").lufs > -60
+
+
+@PLAYS
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"", "is no SoundFont 2"),
+        (b"RIFF\x04\0\0\0WAVE", "is no SoundFont 2"),
+        (sf2(CLICK)[:300], "is cut short"),
+        (sf2(CLICK).replace(b"phdr", b"xxxx"), "is a damaged SoundFont"),
+        (sf2(CLICK).replace(b"shdr", b"xxxx"), "is a damaged SoundFont"),
+        (sf2(CLICK, [(7, 0)]), "has no instrument"),
+        (None, "No such file"),
+    ],
+)
+def test_what_is_no_font_is_refused_by_name(step, score_of, tmp_path, data, said):
+    path = tmp_path / "bad.sf2"
+    if data is not None:
+        path.write_bytes(data)
+    with pytest.raises(SoundFontError, match=said) as refused:
+        write_wav(score_of([step(1)], sound={"soundfont": str(path)}), tmp_path / "a.wav")
+    assert str(path) in str(refused.value)

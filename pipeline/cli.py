@@ -41,6 +41,7 @@ class Preset(enum.StrEnum):
     draft = "draft"
     preview = "preview"
     final = "final"
+    master = "master"
 
 
 class BackendName(enum.StrEnum):
@@ -324,7 +325,7 @@ def watch(
 
     def make(order: Order) -> Path:
         if film:
-            return produce.render(order, reporter).film()
+            return produce.render(order, reporter).film(suffix=order.scene.film.resolved().suffix)
         last = order.scene.n_frames
         return still(order, min(frame or (last + 1) // 2, last), reporter)
 

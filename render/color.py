@@ -67,6 +67,22 @@ def developed(light: NDArray[np.float32], stops: float) -> NDArray[np.uint8]:
     Returns:
         (H, W, 3) sRGB, ready to show.
     """
+    out = np.empty(light.shape, np.uint8)
+    for i, c in enumerate(_shown(light, stops)):
+        out[..., i] = np.clip(c * 255 + 0.5, 0, 255)
+    return out
+
+
+def developed16(light: NDArray[np.float32], stops: float) -> NDArray[np.uint16]:
+    """Develop the light of a scene into a 16-bit sRGB picture; see `developed`."""
+    out = np.empty(light.shape, np.uint16)
+    for i, c in enumerate(_shown(light, stops)):
+        out[..., i] = np.clip(c * 65535 + 0.5, 0, 65535)
+    return out
+
+
+def _shown(light: NDArray[np.float32], stops: float) -> list[NDArray[np.float32]]:
+    """Return the channels of the picture, about 0 to 1."""
     curve = _curve()
     low, per_stop = np.float32(_LOW_STOP - stops), (_STEPS - 1) / (_HIGH_STOP - _LOW_STOP)
     channels = [light[..., i] for i in range(3)]
@@ -78,10 +94,7 @@ def developed(light: NDArray[np.float32], stops: float) -> NDArray[np.uint8]:
     r, g, b = LUMINANCE
     grey = (r * bent[0] + g * bent[1] + b * bent[2]) * np.float32(1 - _SATURATION)
     graded = [grey + np.float32(_SATURATION) * c for c in bent]
-    out = np.empty(light.shape, np.uint8)
-    for i, c in enumerate(_mixed(graded, _OUTSET)):
-        out[..., i] = np.clip(c * 255 + 0.5, 0, 255)
-    return out
+    return _mixed(graded, _OUTSET)
 
 
 def _mixed(

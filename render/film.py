@@ -1,4 +1,4 @@
-"""Film: frames in order, with sound, as an H.264 film in MP4.
+"""Film: frames in order, with sound, as a film of one of the kinds in `CODECS`.
 
 The clock of the picture is 1 / fps, so that frame f (from 1) is presented at exactly
 (f - 1) / fps; sound is cut or padded to exactly N / fps seconds.
@@ -11,7 +11,6 @@ import math
 import os
 import struct
 from collections.abc import Iterable
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ import numpy as np
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc
 from numpy.typing import NDArray
 
+from render.codecs import CODECS, Codec, Sound
 from render.errors import EncodeError
 
 RATE = 48_000
@@ -30,21 +30,7 @@ _BLOCK = 1024
 _THREADS = 4
 """Threads of x264, which decide its bytes: a constant, no property of the machine."""
 
-Picture = NDArray[np.uint8]
-Sound = NDArray[np.float32]
-
-
-@dataclass(frozen=True)
-class Encoding:
-    """How a film is packed.
-
-    Attributes:
-        crf: constant rate factor of x264; 17 is hard to tell from the frames.
-        effort: preset of x264.
-    """
-
-    crf: int = 17
-    effort: str = "medium"
+Picture = NDArray[np.uint8] | NDArray[np.uint16]
 
 
 def write_film(
@@ -54,29 +40,30 @@ def write_film(
     sound: Path | None = None,
     sound_from: Fraction = Fraction(0),
     key: str = "",
-    encoding: Encoding | None = None,
 ) -> int:
-    """Write frames, and sound if there is any, as MP4; return the number of frames.
+    """Write frames, and sound if there is any; return the number of frames.
 
     Args:
-        path: where the film goes, ending in `.mp4`; it is replaced when the new one is whole.
-        frames: pictures (H, W, 3) sRGB of one even size, in order.
+        path: where the film goes, its end one of `CODECS`; it is replaced when the new one is
+            whole.
+        frames: pictures (H, W, 3) sRGB of one even size, with the codec's bits, in order.
         fps: frames a second.
         sound: WAV file of 48 kHz, one or two channels; cut or padded to the picture.
         sound_from: time in it at which the first frame stands [s].
         key: kept in the film's comment, for `film_key`.
-        encoding: how it is packed.
 
     Raises:
         EncodeError: there is no frame, the frames differ in size, the sound is of
             another kind, or the encoder or the disk failed.
     """
-    if path.suffix != ".mp4":
-        raise EncodeError(f"{path} is no place for a film; let its name end in .mp4")
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.partial.mp4")
+    codec = CODECS.get(path.suffix)
+    if codec is None:
+        ends = " or ".join(CODECS)
+        raise EncodeError(f"{path} is no place for a film; let its name end in {ends}")
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
     try:
         heard = None if sound is None else _heard(sound)[:, round(sound_from * RATE) :]
-        count = _write(temporary, frames, fps, heard, key, encoding or Encoding())
+        count = _write(temporary, frames, fps, heard, key, codec)
         os.replace(temporary, path)
     except (OSError, ValueError, av.FFmpegError) as error:
         raise EncodeError(f"{path} could not be encoded: {error}") from error
@@ -120,7 +107,7 @@ def _write(
     fps: Fraction,
     heard: Sound | None,
     key: str,
-    encoding: Encoding,
+    codec: Codec,
 ) -> int:
     options = {
         "movflags": "+faststart",
@@ -133,11 +120,11 @@ def _write(
     first = next(pictures, None)
     if first is None:
         raise EncodeError("there is no frame to make a film of; render some first")
-    with av.open(str(path), "w", format="mp4", options=options) as container:
+    with av.open(str(path), "w", format=codec.container, options=options) as container:
         container.metadata["comment"] = key
         # Both streams are declared before the first packet writes the header.
-        video = _video(container, first.shape, fps, encoding)
-        track = None if heard is None else _Track(container, heard)
+        video = _video(container, first.shape, fps, codec)
+        track = None if heard is None else _Track(container, heard, codec)
         count = 0
         for picture in itertools.chain([first], pictures):
             if picture.shape != first.shape:
@@ -145,7 +132,7 @@ def _write(
                     f"frame {count + 1} is {picture.shape[1]}x{picture.shape[0]} and the first "
                     f"{first.shape[1]}x{first.shape[0]}; render all frames at one size"
                 )
-            container.mux(video.encode(_shown(picture, count, fps)))
+            container.mux(video.encode(_shown(picture, count, fps, codec)))
             count += 1
             if track is not None:
                 track.play_until(count / fps)
@@ -155,17 +142,17 @@ def _write(
         return count
 
 
-def _video(container: Any, shape: tuple[int, ...], fps: Fraction, encoding: Encoding) -> Any:
-    video = container.add_stream("libx264", rate=fps)
+def _video(container: Any, shape: tuple[int, ...], fps: Fraction, codec: Codec) -> Any:
+    video = container.add_stream(codec.video, rate=fps)
     video.height, video.width = shape[:2]
-    video.pix_fmt = "yuv420p"
+    video.pix_fmt = codec.pixels
     context = video.codec_context
     context.time_base = 1 / fps
     context.thread_count = _THREADS
     # Without B-frames the order of decoding is that of showing, and no edit list shifts time.
     context.max_b_frames = 0
     context.gop_size = max(1, round(fps))
-    context.options = {"crf": str(encoding.crf), "preset": encoding.effort}
+    context.options = dict(codec.options)
     context.colorspace = Colorspace.ITU709
     context.color_primaries = ColorPrimaries.BT709
     context.color_trc = ColorTrc.BT709
@@ -173,11 +160,12 @@ def _video(container: Any, shape: tuple[int, ...], fps: Fraction, encoding: Enco
     return video
 
 
-def _shown(picture: Picture, count: int, fps: Fraction) -> av.VideoFrame:
+def _shown(picture: Picture, count: int, fps: Fraction, codec: Codec) -> av.VideoFrame:
     """Return a picture in YUV by the matrix of BT.709, limited range, at its time."""
-    rgb = av.VideoFrame.from_ndarray(np.ascontiguousarray(picture), format="rgb24")
+    whole: Any = np.ascontiguousarray(picture)
+    rgb = av.VideoFrame.from_ndarray(whole, format=codec.picture)
     frame = rgb.reformat(
-        format="yuv420p",
+        format=codec.pixels,
         src_colorspace=Colorspace.ITU709,
         dst_colorspace=Colorspace.ITU709,
         src_color_range=ColorRange.JPEG,
@@ -195,12 +183,13 @@ def _shown(picture: Picture, count: int, fps: Fraction) -> av.VideoFrame:
 class _Track:
     """The sound of a film, fed as the picture goes on."""
 
-    def __init__(self, container: Any, heard: Sound) -> None:
-        self._container = container
+    def __init__(self, container: Any, heard: Sound, codec: Codec) -> None:
+        self._container, self._codec = container, codec
         self._heard = heard
         self._layout = "mono" if len(heard) == 1 else "stereo"
-        self._stream = container.add_stream("aac", rate=RATE, layout=self._layout)
-        self._stream.bit_rate = 192_000
+        self._stream = container.add_stream(codec.audio, rate=RATE, layout=self._layout)
+        if codec.bit_rate is not None:
+            self._stream.bit_rate = codec.bit_rate
         self._at = 0
 
     def play_until(self, seconds: Fraction) -> None:
@@ -220,7 +209,8 @@ class _Track:
         block = np.zeros((len(self._heard), count), np.float32)
         piece = self._heard[:, self._at : self._at + count]
         block[:, : piece.shape[1]] = piece
-        frame = av.AudioFrame.from_ndarray(block, format="fltp", layout=self._layout)
+        samples = self._codec.sampled(block)
+        frame = av.AudioFrame.from_ndarray(samples, format=self._codec.samples, layout=self._layout)
         # With pts alone the sound comes a block too late: the time base is needed too.
         frame.sample_rate, frame.pts, frame.time_base = RATE, self._at, Fraction(1, RATE)
         self._container.mux(self._stream.encode(frame))

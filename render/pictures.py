@@ -69,6 +69,20 @@ def write_exr(path: Path, light: NDArray[np.float32], key: str) -> None:
         file.write(str(temporary))
 
 
+def read_exr(path: Path) -> NDArray[np.float32]:
+    """Return the linear light (H, W, 3) of an EXR picture.
+
+    Raises:
+        FrameFileError: it is missing or torn.
+    """
+    try:
+        path.stat()
+        with OpenEXR.File(str(path)) as file:
+            return np.asarray(file.channels()["RGB"].pixels, dtype=np.float32)
+    except (OSError, RuntimeError, KeyError, ValueError) as error:
+        raise FrameFileError(f"{path} is no readable picture: {error}; render it again") from error
+
+
 def read_key(path: Path) -> str | None:
     """Return the key of a PNG or EXR picture; None if it has none, is torn or is missing."""
     try:
@@ -108,6 +122,9 @@ def _png_key(path: Path) -> str | None:
 
 
 def _exr_key(path: Path) -> str | None:
+    # The library itself says on the terminal that a file is missing.
+    if not path.is_file():
+        return None
     # A torn file is known by reading it, for its header stands at its begin.
     with OpenEXR.File(str(path)) as file:
         key = file.header().get(KEY)

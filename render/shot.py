@@ -126,8 +126,8 @@ class Shot:
         words = (
             *(f"{name}={m.model_dump_json()}" for name, m in sorted(self.materials.items())),
             self.light.model_dump_json(),
-            # A preset is only where words came from.
-            self.film.model_dump_json(exclude={"preset"}),
+            # A preset is only where words came from, and a codec is of the film.
+            self.film.model_dump_json(exclude={"preset", "codec"}),
         )
         return _digest((*(mesh.topology for mesh in self.meshes), *(w.encode() for w in words)))
 

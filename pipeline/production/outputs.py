@@ -40,9 +40,9 @@ class Outputs:
         """Return the file of one frame."""
         return self.frames / f"{number:04d}.{suffix}"
 
-    def film(self, part: str = "") -> Path:
+    def film(self, part: str = "", suffix: str = ".mp4") -> Path:
         """Return the file of the film, or of a part of it such as "1-48"."""
-        return self.folder / (f"{self.name}_{part}.mp4" if part else f"{self.name}.mp4")
+        return self.folder / (f"{self.name}_{part}{suffix}" if part else f"{self.name}{suffix}")
 
     @property
     def midi(self) -> Path:

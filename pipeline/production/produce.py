@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from audio.errors import AudioError
 from audio.files import put
@@ -37,9 +36,11 @@ from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
 from pipeline.spec import Scene, simulation_key
 from render.backend import choose
+from render.codecs import CODECS
+from render.color import developed, developed16
 from render.errors import RenderError
-from render.film import film_key, write_film
-from render.pictures import read_png
+from render.film import Picture, film_key, write_film
+from render.pictures import read_exr, read_png
 from render.renderer import Renderer, Split
 
 
@@ -172,7 +173,9 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
     with stage(run.reporter, "score", 3) as current:
         began = time.monotonic()
         score, late = score_of(run.order.scene, take, shooting.poses, run.order.subframe)
-        changed = write_events(run.outputs, take) | write_cues(run.outputs, score)
+        changed = write_events(run.outputs, take) | write_cues(
+            run.outputs, score, _whole_film(run).name
+        )
         step(run.reporter, current, 1)
         midi = write_midi(score, run.outputs.midi)
         step(run.reporter, current, 2)
@@ -249,11 +252,9 @@ def _told(split: Split, seconds: float, kept: int) -> str:
 def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> None:
     """Encode the frames, with their sound, into a film that has exactly these frames."""
     order, outputs = run.order, run.outputs
-    if order.scene.film.resolved().format != "png":
-        run.reporter.note("film: frames in EXR are left to a colour suite; no film is made")
-        return
     whole = len(frames) == order.scene.n_frames
-    place = outputs.film("" if whole else described(frames))
+    suffix = order.scene.film.resolved().suffix
+    place = _whole_film(run) if whole else outputs.film(described(frames), suffix)
     sound = outputs.wav if order.sound and contiguous(frames) else None
     if order.sound and sound is None:
         run.reporter.note("film: frames with gaps between them have no sound")
@@ -270,13 +271,25 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 
 
-def _pictures(
-    run: Production, frames: tuple[int, ...], current: Stage
-) -> Iterator[NDArray[np.uint8]]:
-    """Yield the pictures of `frames`, and report each."""
+def _whole_film(run: Production) -> Path:
+    return run.outputs.film(suffix=run.order.scene.film.resolved().suffix)
+
+
+def _pictures(run: Production, frames: tuple[int, ...], current: Stage) -> Iterator[Picture]:
+    """Yield the pictures of `frames` with the bits that the film's codec takes, and report each."""
+    film = run.order.scene.film.resolved()
+    deep = CODECS[film.suffix].bits == 16
     for done, frame in enumerate(frames):
         step(run.reporter, current, done)
-        yield read_png(run.outputs.frame(frame))
+        path = run.outputs.frame(frame, film.format)
+        if film.format == "png":
+            picture = read_png(path)
+            # 255 stays white: each value is repeated in the lower byte.
+            yield picture.astype(np.uint16) * 257 if deep else picture
+        else:
+            light = read_exr(path)
+            develop = developed16 if deep else developed
+            yield develop(light, film.exposure)
 
 
 def _film_key(run: Production, keys: list[str], sound: Path | None, first: int) -> str:

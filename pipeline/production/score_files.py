@@ -22,13 +22,18 @@ def write_events(outputs: Outputs, take: Take) -> bool:
     return put(outputs.event_table, event_table(take)) or changed
 
 
-def write_cues(outputs: Outputs, score: Score) -> bool:
+def write_cues(outputs: Outputs, score: Score, film: str) -> bool:
     """Write what editing programs read; return whether a file has changed.
 
     A film without timecode has no edit list; one of an earlier rate is taken away.
+
+    Args:
+        outputs: where.
+        score: what is heard.
+        film: name of the film's file.
     """
     changed = put(outputs.labels, label_lines(score))
-    edits = edit_list(score, outputs.film().name)
+    edits = edit_list(score, film)
     if edits is not None:
         return put(outputs.edit_list, edits) or changed
     gone = outputs.edit_list.exists()

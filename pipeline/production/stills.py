@@ -51,7 +51,7 @@ def sheet(order: Order, count: int, columns: int, reporter: Reporter) -> Path:
     Raises:
         PronkError: if it cannot be made.
     """
-    if order.scene.film.format != "png":
+    if order.scene.film.resolved().format != "png":
         raise UsageError("a sheet is made of PNG frames; take film.format=exr away")
     frames = spread(order.scene.n_frames, count)
     files = _stills(order, frames, reporter)

@@ -10,7 +10,8 @@ from render.words.base import Words
 
 Denoise = Literal["off", "fast", "high"]
 Format = Literal["png", "exr"]
-Preset = Literal["draft", "preview", "final"]
+Codec = Literal["h264", "prores"]
+Preset = Literal["draft", "preview", "final", "master"]
 Degrees = Annotated[float, Field(ge=0, le=360)]
 Moments = Annotated[int, Field(ge=1, le=256)]
 # H.264 in 4:2:0 keeps one chroma sample for two by two pixels.
@@ -19,11 +20,36 @@ Even = Annotated[int, Field(ge=16, le=8192, multiple_of=2)]
 # A shutter that is open for half of a frame is what films are shot with.
 _STILL: dict[str, Any] = {"shutter_deg": 0.0, "moments": 4}
 _BLURRED: dict[str, Any] = {"shutter_deg": 180.0, "moments": 6}
+_SHOWN: dict[str, Any] = {"format": "png", "codec": "h264"}
+_KEPT: dict[str, Any] = {"format": "exr", "codec": "prores"}
 
 _PRESETS: dict[Preset, dict[str, Any]] = {
-    "draft": {"size": (320, 180), "samples": 2, "depth": 3, "denoise": "fast", **_STILL},
-    "preview": {"size": (640, 360), "samples": 4, "depth": 4, "denoise": "fast", **_STILL},
-    "final": {"size": (1280, 720), "samples": 12, "depth": 5, "denoise": "high", **_BLURRED},
+    "draft": {"size": (320, 180), "samples": 2, "depth": 3, "denoise": "fast", **_STILL, **_SHOWN},
+    "preview": {
+        "size": (640, 360),
+        "samples": 4,
+        "depth": 4,
+        "denoise": "fast",
+        **_STILL,
+        **_SHOWN,
+    },
+    "final": {
+        "size": (1280, 720),
+        "samples": 12,
+        "depth": 5,
+        "denoise": "high",
+        **_BLURRED,
+        **_SHOWN,
+    },
+    "master": {
+        "size": (1920, 1080),
+        "samples": 64,
+        "depth": 8,
+        "denoise": "high",
+        **_BLURRED,
+        **_KEPT,
+        "moments": 16,
+    },
 }
 
 
@@ -44,7 +70,14 @@ class Film(Words):
         description="Moments of which a blurred frame is made, which share its samples.",
     )
     exposure: float = Field(0.0, ge=-20, le=20, description="Stops brighter than by itself.")
-    format: Format = Field("png", description="png is ready to show; exr keeps all light.")
+    format: Format | None = Field(
+        None, description="Of the frames: png is ready to show; exr keeps all light."
+    )
+    codec: Codec | None = Field(
+        None,
+        description="Of the film: h264 in MP4 is ready to show; prores in MOV has ten bits and "
+        "plain sound, for those who work on.",
+    )
 
     def resolved(self) -> FullFilm:
         """Return the film with every word written out."""
@@ -61,6 +94,13 @@ class FullFilm(Film):
     denoise: Denoise
     shutter_deg: Degrees
     moments: Moments
+    format: Format
+    codec: Codec
+
+    @property
+    def suffix(self) -> str:
+        """How the film's file ends."""
+        return {"h264": ".mp4", "prores": ".mov"}[self.codec]
 
     @property
     def exposures(self) -> tuple[float, ...]:

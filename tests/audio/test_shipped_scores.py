@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -21,27 +20,17 @@ from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
 
-GOLDENS = Path(__file__).parents[1] / "goldens" / "motion"
-
 RATES = [Fraction(r) for r in (10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120)]
 RATES += [Fraction(144), Fraction(240), *(Fraction(r * 1000, 1001) for r in (24, 30, 60))]
 
-LONG = 100_000
-"""Steps times nodes; more than that takes some three seconds to simulate."""
-
-
-def _work(name: str) -> float:
-    try:
-        golden = json.loads((GOLDENS / f"{name}.json").read_text(encoding="utf-8"))
-        return golden["facts"]["frames"] * golden["facts"]["steps"] * len(golden["nodes"])
-    except (OSError, KeyError):
-        return 0
+BY_DAY = ("pass_by", "squeaky_robot", "kangaroo_hills", "tuned_walk", "dice", "rocks")
+"""Scenes of every kind of cause, and with phrases; the others wait for the night."""
 
 
 def _tier(name: str) -> list[pytest.MarkDecorator]:
     if name == "first_steps":
         return []
-    return [pytest.mark.nightly if _work(name) > LONG else pytest.mark.slow]
+    return [pytest.mark.slow if name in BY_DAY else pytest.mark.nightly]
 
 
 SCENES = [pytest.param(name, marks=_tier(name)) for name in shipped_scenes()]

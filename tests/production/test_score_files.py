@@ -194,10 +194,10 @@ def test_a_film_of_more_than_a_day_has_no_edit_list() -> None:
 
 def test_an_edit_list_of_an_earlier_rate_is_taken_away(tmp_path: Path) -> None:
     outputs = Outputs(tmp_path, "f")
-    assert write_cues(outputs, scored())
-    assert not write_cues(outputs, scored())
+    assert write_cues(outputs, scored(), "f.mp4")
+    assert not write_cues(outputs, scored(), "f.mp4")
     assert outputs.edit_list.exists()
-    assert write_cues(outputs, scored(rate=Fraction(240)))
+    assert write_cues(outputs, scored(rate=Fraction(240)), "f.mp4")
     assert not outputs.edit_list.exists()
 
 

@@ -146,7 +146,9 @@ def test_turns_by_what_it_is_told(angle: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", ["horse", "antelope", "person", "spider"])
+@pytest.mark.parametrize(
+    "figure", [pytest.param("horse", marks=pytest.mark.nightly), "antelope", "person", "spider"]
+)
 def test_who_sets_out_again_leaves_no_foot_behind(figure: str) -> None:
     """A body that is drawn down to a foot behind it has left that foot behind."""
     script = "script:\n- {at: 1, who: b, do: stop}\n- {at: 3.2, who: b, do: walk}\n"

@@ -79,7 +79,8 @@ def _keeps_its_phases(walk: Walk) -> None:
     """Feet come down when their gaits say so."""
     herd, paces = walk.walkers.herd, walk.walkers.going.paces
     names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
-    touches = [contact for contact in walk.take.contacts if contact.kind == "touch"]
+    # Who hops has no phases.
+    touches = [c for c in walk.take.contacts if c.kind == "touch" and c.part in names]
     assert touches
     for contact in touches:
         leg = names.index(contact.part)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import os
+import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Never
 import typer
 
 from pipeline.errors import Problem, PronkError, SceneError, UsageError
-from pipeline.production.interrupts import listen
+from pipeline.production.interrupts import ignore, listen
 
 if TYPE_CHECKING:
     from pipeline.production.order import Order
@@ -84,6 +85,10 @@ Sets = Annotated[
 PresetOption = Annotated[
     Preset | None, typer.Option(help="Size and quality of the frames; the scene's own if left out.")
 ]
+SizeOption = Annotated[
+    str | None, typer.Option(metavar="WxH", help="Size of the frames, such as 1280x720.")
+]
+SamplesOption = Annotated[int | None, typer.Option(min=1, max=65536, help="Light paths a pixel.")]
 BackendOption = Annotated[
     BackendName, typer.Option(help="Variant of Mitsuba; the fastest that works if left out.")
 ]
@@ -121,6 +126,8 @@ def render(
     sets: Sets = None,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes that render at once.")] = 1,
     no_sound: Annotated[bool, typer.Option("--no-sound", help="Make no sound, no MIDI.")] = False,
+    size: SizeOption = None,
+    samples: SamplesOption = None,
     backend: BackendOption = BackendName.auto,
     json_lines: JsonFlag = False,
     quiet: QuietFlag = False,
@@ -134,8 +141,9 @@ def render(
     from pipeline.production.order import refuse_clashes
 
     reporter = _flags(json_lines, quiet, verbose)
+    changes = _changes(sets, size, samples)
     orders = [
-        _order(name, sets, out, preset, backend, frames=frames, jobs=jobs, sound=not no_sound)
+        _order(name, changes, out, preset, backend, frames=frames, jobs=jobs, sound=not no_sound)
         for name in scenes
     ]
     refuse_clashes(orders)
@@ -261,6 +269,8 @@ def frame(
     out: Out = Path("out"),
     preset: PresetOption = None,
     sets: Sets = None,
+    size: SizeOption = None,
+    samples: SamplesOption = None,
     backend: BackendOption = BackendName.auto,
     json_lines: JsonFlag = False,
     quiet: QuietFlag = False,
@@ -270,7 +280,7 @@ def frame(
     from pipeline.production.stills import still
 
     reporter = _flags(json_lines, quiet, verbose)
-    order = _order(scene, sets, out, preset, backend)
+    order = _order(scene, _changes(sets, size, samples), out, preset, backend)
     reporter.result(f"{still(order, number, reporter)}")
 
 
@@ -282,6 +292,8 @@ def sheet(
     out: Out = Path("out"),
     preset: PresetOption = None,
     sets: Sets = None,
+    size: SizeOption = None,
+    samples: SamplesOption = None,
     backend: BackendOption = BackendName.auto,
     json_lines: JsonFlag = False,
     quiet: QuietFlag = False,
@@ -291,8 +303,36 @@ def sheet(
     from pipeline.production.stills import sheet as contact_sheet
 
     reporter = _flags(json_lines, quiet, verbose)
-    order = _order(scene, sets, out, preset, backend)
+    order = _order(scene, _changes(sets, size, samples), out, preset, backend)
     reporter.result(f"{contact_sheet(order, count, columns, reporter)}")
+
+
+@app.command()
+def bench(
+    scene: SceneName,
+    preset: Annotated[
+        list[Preset] | None, typer.Option(help="A preset to measure; may be said again.")
+    ] = None,
+    frames: Annotated[
+        int, typer.Option(min=1, max=100, help="Frames to render after the first.")
+    ] = 2,
+    out: Out = Path("out"),
+    sets: Sets = None,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Say how long a frame takes with each preset, and the whole film."""
+    from dataclasses import asdict
+
+    from pipeline.production import speed_report
+
+    reporter = _flags(json_lines, quiet, verbose)
+    order = _order(scene, sets, out, backend=backend)
+    presets = [one.value for one in preset or Preset]
+    speeds = speed_report.measure(order, presets, frames, reporter)
+    reporter.result(speed_report.told(speeds), presets=[asdict(speed) for speed in speeds])
 
 
 @app.command()
@@ -307,6 +347,8 @@ def watch(
     out: Out = Path("out"),
     preset: PresetOption = Preset.draft,
     sets: Sets = None,
+    size: SizeOption = None,
+    samples: SamplesOption = None,
     backend: BackendOption = BackendName.auto,
     json_lines: JsonFlag = False,
     quiet: QuietFlag = False,
@@ -321,7 +363,8 @@ def watch(
     file = find_scene(scene)
 
     def order_of() -> Order:
-        return _order(str(file), sets, out / watching.PLACE, preset, backend)
+        changes = _changes(sets, size, samples)
+        return _order(str(file), changes, out / watching.PLACE, preset, backend)
 
     def make(order: Order) -> Path:
         if film:
@@ -448,6 +491,19 @@ def _flags(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:
     return FLAGS.reporter()
 
 
+def _changes(sets: list[str] | None, size: str | None, samples: int | None) -> list[str]:
+    """Return the words that options change, an explicit `--set` last."""
+    changes = []
+    if size is not None:
+        match = re.fullmatch(r"\s*(\d{1,5})\s*[xX×]\s*(\d{1,5})\s*", size)
+        if match is None:
+            raise UsageError(f"--size {size!r} is no size; write width and height, as in 1280x720")
+        changes.append(f"film.size=[{match[1]},{match[2]}]")
+    if samples is not None:
+        changes.append(f"film.samples={samples}")
+    return [*changes, *(sets or [])]
+
+
 def _order(
     name: str,
     sets: list[str] | None,
@@ -467,8 +523,13 @@ def _order(
 def main() -> Never:
     """Run the command line; every error is one message and an exit code."""
     listen()
-    code = _ended()
+    try:
+        code = _ended()
+    except KeyboardInterrupt:
+        # One more, while the first was being answered.
+        code = INTERRUPTED
     if code == INTERRUPTED:
+        ignore()
         typer.echo("stopped; the same command goes on where it was", err=True)
         # Libraries whose threads were at work would add tracebacks of their own.
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)

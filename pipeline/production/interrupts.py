@@ -32,6 +32,12 @@ def listen() -> None:
     sys.unraisablehook = _heard_in_vain
 
 
+def ignore() -> None:
+    """Hear no more of it: the run is ending, and one that was sent again would be a second one."""
+    if hasattr(signal, "sigwait"):
+        signal.signal(signal.SIGUSR1, signal.SIG_IGN)
+
+
 @contextmanager
 def held_back() -> Iterator[None]:
     """Hold Ctrl-C back until the end of the block; pressed twice it is not held."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,12 @@ PLACE = "watch"
 SETTLE_MS = 120
 """Editors write a file in several steps; so long none may follow [ms]."""
 
+LOOK_MS = 500
+"""How often it is asked whether something changed before the system was watching [ms]."""
+
+Stamps = Mapping[Path, tuple[int, int] | None]
+"""When a file was written [ns] and how long it is [bytes]; None for one that is not there."""
+
 
 def watch(
     file: Path,
@@ -26,7 +32,7 @@ def watch(
     make: Callable[[Order], Path],
     reporter: Reporter,
     say: Callable[[PronkError], None],
-    changes: Callable[[set[Path]], Iterator[object]] | None = None,
+    changes: Callable[[Stamps], Iterator[object]] | None = None,
 ) -> None:
     """Make a picture now, and again whenever something that it is made of has changed.
 
@@ -39,13 +45,17 @@ def watch(
         make: makes the picture and returns its file.
         reporter: told of every picture.
         say: told of every mistake.
-        changes: gives an item a change of some files; ends only if there is nothing to wait for.
+        changes: gives an item when files are no longer as they were; ends only if there is
+            nothing to wait for.
     """
     named: set[Path] = set()
     while True:
+        # What is written while a picture is made is not in it.
+        seen = {**stamps(named), **stamps({file.absolute()})}
         try:
             order = order_of()
             named = files_of(order.scene)
+            seen |= stamps(named - seen.keys())
             reporter.result(f"{make(order)}")
         except PronkError as error:
             if isinstance(error, SceneError):
@@ -53,7 +63,8 @@ def watch(
             say(error)
         reporter.note(f"watching {file}; Ctrl-C ends it")
         # A new watch each time, for the scene may name other files now.
-        if next((changes or changes_of)({file.absolute(), *named}), None) is None:
+        seen |= stamps(named - seen.keys())
+        if next((changes or changes_of)(seen), None) is None:
             return
 
 
@@ -83,12 +94,25 @@ def _file(word: str) -> Path | None:
         return None
 
 
-def changes_of(files: Iterable[Path]) -> Iterator[object]:
-    """Give an item whenever one of some files has changed, or a figure beside one.
+def stamps(files: Iterable[Path]) -> dict[Path, tuple[int, int] | None]:
+    """Return how files are now."""
+    return {path: _stamp(path) for path in files}
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
+
+
+def changes_of(seen: Stamps) -> Iterator[object]:
+    """Give an item whenever files are no longer as they were seen, or a figure beside one changes.
 
     Their folders are watched: editors put a new file in the place of the old one.
     """
-    known = {path.resolve() for path in files}
+    known = {path.resolve() for path in seen}
     folders = {path.parent for path in known}
     figures = {folder / "figures" for folder in folders}
     places = {*folders, *(folder for folder in figures if folder.is_dir())}
@@ -98,6 +122,14 @@ def changes_of(files: Iterable[Path]) -> Iterator[object]:
         scene_or_figure = path.suffix == ".yaml" and path.parent in places
         return path in known or path.resolve() in known or scene_or_figure
 
-    yield from watchfiles.watch(
-        *places, watch_filter=matters, recursive=False, debounce=1600, step=SETTLE_MS
+    told = watchfiles.watch(
+        *places,
+        watch_filter=matters,
+        recursive=False,
+        step=SETTLE_MS,
+        rust_timeout=LOOK_MS,
+        yield_on_timeout=True,
     )
+    for changes in told:
+        if changes or stamps(seen) != seen:
+            yield changes

@@ -40,7 +40,7 @@ def _watched(studio: Studio, wanted: Callable[[], bool], running: Running) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [1, pytest.param(2, marks=pytest.mark.nightly)])
 def test_an_interrupted_run_says_so_and_goes_on(
     film: Studio, tmp_path: Path, start: Start, jobs: int
 ) -> None:
@@ -100,7 +100,7 @@ def _killed_often(
     _whole(studio, film)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_killed_thrice_the_film_is_the_same(film: Studio, tmp_path: Path, start: Start) -> None:
     _killed_often(film, tmp_path / "studio", start, 3, 1, seed=1)
 
@@ -113,7 +113,7 @@ def test_killed_ten_times_the_film_is_the_same(
     _killed_often(film, tmp_path / "studio", start, 10, jobs, seed)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_workers_end_with_a_run_that_is_killed(film: Studio, tmp_path: Path, start: Start) -> None:
     studio = _fresh(film, tmp_path / "studio")
     sets = ("--set", "frames=200", "--jobs", "2")

@@ -13,7 +13,7 @@ import pytest
 from pipeline.errors import PronkError
 from pipeline.production.order import Order
 from pipeline.production.reporting import Quiet
-from pipeline.production.watching import changes_of, files_of, watch
+from pipeline.production.watching import Stamps, changes_of, files_of, stamps, watch
 from pipeline.spec import load_scene
 
 SCENE = "pronk: 1\nframes: 4\ncast: [{figure: beetle, walk: {}}]\n"
@@ -34,11 +34,11 @@ def test_every_change_makes_a_picture_and_mistakes_are_told_and_mended(tmp_path:
     file = tmp_path / "play.yaml"
     file.write_text(SCENE)
     edits = iter([SCENE.replace("walk", "wlak"), SCENE.replace("4", "6"), None])
-    asked: list[set[Path]] = []
+    asked: list[Stamps] = []
     said: list[PronkError] = []
     made: list[Order] = []
 
-    def changes(files: set[Path]) -> Iterator[object]:
+    def changes(files: Stamps) -> Iterator[object]:
         asked.append(files)
         text = next(edits)
         if text is not None:
@@ -71,13 +71,14 @@ def test_what_a_scene_names_is_watched_too(tmp_path: Path) -> None:
     assert files_of(load_scene(file)) == {tmp_path / "thing.obj"}
 
 
-def first_change(files: set[Path], edit: threading.Timer) -> object:
-    """Return the first change that is noticed after an edit."""
-    edit.start()
-    try:
-        return next(iter(changes_of(files)))
-    finally:
-        edit.join()
+def test_what_was_saved_before_the_system_watched_is_not_missed(tmp_path: Path) -> None:
+    file = tmp_path / "play.yaml"
+    file.write_text(SCENE)
+    seen = stamps({file})
+    file.write_text(SCENE + "# more\n")
+    assert next(changes_of(seen), None) is not None
+    file.unlink()
+    assert stamps({file}) == {file: None}
 
 
 def test_the_system_tells_of_a_file_that_is_replaced(tmp_path: Path) -> None:
@@ -93,7 +94,10 @@ def test_the_system_tells_of_a_file_that_is_replaced(tmp_path: Path) -> None:
         new.write_text(SCENE + "# more\n")
         os.replace(new, file)
 
-    seen = first_change({file}, threading.Timer(0.5, save))
+    edit = threading.Timer(0.5, save)
+    edit.start()
+    seen = next(changes_of(stamps({file})))
+    edit.join()
     assert {Path(name).name for _, name in seen} == {"play.yaml"}  # type: ignore[attr-defined]
 
 

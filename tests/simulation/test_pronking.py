@@ -238,7 +238,7 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     return tuple(float(np.abs(p - points[-1]).max()) for p in points[:2])
 
 
-@pytest.mark.parametrize("words", ["{}", "{turn_deg: 20}"])
+@pytest.mark.parametrize("words", [pytest.param("{}", marks=pytest.mark.nightly), "{turn_deg: 20}"])
 @pytest.mark.parametrize(
     "figure",
     [
@@ -255,7 +255,14 @@ def test_landing_points_on_smooth_hills_converge_with_the_step(figure, words):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("figure", ["kangaroo", "antelope", "hopper"])
+@pytest.mark.parametrize(
+    "figure",
+    [
+        pytest.param("kangaroo", marks=pytest.mark.nightly),
+        pytest.param("antelope", marks=pytest.mark.nightly),
+        "hopper",
+    ],
+)
 def test_landing_points_on_level_ground_do_not_depend_on_the_step(figure):
     # Phases are exact and events are located in them: what is left is rounding.
     coarse, fine = landing_errors(figure, "{}", "flat")

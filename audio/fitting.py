@@ -24,11 +24,12 @@ def _fits(when: When, event: ScoreEvent) -> bool:
         (when.surface, event.surface),
     )
     ranges = ((when.size, event.size), (when.strength, abs(event.strength)))
-    return all(pattern is None or _matches(name, pattern) for pattern, name in names) and all(
+    return all(pattern is None or matches(name, pattern) for pattern, name in names) and all(
         within is None or within.holds(value) for within, value in ranges
     )
 
 
-def _matches(name: str, pattern: str) -> bool:
+def matches(name: str, pattern: str) -> bool:
+    """Tell whether a name is meant by an author's pattern, where `*` stands for any letters."""
     pieces = (re.escape(piece) for piece in folded(pattern).split("*"))
     return re.fullmatch(".*".join(pieces), folded(name)) is not None

@@ -12,7 +12,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from audio.fitting import matches
 from pipeline.spec.cast import called, names_of
+from pipeline.spec.detect import Detect
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
 from pipeline.spec.group import DIRECTED
 from pipeline.spec.mood import MOODS
@@ -21,6 +23,9 @@ from pipeline.spec.script import FORMS
 from render.words import MATERIALS
 
 Place = tuple[Step, ...]
+
+CAUSES = tuple(Detect.model_fields)
+"""What is heard."""
 
 JUMPS = ("hop_over", "jump")
 """What is jumped at once."""
@@ -46,6 +51,7 @@ def faults_of_references(scene: object) -> list[Fault]:
         _hopped,
         _moods,
         _seen,
+        _voiced,
     )
     return list(islice((fault for find in finders for fault in find(scene)), MOST_FAULTS))
 
@@ -263,6 +269,35 @@ def _seen(scene: object) -> Iterator[Fault]:
         else:
             continue
         yield Fault((*place, "look_at"), message)
+
+
+def _voiced(scene: object) -> Iterator[Fault]:
+    """Find voices and thresholds that no sound of the scene will ever have."""
+    sound = _get(scene, "sound")
+    whose: list[tuple[Place, Any]] = []
+    for i, voice in _items(_get(sound, "voices")):
+        when, place = _get(voice, "when"), ("sound", "voices", i, "when")
+        whose.append(((*place, "who"), _get(when, "who")))
+        cause = _get(when, "cause")
+        if isinstance(cause, str) and not any(matches(name, cause) for name in CAUSES):
+            yield Fault((*place, "cause"), f"nothing is caused by '{cause}', {hint(cause, CAUSES)}")
+    for cause in CAUSES:
+        words = _get(_get(sound, "detect"), cause)
+        whose.append((("sound", "detect", cause, "who"), _get(words, "who")))
+    for at, who in whose:
+        if isinstance(who, str) and who.strip("*") and not _is_meant(who, scene):
+            names = _names(scene)
+            yield Fault(at, f"nobody in the cast is called '{who}', {hint(who, names)}")
+
+
+def _is_meant(who: str, scene: object) -> bool:
+    """Tell whether a pattern is for anybody; bodies and groups have numbers behind their names."""
+    cast = [member for _, member in _items(_get(scene, "cast"))]
+    for name, member in zip(_names(scene), cast, strict=True):
+        several = _get(member, "many") is not None or _get(member, "group") is not None
+        if matches(name, who) or (several and who.startswith(f"{name}_")):
+            return True
+    return False
 
 
 def _thing(member: object) -> str | None:

@@ -20,6 +20,8 @@ from pipeline.spec import load_scene
 PAGE = (Path(__file__).parents[2] / "docs" / "sound.md").read_text(encoding="utf-8")
 EXAMPLES = [text for text in re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL) if "sound:" in text]
 
+CAST = ("bug", "ghost", "mare", "calf", "roo", "drummer", "robot", "horse")
+
 
 def test_there_are_examples() -> None:
     assert len(EXAMPLES) >= 5
@@ -30,7 +32,8 @@ def test_an_example_is_a_scene_that_loads_and_plays(
     example: str, tmp_path: Path, step: Any, score_of: Any, read_smf: Any, check_laws: Any
 ) -> None:
     path = tmp_path / "example.yaml"
-    path.write_text(f"pronk: 1\nduration: 1\ncast: [figure: beetle]\n{example}", encoding="utf-8")
+    cast = ", ".join(f"{{figure: beetle, name: {name}}}" for name in CAST)
+    path.write_text(f"pronk: 1\nduration: 1\ncast: [{cast}]\n{example}", encoding="utf-8")
     sound = load_scene(path).sound
     voices = sound.voices
     events = [

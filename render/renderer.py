@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 Image = NDArray[np.float32]
 
-_STRIDE = 7919
-"""Between the seeds of the moments of one frame."""
-
 
 @dataclass
 class Split:
@@ -111,20 +108,18 @@ class Renderer:
         """Return light and albedo, each the mean of all moments that the shutter is open."""
         stage = self._staged(shot)
         count = len(shot.moments)
-        samples = max(round(film.samples / count), 1)
+        each = max(round(film.samples / count), 1)
         lights, albedos = [], []
         for k, moment in enumerate(shot.moments):
             if k:
                 with self.split.timed("update"):
                     stage.move(moment)
-            # Each moment has samples of its own, or its noise would be that of one.
-            seed = shot.seed + _STRIDE * k
+            passes = range(k * each, (k + 1) * each)
             with self.split.timed("trace"):
-                lights.append(stage.trace(seed, samples))
-                if film.denoise != "off":
-                    albedos.append(stage.albedo(seed, samples))
-        light = _mean(lights)
-        return light, _mean(albedos) if albedos else light
+                light, albedo = stage.expose(shot.seed, passes, count * each, film.denoise != "off")
+            lights.append(light)
+            albedos.append(light if albedo is None else albedo)
+        return _mean(lights), _mean(albedos)
 
     def _staged(self, shot: Shot) -> Stage:
         from render.stage import Stage
@@ -152,6 +147,18 @@ def _mean(images: list[Image]) -> Image:
 def look() -> str:
     """Return a digest of the modules that decide what a frame looks like."""
     here = Path(__file__).parent
-    names = ("color", "denoiser", "lights", "materials", "meshes", "stage", "textures")
+    names = (
+        "color",
+        "denoiser",
+        "lights",
+        "materials",
+        "meshes",
+        "path_tracer",
+        "stage",
+        "strata",
+        "textures",
+        "tracer",
+        "wavefront",
+    )
     sources = b"".join((here / f"{name}.py").read_bytes() for name in names)
     return hashlib.blake2b(sources, digest_size=6).hexdigest()

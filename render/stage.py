@@ -11,13 +11,13 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
 from render.color import linear
 from render.errors import ShotError
 from render.lights import emitters
 from render.meshes import Group, built, groups, moved, update
 from render.shot import CameraPose, Mesh, Moment, Shot
+from render.tracer import Image, tracer
 from render.words import FullFilm, Material
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
@@ -28,6 +28,7 @@ class Stage:
 
     Attributes:
         build: the digest of what it was built for.
+        handed_over: why Mitsuba's own path tracer is at work, or nothing.
     """
 
     def __init__(self, shot: Shot) -> None:
@@ -47,10 +48,7 @@ class Stage:
             }
         )
         self._sensor = self._scene.sensors()[0]
-        self._integrator = mi.load_dict(
-            {"type": "path", "max_depth": self._film.depth, "rr_depth": self._film.depth + 1}
-        )
-        self._colors = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
+        self._tracer, self.handed_over = tracer(self._scene, self._film.size, self._film.depth)
         self._values = mi.traverse(self._scene)
         self._shown: tuple[Mesh, ...] = shot.meshes
         self.move(shot.moments[0])
@@ -64,22 +62,9 @@ class Stage:
         _aim(self._values, moment.camera, self._film)
         self._values.update()
 
-    def trace(self, seed: int, samples: int) -> NDArray[np.float32]:
-        """Return the light that the camera sees, (H, W, 3), linear sRGB."""
-        return self._render(self._integrator, seed, samples)
-
-    def albedo(self, seed: int, samples: int) -> NDArray[np.float32]:
-        """Return the colour of what the camera sees first, (H, W, 3), 0 to 1.
-
-        A pass of its own, because around the path tracer it doubles the time.
-        """
-        colors = self._render(self._colors, seed, samples)
-        return np.ascontiguousarray(colors[..., -3:].clip(0.0, 1.0))
-
-    def _render(self, integrator: Any, seed: int, samples: int) -> NDArray[np.float32]:
-        image = integrator.render(self._scene, self._sensor, seed=seed & 0xFFFFFFFF, spp=samples)
-        # Reading the pixels waits for Mitsuba, so that times taken outside are honest.
-        return np.array(image, np.float32)
+    def expose(self, seed: int, passes: range, of: int, colors: bool) -> tuple[Image, Image | None]:
+        """Return the light that the camera sees and its first colours; see `tracer.Tracer`."""
+        return self._tracer.expose(self._sensor, seed, passes, of, colors)
 
 
 def _camera(film: FullFilm) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from pipeline.simulation.reel import rows_of
 from pipeline.simulation.spatial import UP, Array
 from render.words import Camera
 
-MARGIN = 1.06
+MARGIN = 1.12
 """Room left around performers, as a factor on their extent."""
 
 FITTINGS = 8
@@ -35,7 +35,7 @@ LEAD = 0.1
 LEAD_SPEED = 0.12
 """Speed at which that is nearly reached, in pictures a second."""
 
-SLOWNESS = 1.2
+SLOWNESS = 0.8
 """Standard deviation in time of a distance that grows with what is followed [s]."""
 
 FLATTEST = 0.4

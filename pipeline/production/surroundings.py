@@ -162,9 +162,9 @@ class Surroundings:
         # What the target is in, or under, cannot be seen over.
         crossed = (first < last) & (last < 0.95)
         ends = np.stack([first, last], axis=-1).clip(0.0, 0.95)
-        line = eye[..., 1:] + ends * way[..., 1:]
+        line = eye[..., 1:2] + ends * way[..., 1:2]
         hides = crossed & (line.min(axis=-1) < high[..., 1]) & (line.max(axis=-1) > low[..., 1])
-        needed = ((high[..., 1:] + LEAST - line) / (1.0 - ends)).max(axis=-1)
+        needed = ((high[..., 1:2] + LEAST - line) / (1.0 - ends)).max(axis=-1)
         # Summed up over the cut, so that it does not begin to climb and give up.
         worst = np.where(hides, needed / distance[:, None], 0.0).max(axis=0)
         rise = np.where(hides & (worst < STEEP), needed, 0.0)

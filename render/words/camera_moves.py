@@ -65,12 +65,10 @@ class Dolly(_Straight):
     speed: Length | None = Field(
         None, description="How fast it comes nearer [m/s]; away if negative."
     )
-    start: float | None = Field(
-        None, alias="from", gt=0, le=1e5, description="Distance at the begin of the cut [m]."
+    start: Length | None = Field(
+        None, alias="from", description="Distance at the begin of the cut [m]."
     )
-    end: float | None = Field(
-        None, alias="to", gt=0, le=1e5, description="Distance at its end [m]."
-    )
+    end: Length | None = Field(None, alias="to", description="Distance at its end [m].")
     zoom: bool = Field(
         False,
         description="Zoom against it, so that what is looked at keeps its size (a dolly zoom).",
@@ -79,6 +77,8 @@ class Dolly(_Straight):
     @model_validator(mode="after")
     def _some_way(self) -> Self:
         self._check()
+        if any(end is not None and end <= 0.0 for end in (self.start, self.end)):
+            raise ValueError("its distances must be greater than 0")
         return self
 
 

@@ -110,9 +110,7 @@ MOVES = [
     {"crane": [6, 0.5], "orbit": 40, "truck": 0.4},
 ]
 
-steps = st.lists(
-    st.tuples(*[st.floats(-1, 1)] * 3), min_size=8, max_size=8
-)  # one a half second
+steps = st.lists(st.tuples(*[st.floats(-1, 1)] * 3), min_size=8, max_size=8)  # one a half second
 
 
 def wandering(knots: list[tuple[float, float, float]], speed: float, jumps: float) -> Array:
@@ -260,8 +258,10 @@ def test_who_stands_still_is_in_the_middle_and_who_turns_back_is_led_again(flat:
     # Of the followed path, which is smoother than the box itself.
     x = [pictured(p, take.positions[[f], 0])[0, 0] for f, p in enumerate(poses)]
     assert x[4] * x[-4] < 0
-    middle = [pictured(p, take.positions[[f], 0])[0, 0] for f, p in enumerate(
-        filmed(take, {"follow": "a", "view": "side", "lead": 0}))]
+    middle = [
+        pictured(p, take.positions[[f], 0])[0, 0]
+        for f, p in enumerate(filmed(take, {"follow": "a", "view": "side", "lead": 0}))
+    ]
     assert abs(middle[4]) < 1e-3
     assert abs(x[4]) == pytest.approx(abs(x[-4]), rel=0.05)
 

@@ -103,8 +103,11 @@ def test_moments_are_seen_through_lenses_of_their_own(
     other = replace(shot.camera, lens=Lens(RADIUS, 4.0))
     both = replace(shot, later=(Moment(shot.meshes, other),))
     alone = [
-        renderer.render(replace(shot, camera=pose, seed=seed, film=shot.film.model_copy(
-            update={"samples": 128}))).light
+        renderer.render(
+            replace(
+                shot, camera=pose, seed=seed, film=shot.film.model_copy(update={"samples": 128})
+            )
+        ).light
         for pose, seed in ((shot.camera, 0), (other, 7919))
     ]
     np.testing.assert_allclose(renderer.render(both).light, np.mean(alone, axis=0), rtol=1e-5)

@@ -13,7 +13,7 @@ from render.words import Camera, View
 from render.words.camera_moves import Crane, Dolly, MoveEase, Orbit, Truck
 
 VIEWS: dict[View, tuple[float, float]] = {
-    "three-quarter": (38.0, 13.0),
+    "three-quarter": (38.0, 10.0),
     "side": (90.0, 9.0),
     "front": (0.0, 10.0),
     "back": (180.0, 18.0),

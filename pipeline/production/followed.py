@@ -1,9 +1,10 @@
 """Followed: what a cut keeps in the picture, and where that goes.
 
 Who is named is kept, wherever he goes. Where nobody is named all are followed but those who
-leave: who goes more than `LEAVES` times as far from the rest as anybody was when the cut
-began is let go, unless most do. "The rest" is the median of all performers, or the first of
-the cast where there are two.
+leave: who goes away to more than `LEAVES` times as far from the rest as is usual when the cut
+begins is let go, unless most do. "The rest" is the median of all performers, or the first of
+the cast where there are two; what is usual is the median of their distances, or the size of
+the largest if that is more. Who is far away but stays there is kept.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.boxes import Boxes
+from pipeline.production.outlines import Outlines
 from pipeline.production.smooth_paths import smoothed
 from pipeline.simulation.reel import rows_of
 from pipeline.simulation.spatial import Array, matrix, normalized
@@ -23,7 +24,7 @@ SMOOTHING = 0.45
 """Standard deviation in time of a followed path [s]."""
 
 LEAVES = 2.5
-"""How far one goes to be let go, as a factor on how far anybody was in the beginning."""
+"""How far one goes to be let go, as a factor on how far is usual in the beginning."""
 
 TURNED = 0.25
 """Length of the mean of headings below which they point nowhere in common."""
@@ -71,15 +72,14 @@ def follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.int
     rate = float(take.header.rate)
     cast = {part.performer for part in take.parts}
     wanted = cast if names is None else {names} if isinstance(names, str) else set(names)
-    boxes = Boxes.of(take, lambda part: part.performer in wanted)
-    corners = boxes.placed(take, rows)
+    outlines = Outlines.of(take, lambda part: part.performer in wanted)
+    placed = outlines.placed(take, rows)
     if names is None and len(wanted) > 1:
-        left = _leavers(corners, boxes.owners)
+        left = _leavers(placed, outlines.owners)
         if left:
             wanted = wanted - left
-            keep = [i for i, owner in enumerate(boxes.owners) if owner not in left]
-            corners = corners[:, keep]
-    points = corners.reshape(len(rows), -1, 3)
+            placed = placed[:, [i for i, owner in enumerate(outlines.owners) if owner not in left]]
+    points = placed.reshape(len(rows), -1, 3)
     place = smoothed(_middles(points), SMOOTHING * rate)
     for some in rows_of(points):
         # Who is not there needs no room.
@@ -104,19 +104,20 @@ def _middles(points: Array) -> Array:
     return np.stack([np.interp(frames, frames[there], c[there]) for c in middles.T], axis=-1)
 
 
-def _leavers(corners: Array, owners: tuple[str, ...]) -> set[str]:
-    """Return who leaves, of those whose boxes have `corners` (F, P, 8, 3)."""
+def _leavers(points: Array, owners: tuple[str, ...]) -> set[str]:
+    """Return who leaves, of those whose outlines have `points` (F, P, n, 3)."""
     cast = list(dict.fromkeys(owners))
     own = np.array([cast.index(owner) for owner in owners])
     paths = np.stack(
-        [_middles(corners[:, own == k].reshape(len(corners), -1, 3)) for k in range(len(cast))],
+        [_middles(points[:, own == k].reshape(len(points), -1, 3)) for k in range(len(cast))],
         axis=1,
     )
     middle = np.median(paths, axis=1) if len(cast) > 2 else paths[:, 0]
     away = np.linalg.norm(paths - middle[:, None], axis=-1)
-    # Of the size of the one in the middle as well: two that stand close are not let go at a step.
-    size = float(np.nanmax(np.fmax.reduce(corners[0], axis=1) - np.fmin.reduce(corners[0], axis=1)))
-    gone = away.max(axis=0) > LEAVES * max(float(away[0].max()), size)
+    size = float(np.nanmax(np.fmax.reduce(points[0], axis=1) - np.fmin.reduce(points[0], axis=1)))
+    usual = max(float(np.median(away[0])), size)
+    farthest = away.max(axis=0)
+    gone = (farthest > LEAVES * usual) & (farthest - away[0] > usual)
     return {cast[k] for k in np.flatnonzero(gone)} if 2 * gone.sum() <= len(cast) else set()
 
 

@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.boxes import Boxes
 from pipeline.production.followed import SMOOTHING, Followed
 from pipeline.production.landscape import RINGS, ground_meshes
+from pipeline.production.outlines import Outlines
 from pipeline.production.seen import Seen
 from pipeline.production.smooth_paths import envelope
 from pipeline.simulation.reel import rows_of
@@ -109,8 +109,8 @@ class Surroundings:
     @staticmethod
     def of(take: Take, ground: Ground, followed: Followed, rows: NDArray[np.int64]) -> Surroundings:
         """Return what is around `followed` at some rows."""
-        boxes = Boxes.of(take, lambda part: part.performer not in followed.names)
-        placed = boxes.placed(take, rows)
+        outlines = Outlines.of(take, lambda part: part.performer not in followed.names)
+        placed = outlines.placed(take, rows)
         if not placed.size:
             none = np.zeros((len(rows), 0, 3))
             return Surroundings(ground, none, none, np.zeros(0, bool), followed.rate)

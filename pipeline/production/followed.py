@@ -23,7 +23,7 @@ from pipeline.simulation.take import Take
 SMOOTHING = 0.45
 """Standard deviation in time of a followed path [s]."""
 
-LEAVES = 2.5
+LEAVES = 4.0
 """How far one goes to be let go, as a factor on how far is usual in the beginning."""
 
 TURNED = 0.25

@@ -14,6 +14,7 @@ from pipeline.production.camera_moves import Moves
 from pipeline.production.focusing import lenses
 from pipeline.production.followed import follow
 from pipeline.production.framing import Framing
+from pipeline.production.leading import ahead_of
 from pipeline.production.moving_camera import fields_of_view, looks_by_itself, seen_from
 from pipeline.production.seen import Seen
 from pipeline.production.smooth_paths import smoothed
@@ -119,13 +120,18 @@ def _framed(cut: _Cut) -> tuple[Seen, Array]:
 def _standing(cut: _Cut) -> tuple[Seen, Array]:
     """Return a camera that stands at a place, and what it looks at (F, 3)."""
     words, count = cut.words, len(cut.rows)
+    eye, up = np.tile(np.asarray(words.at, dtype=float), (count, 1)), np.tile(UP, (count, 1))
+    fov_deg = fields_of_view(words, cut.times)
     if words.look_at is not None:
-        target = np.tile(np.asarray(words.look_at, dtype=float), (count, 1))
+        place = np.tile(np.asarray(words.look_at, dtype=float), (count, 1))
+        seen = Seen(eye, place, up, fov_deg)
     else:
-        target = follow(cut.take, words.follow, cut.rows).place
-    eye = np.tile(np.asarray(words.at, dtype=float), (count, 1))
-    seen = Seen(eye, target, np.tile(UP, (count, 1)), fields_of_view(words, cut.times))
-    return cut.ground.cleared(seen, cut.rate, along=False), target
+        followed = follow(cut.take, words.follow, cut.rows)
+        place = followed.place
+        seen = Seen(eye, place, up, fov_deg)
+        ahead = ahead_of(followed.velocity, seen, words.lead, cut.aspect)
+        seen = Seen(eye, place + ahead, up, fov_deg)
+    return cut.ground.cleared(seen, cut.rate, along=False), place
 
 
 def _moved(cut: _Cut) -> tuple[Seen, Array]:

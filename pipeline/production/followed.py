@@ -114,7 +114,9 @@ def _leavers(points: Array, owners: tuple[str, ...]) -> set[str]:
     )
     middle = np.median(paths, axis=1) if len(cast) > 2 else paths[:, 0]
     away = np.linalg.norm(paths - middle[:, None], axis=-1)
-    size = float(np.nanmax(np.fmax.reduce(points[0], axis=1) - np.fmin.reduce(points[0], axis=1)))
+    sizes = np.fmax.reduce(points[0], axis=1) - np.fmin.reduce(points[0], axis=1)
+    # Of who is there already.
+    size = float(np.fmax.reduce(sizes, axis=None, initial=0.0))
     usual = max(float(np.median(away[0])), size)
     farthest = away.max(axis=0)
     gone = (farthest > LEAVES * usual) & (farthest - away[0] > usual)

@@ -15,10 +15,11 @@ import numpy as np
 
 from pipeline.production.camera_moves import Moves
 from pipeline.production.followed import SMOOTHING, Followed
+from pipeline.production.leading import ahead_of
 from pipeline.production.seen import Seen
 from pipeline.production.smooth_paths import envelope, smoothed
 from pipeline.production.surroundings import Surroundings
-from pipeline.simulation.curves import bounded, hinge
+from pipeline.simulation.curves import hinge
 from pipeline.simulation.reel import rows_of
 from pipeline.simulation.spatial import UP, Array
 from render.words import Camera
@@ -28,12 +29,6 @@ MARGIN = 1.12
 
 FITTINGS = 8
 """How often the distance is corrected until performers are in the picture."""
-
-LEAD = 0.1
-"""How far a performer that moves is put back from the middle, as a part of the picture."""
-
-LEAD_SPEED = 0.12
-"""Speed at which that is nearly reached, in pictures a second."""
 
 SLOWNESS = 0.8
 """Standard deviation in time of a distance that grows with what is followed [s]."""
@@ -130,19 +125,9 @@ class Framing:
 
     def _leading(self, seen: Seen) -> Seen:
         """Return a camera moved so that there is room ahead of who goes across the picture."""
-        lead = LEAD if self.cut.lead is None else self.cut.lead
-        if self.cut.look_at is not None or lead == 0.0:
+        if self.cut.look_at is not None:
             return seen
-        _, right, upward = seen.axes
-        v = self.followed.velocity
-        high = 2.0 * seen.tangent * np.linalg.norm(seen.target - seen.eye, axis=-1)
-        across = np.einsum("fk,fk->f", v, right) / (high * self.aspect)
-        along = np.einsum("fk,fk->f", v, upward) / high
-        speed = np.hypot(across, along) / LEAD_SPEED
-        part = lead * np.divide(bounded(speed), speed, out=np.ones_like(speed), where=speed > 1e-9)
-        part = part / LEAD_SPEED
-        shift = (part * across * high * self.aspect)[:, None] * right
-        shift = shift + (part * along * high)[:, None] * upward
+        shift = ahead_of(self.followed.velocity, seen, self.cut.lead, self.aspect)
         return replace(seen, eye=seen.eye + shift, target=seen.target + shift)
 
     def _zoomed(self, distance: Array) -> Array:

@@ -24,7 +24,7 @@ PLACED = ("position", "target", "rotation_deg")
 VALUES = (*PLACED, "fov_deg", "focus")
 """What a keyframe of the camera may say."""
 
-FRAMED = ("view", "distance", "elevation_deg", "orbit", "dolly", "truck", "crane", "lead")
+FRAMED = ("view", "distance", "elevation_deg", "orbit", "dolly", "truck", "crane")
 """Words of a camera that is not put anywhere: it frames by itself."""
 
 Focus = Annotated[float, Field(gt=0, le=1e5)] | Place | str
@@ -208,8 +208,9 @@ class Camera(Words):
             words = ("elevation_deg", "orbit", "truck", "crane")
             if said := [word for word in words if getattr(self, word) is not None]:
                 yield f"the view from the top has no {' and no '.join(said)}"
-        if self.lead is not None and self.look_at is not None:
-            yield "a camera that looks at a point has no lead"
+        if self.lead is not None and (self.look_at is not None or self.moved):
+            which = "looks at a point" if self.look_at is not None else "is moved by its author"
+            yield f"a camera that {which} has no lead"
         if self.dolly is not None and self.dolly.start is not None and self.distance is not None:
             yield "the distance is said by distance and by dolly; give one of them"
         if self.crane is not None and self.crane.start is not None:

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.production.camera import camera_poses
-from pipeline.production.framing import LEAD
+from pipeline.production.leading import LEAD
 from pipeline.production.surroundings import Ground
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
@@ -247,6 +247,18 @@ def test_there_is_more_room_ahead_than_behind(flat: Take, direction: int) -> Non
         # It goes to one side of the picture, and stands on the other.
         went = direction * np.sign(right[0])
         assert all(-2 * LEAD - 1e-6 <= one * went <= -0.6 * LEAD for one in x)
+
+
+def test_a_camera_on_a_tripod_leads_as_well(flat: Take) -> None:
+    take = along(flat, line((-3, 1, 0), (1.5, 0, 0)))
+    words = {"at": [0, 1, 9], "follow": "a", "fov_deg": 30}
+    for lead in (0.0, 0.1, 0.3):
+        poses = filmed(take, {**words, "lead": lead})
+        assert {pose.p_WC for pose in poses} == {(0, 1, 9)}
+        x = [pictured(p, take.positions[[f], 0])[0, 0] for f, p in enumerate(poses)]
+        # It goes to the right. Half of the picture is 1.
+        np.testing.assert_allclose(x, -2 * lead, atol=0.02 + 0.6 * lead)
+        assert max(x) <= 1e-3
 
 
 def test_who_stands_still_is_in_the_middle_and_who_turns_back_is_led_again(flat: Take) -> None:

@@ -27,8 +27,11 @@ from render.words import Camera
 MARGIN = 1.12
 """Room left around performers, as a factor on their extent."""
 
-FITTINGS = 8
-"""How often the distance is corrected until performers are in the picture."""
+FITTINGS = 12
+"""How often the distance is corrected at most until performers are in the picture."""
+
+FITTED = 1e-3
+"""Correction, as a part of the distance, after which it is not corrected again."""
 
 SLOWNESS = 0.8
 """Standard deviation in time of a distance that grows with what is followed [s]."""
@@ -68,7 +71,9 @@ class Framing:
             return self._stand(self._outside(self.moves.distance - self.moves.nearer))
         away = np.ones(len(self.target))
         for _ in range(FITTINGS):
-            away = self._even(self._fitting(away))
+            before, away = away, self._even(self._fitting(away))
+            if np.abs(away / before - 1.0).max() < FITTED:
+                break
         return self._stand(away)
 
     def _outside(self, distance: Array) -> Array:

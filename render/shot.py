@@ -63,6 +63,19 @@ class Mesh:
 
 
 @dataclass(frozen=True)
+class Lens:
+    """A thin lens, which is sharp at one distance only.
+
+    Attributes:
+        radius: of its aperture [m].
+        focus: distance of what is sharp, along the direction in which the camera looks [m].
+    """
+
+    radius: float
+    focus: float
+
+
+@dataclass(frozen=True)
 class CameraPose:
     """Where the camera stands in one frame and how it sees.
 
@@ -71,12 +84,14 @@ class CameraPose:
         p_WT: the point it looks at [m].
         up: the direction that is up in the picture.
         fov_deg: vertical field of view [degrees].
+        lens: what it sees through; None for a pinhole, to which all is sharp.
     """
 
     p_WC: tuple[float, float, float]
     p_WT: tuple[float, float, float]
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     fov_deg: float = 35.0
+    lens: Lens | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,6 +143,7 @@ class Shot:
             self.light.model_dump_json(),
             # A preset is only where words came from, and a codec is of the film.
             self.film.model_dump_json(exclude={"preset", "codec"}),
+            "pinhole" if self.camera.lens is None else "lens",
         )
         return _digest((*(mesh.topology for mesh in self.meshes), *(w.encode() for w in words)))
 

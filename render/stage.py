@@ -44,7 +44,7 @@ class Stage:
                 "type": "scene",
                 **parts,
                 **emitters(shot.light, _ground(shot)),
-                "camera": _camera(self._film),
+                "camera": _camera(self._film, shot.camera),
             }
         )
         self._sensor = self._scene.sensors()[0]
@@ -67,10 +67,17 @@ class Stage:
         return self._tracer.expose(self._sensor, seed, passes, of, colors)
 
 
-def _camera(film: FullFilm) -> dict[str, Any]:
+def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:
     width, height = film.size
+    lens: dict[str, Any] = {"type": "perspective"}
+    if pose.lens is not None:
+        lens = {
+            "type": "thinlens",
+            "aperture_radius": pose.lens.radius,
+            "focus_distance": pose.lens.focus,
+        }
     return {
-        "type": "perspective",
+        **lens,
         "fov": 35.0,
         "fov_axis": "x",
         "near_clip": 0.01,
@@ -100,6 +107,12 @@ def _aim(values: Any, pose: CameraPose, film: FullFilm) -> None:
     width, height = film.size
     half = math.tan(math.radians(pose.fov_deg) / 2) * width / height
     values["camera.to_world"] = type(values["camera.to_world"])(T)
+    if pose.lens is not None:
+        for name, value in (
+            ("aperture_radius", pose.lens.radius),
+            ("focus_distance", pose.lens.focus),
+        ):
+            values[f"camera.{name}"] = type(values[f"camera.{name}"])(value)
     values["camera.x_fov"] = type(values["camera.x_fov"])(math.degrees(2 * math.atan(half)))
 
 

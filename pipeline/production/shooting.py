@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.production.camera import camera_poses, first_frames
 from pipeline.production.landscape import ground_meshes
-from pipeline.production.mounting import mounts_of
+from pipeline.production.mounting import mounts_of, sharp_nodes_of
 from pipeline.production.panning import Panning
 from pipeline.production.skinning import Skin
 from pipeline.simulation.clock import Clock
@@ -25,7 +25,7 @@ class Shooting:
         poses: of the camera at every frame.
 
     Raises:
-        SceneError: a camera goes along with a part that nobody has.
+        SceneError: a camera goes along with a part that nobody has, or focuses on one.
     """
 
     def __init__(self, scene: Scene, take: Take) -> None:
@@ -35,7 +35,8 @@ class Shooting:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         aspect = self.film.size[0] / self.film.size[1]
-        self.poses = camera_poses(take, scene.camera, aspect, mounts_of(scene, take.nodes))
+        mounts, sharp = mounts_of(scene, take.nodes), sharp_nodes_of(scene, take.nodes)
+        self.poses = camera_poses(take, scene.camera, aspect, mounts, sharp)
         self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
         self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)

@@ -132,6 +132,13 @@ def _followed(scene: object) -> Iterator[Fault]:
         if isinstance(parent, str) and (name := parent.partition(".")[0]) not in known:
             message = f"nobody in the cast is called '{name}', {hint(name, known)}"
             yield Fault(("camera", *place, "parent"), message)
+        focuses: list[tuple[Place, Any]] = [(("focus",), _get(cut, "focus"))]
+        for k, key in _items(_get(cut, "keyframes")):
+            focuses.append((("keyframes", k, "focus"), _get(key, "focus")))
+        for below, focus in focuses:
+            if isinstance(focus, str) and (name := focus.partition(".")[0]) not in known:
+                message = f"nobody in the cast is called '{name}', {hint(name, known)}"
+                yield Fault(("camera", *place, *below), message)
 
 
 def _attached(scene: object) -> Iterator[Fault]:

@@ -152,6 +152,7 @@ def _mean(images: list[Image]) -> Image:
 def look() -> str:
     """Return a digest of the modules that decide what a frame looks like."""
     here = Path(__file__).parent
-    names = ("color", "denoiser", "lights", "materials", "meshes", "stage", "textures")
-    sources = b"".join((here / f"{name}.py").read_bytes() for name in names)
+    names = ("color", "denoiser", "materials", "meshes", "stage", "textures")
+    files = [*(here / f"{name}.py" for name in names), *sorted((here / "lights").glob("*.py"))]
+    sources = b"".join(file.read_bytes() for file in files)
     return hashlib.blake2b(sources, digest_size=6).hexdigest()

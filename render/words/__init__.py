@@ -6,7 +6,7 @@ one that the renderer would then ignore.
 
 from render.words.camera import Camera, Cuts, View, cuts
 from render.words.film import Film, FullFilm
-from render.words.light import LIGHTS, Light, Studio, Sun, light
+from render.words.light import LIGHTS, Light, Moon, Studio, Sun, light
 from render.words.material import MATERIALS, Material, material
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "FullFilm",
     "Light",
     "Material",
+    "Moon",
     "Studio",
     "Sun",
     "View",

@@ -79,6 +79,19 @@ class CameraPose:
     fov_deg: float = 35.0
 
 
+@dataclass(frozen=True)
+class LampPlace:
+    """Where a lamp is.
+
+    Attributes:
+        p_WL: its place in the world [m].
+        p_WS: the point that a spot shines at, None for a lamp that shines all around.
+    """
+
+    p_WL: tuple[float, float, float]
+    p_WS: tuple[float, float, float] | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Moment:
     """Where everything stands at one instant while the shutter is open.
@@ -86,10 +99,12 @@ class Moment:
     Attributes:
         meshes: surfaces in world coordinates, of one topology in all moments of a shot.
         camera: pose at this instant.
+        lamps: places of the lamps of the shot's light; none if they stand where it says.
     """
 
     meshes: tuple[Mesh, ...]
     camera: CameraPose
+    lamps: tuple[LampPlace, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +120,7 @@ class Shot:
         seed: of the sampler; constant over a film flickers less than one a frame.
         later: moments of the same exposure after the first, as long apart as that is after the
             shutter opened twice; none for a frame without motion blur.
+        lamps: places of the lamps of the light; none if they stand where it says.
     """
 
     meshes: tuple[Mesh, ...]
@@ -114,11 +130,12 @@ class Shot:
     film: Film
     seed: int = 0
     later: tuple[Moment, ...] = ()
+    lamps: tuple[LampPlace, ...] = ()
 
     @property
     def moments(self) -> tuple[Moment, ...]:
         """All moments of the exposure, whose light is averaged."""
-        return Moment(self.meshes, self.camera), *self.later
+        return Moment(self.meshes, self.camera, self.lamps), *self.later
 
     @cached_property
     def build(self) -> str:
@@ -136,8 +153,12 @@ class Shot:
         """Digest of everything that the picture depends on, as hexadecimal digits."""
         camera = repr((self.camera, self.seed)).encode()
         pieces = [self.build.encode(), camera, *(mesh.digest for mesh in self.meshes)]
+        # Without lamps the digest is what it was before there were any.
+        if self.lamps:
+            pieces.append(repr(self.lamps).encode())
         for moment in self.later:
-            pieces += [repr(moment.camera).encode(), *(mesh.digest for mesh in moment.meshes)]
+            placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
+            pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]
         return _digest(pieces)
 
 

@@ -1,8 +1,8 @@
-"""Mounting: the nodes that cameras go along with."""
+"""Mounting: the nodes that cameras and lamps go along with."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.attaching import number_of
@@ -21,21 +21,36 @@ def mounts_of(scene: Scene, nodes: Sequence[Node]) -> list[int]:
     Raises:
         SceneError: a camera goes along with a part that nobody has.
     """
+    alone = len(scene.camera) == 1
+    cuts = {"camera" if alone else f"camera[{i}]": cut for i, cut in enumerate(scene.camera)}
+    return nodes_of(scene, nodes, {path: cut.parent for path, cut in cuts.items()})
+
+
+def nodes_of(scene: Scene, nodes: Sequence[Node], parents: Mapping[str, str | None]) -> list[int]:
+    """Return the node that each of several things goes along with, -1 for none.
+
+    Args:
+        scene: whose they are.
+        nodes: of its take.
+        parents: by the path of the thing in the scene; None for what goes along with nobody.
+
+    Raises:
+        SceneError: something goes along with a part that nobody has.
+    """
     numbers = {node.name: i for i, node in enumerate(nodes)}
-    wanted = {cut.parent.partition(".")[0] for cut in scene.camera if cut.parent is not None}
+    wanted = {parent.partition(".")[0] for parent in parents.values() if parent is not None}
     figures = {
         member.name: build_figure(member.figure, scene.figures[member.figure], member.scale)
         for _, member in scene.creatures
         if member.name in wanted
     }
-    mounts, problems = [], []
-    for i, cut in enumerate(scene.camera):
-        found = -1 if cut.parent is None else number_of(cut.parent, figures, numbers)
-        if isinstance(found, str):
-            cut_path = "camera" if len(scene.camera) == 1 else f"camera[{i}]"
-            problems.append(Problem(f"{cut_path}.parent", found))
-            found = -1
-        mounts.append(found)
+    found, problems = [], []
+    for path, parent in parents.items():
+        number = -1 if parent is None else number_of(parent, figures, numbers)
+        if isinstance(number, str):
+            problems.append(Problem(f"{path}.parent", number))
+            number = -1
+        found.append(number)
     if problems:
         raise scene.places.located(SceneError(problems))
-    return mounts
+    return found

@@ -6,7 +6,6 @@ grey, or darker by so many stops at night, as a photographer would expose it.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,15 +13,13 @@ import mitsuba as mi
 import numpy as np
 
 from render.lights.directions import UP, enlarged
+from render.lights.lamps import CARD
 from render.lights.outdoors import outdoors
 from render.lights.studio import studio_lights
 from render.lights.surroundings import Surroundings, card_of
 from render.words import Light, Moon, Studio
 
 __all__ = ["emitters"]
-
-_CARD = 1.25 * math.pi
-"""Irradiance on the card; at pi a grey of albedo 0.18 has radiance 0.18."""
 
 _STRONG = 0.02
 """Share of the card's light from which on the key light is what is worth a shadow ray."""
@@ -41,7 +38,7 @@ def emitters(light: Light, ground: Sequence[float]) -> dict[str, dict[str, Any]]
     around = _surroundings(light, ground)
     key = around.key
     card = around.card
-    scale = _CARD * 2.0**around.stops / card
+    scale = CARD * 2.0**around.stops / card
     image = around.image * scale
     if around.points is not None:
         height, width = around.points.shape[:2]

@@ -6,6 +6,7 @@ one that the renderer would then ignore.
 
 from render.words.camera import Camera, Cuts, View, cuts
 from render.words.film import Film, FullFilm
+from render.words.lamp import Lamp, Spot
 from render.words.light import LIGHTS, Light, Moon, Studio, Sun, light
 from render.words.material import MATERIALS, Material, material
 
@@ -16,9 +17,11 @@ __all__ = [
     "Cuts",
     "Film",
     "FullFilm",
+    "Lamp",
     "Light",
     "Material",
     "Moon",
+    "Spot",
     "Studio",
     "Sun",
     "View",

@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from render.words.base import Color, PresetWords, Unit, Words, known_name
+from render.words.lamp import Lamp
 
 
 class Sun(Words):
@@ -104,6 +105,10 @@ class Light(PresetWords):
     moon: Moon | None = Field(None, description="The moon, seen while the sun is down.")
     stars: Unit | None = Field(None, description="How bright stars are at night; 0.5 unless said.")
 
+    lamps: tuple[Lamp, ...] = Field(
+        (), max_length=64, description="Lamps; with no other word of light they shine at night."
+    )
+
     @model_validator(mode="before")
     @classmethod
     def _default(cls, value: object) -> object:
@@ -112,7 +117,7 @@ class Light(PresetWords):
         if value.keys() & _SKIES:
             return value
         # Who asks for moon, stars or lamps and for no sky means the night.
-        dark = any(value.get(word) is not None for word in ("moon", "stars"))
+        dark = any(value.get(word) not in (None, (), []) for word in ("moon", "stars", "lamps"))
         return {**value, "preset": "night" if dark else "day"}
 
     @model_validator(mode="after")

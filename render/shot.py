@@ -16,10 +16,12 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from render.panorama import content_of
 from render.words import Film, Light, Material
 
 
@@ -142,7 +144,7 @@ class Shot:
         """Digest of what a Mitsuba scene is built for: shots that share it share the scene."""
         words = (
             *(f"{name}={m.model_dump_json()}" for name, m in sorted(self.materials.items())),
-            self.light.model_dump_json(),
+            *_light_words(self.light),
             # A preset is only where words came from, and a codec is of the film.
             self.film.model_dump_json(exclude={"preset", "codec"}),
         )
@@ -160,6 +162,14 @@ class Shot:
             placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
             pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]
         return _digest(pieces)
+
+
+def _light_words(light: Light) -> tuple[str, ...]:
+    """Return all that a light depends on: of a picture its content, wherever it lies."""
+    if light.hdr is None:
+        return (light.model_dump_json(),)
+    words = light.model_dump_json(exclude={"hdr": {"file"}})
+    return words, content_of(Path(light.hdr.file))
 
 
 def _digest(pieces: Iterable[bytes]) -> str:

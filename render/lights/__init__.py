@@ -13,6 +13,7 @@ import mitsuba as mi
 import numpy as np
 
 from render.lights.directions import UP, enlarged
+from render.lights.hdr import panorama
 from render.lights.lamps import CARD
 from render.lights.outdoors import outdoors
 from render.lights.studio import studio_lights
@@ -60,5 +61,11 @@ def _surroundings(light: Light, ground: Sequence[float]) -> Surroundings:
         soil = np.asarray(ground, np.float64)
         stars = 0.5 if light.stars is None else light.stars
         return outdoors(light.sun, light.moon or Moon(), stars, soil)
+    if light.hdr is not None:
+        image, key = panorama(light.hdr)
+        # A black picture stays black.
+        card = card_of(image, key) or 1.0
+        strength = light.hdr.strength
+        return Surroundings(image * strength, key.dimmed(strength), card)
     image, key = studio_lights(light.studio or Studio())
     return Surroundings(image, key, card_of(image, key))

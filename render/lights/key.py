@@ -42,6 +42,10 @@ class Key:
         """Return the luminance of what it sends on a plane with this normal."""
         return float(luminance(self.irradiance)) * max(float(normal @ self.toward), 0.0)
 
+    def dimmed(self, share: float) -> Key:
+        """Return the same light so many times as bright."""
+        return Key(self.toward, self.width_deg, self.irradiance * share)
+
     def emitter(self, scale: float) -> dict[str, Any]:
         """Return it, so many times as bright, as a dictionary for `mi.load_dict`."""
         half = math.radians(self.width_deg) / 2

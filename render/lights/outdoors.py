@@ -67,11 +67,11 @@ def outdoors(sun: Sun, moon: Moon, stars: float, ground: Vector) -> Surroundings
     veil = (1 - sun.clouds) ** 2
     if height >= SUNSET_DEG:
         # Clouds hide the disc sooner than they whiten the sky.
-        key = _dimmed(key, veil)
+        key = key.dimmed(veil)
         image = _earth(_clouded(sky, sun.clouds, height), ground, key)
         return Surroundings(image, key, card_of(image, key))
     unit = brightness(_above(sky), UP) / SUNSET_LUX
-    turn = turn_of(_clouded(sky, sun.clouds, height), _dimmed(key, veil))
+    turn = turn_of(_clouded(sky, sun.clouds, height), key.dimmed(veil))
     faded = twilit(sky, height, azimuth)
     lux = SUNSET_LUX * fading(height) / brightness(_above(faded), UP)
     sky = faded * (lux * unit) + night_sky(moon) * unit
@@ -79,7 +79,7 @@ def outdoors(sun: Sun, moon: Moon, stars: float, ground: Vector) -> Surroundings
     if not key.lit:
         key = moonlight(moon, height, unit)
     seen = (brightness(_above(sky), UP) + key.brightness(UP)) / unit
-    key = _dimmed(key, veil)
+    key = key.dimmed(veil)
     image = _earth(_clouded(sky, sun.clouds, height), ground, key)
     # As the day ends, the card that faced the sun is laid down.
     turn *= float(smooth(np.array((height - _LAID_DEG) / (SUNSET_DEG - _LAID_DEG))))
@@ -93,10 +93,6 @@ def outdoors(sun: Sun, moon: Moon, stars: float, ground: Vector) -> Surroundings
         float(np.interp(math.log10(max(seen, 1e-9)), _LUX, _STOPS)),
         star_map(stars * veil, height),
     )
-
-
-def _dimmed(key: Key, share: float) -> Key:
-    return Key(key.toward, key.width_deg, key.irradiance * share)
 
 
 def _clouded(sky: Image, clouds: float, height_deg: float) -> Image:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -82,6 +82,18 @@ class Studio(Words):
     backdrop: Color = Field((0.58, 0.6, 0.63), description="Colour of the backdrop.")
 
 
+class Hdr(Words):
+    """A picture of all directions around a place, which lights the scene."""
+
+    file: Annotated[str, Field(min_length=1)] = Field(
+        description="EXR or HDR file, twice as wide as high, beside the scene."
+    )
+    turn_deg: float = Field(0.0, ge=-360, le=360, description="Turns the place about +Y.")
+    strength: float = Field(
+        1.0, ge=0, le=1000, description="1 is exposed by itself, 2 is twice as bright."
+    )
+
+
 _PRESETS: dict[str, dict[str, Any]] = {
     "day": {"sun": {"hour": 16.5, "turbidity": 2.5}},
     "noon": {"sun": {"hour": 12.5}},
@@ -92,16 +104,17 @@ _PRESETS: dict[str, dict[str, Any]] = {
     "overcast": {"sun": {"hour": 13.0, "clouds": 1.0}},
     "studio": {"studio": {}},
 }
-_SKIES = {"sun", "studio"}
+_SKIES = {"sun", "studio", "hdr"}
 
 
 class Light(PresetWords):
-    """What lights the scene: the name of a preset, an adjusted preset, a sun or a studio."""
+    """What lights the scene: a preset or an adjusted one, a sun, a studio, a picture; and lamps."""
 
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = _PRESETS
 
     sun: Sun | None = Field(None, description="The sun and its sky; at night, with the moon.")
     studio: Studio | None = Field(None, description="A photographer's studio.")
+    hdr: Hdr | None = Field(None, description="A picture of the light of a place.")
     moon: Moon | None = Field(None, description="The moon, seen while the sun is down.")
     stars: Unit | None = Field(None, description="How bright stars are at night; 0.5 unless said.")
 
@@ -122,8 +135,8 @@ class Light(PresetWords):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        if (self.sun is None) == (self.studio is None):
-            raise ValueError("give one of sun and studio")
+        if [self.sun, self.studio, self.hdr].count(None) != 2:
+            raise ValueError("give one of sun, studio and hdr")
         if self.sun is None and (self.moon is not None or self.stars is not None):
             raise ValueError("moon and stars stand in the sky of a sun: give sun: {hour: 0}")
         return self

@@ -18,7 +18,7 @@ from render.errors import ShotError
 from render.lights import emitters
 from render.lights.lamps import lamp_emitters, move_lamps, standing
 from render.meshes import Group, built, groups, moved, update
-from render.shot import CameraPose, Mesh, Moment, Shot
+from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.words import FullFilm, Material
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
@@ -40,13 +40,14 @@ class Stage:
             for i, group in enumerate(self._groups)
         }
         self._lamps = shot.light.lamps
-        self._shining = shot.lamps or standing(self._lamps)
+        # Moved there once more below, so that a fresh build equals one that was moved.
+        self._shining: tuple[LampPlace, ...] = ()
         self._scene = mi.load_dict(
             {
                 "type": "scene",
                 **parts,
                 **emitters(shot.light, _ground(shot)),
-                **lamp_emitters(self._lamps, self._shining),
+                **lamp_emitters(self._lamps, shot.lamps or standing(self._lamps)),
                 "camera": _camera(self._film),
             }
         )

@@ -221,7 +221,10 @@ def _probed(variant: str, library: str) -> Finding:
     if "CUDA backend hasn't been initialized" in last:
         last = "Dr.Jit found no NVIDIA GPU with a driver"
     if child.returncode < 0:
-        return Finding(variant, library, False, f"died of signal {-child.returncode}: {last}")
+        why = f"died of signal {-child.returncode}: {last}"
+        if library:
+            why += "; Dr.Jit cannot use this LLVM"
+        return Finding(variant, library, False, why)
     return Finding(variant, library, False, last)
 
 

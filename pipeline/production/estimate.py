@@ -27,6 +27,12 @@ MEASURED = 3
 MOST = 400
 """Paces that are remembered, the oldest forgotten first."""
 
+LATE = 30.0
+"""If the rest takes less, an estimate is not put right any more [s]."""
+
+_START = "|start"
+"""Stands for the name of a scene where the begin of any film is meant."""
+
 _DENOISING = {"off": 0.0, "fast": 1.0, "high": 2.0}
 
 
@@ -42,6 +48,7 @@ class Estimate:
         total: frames that are due.
         each: seconds a frame as far as is known, None as long as nothing is.
         said: seconds a frame that were last told, None if none were.
+        start: seconds before the first frame, as far as is known.
     """
 
     name: str
@@ -51,12 +58,14 @@ class Estimate:
     total: int
     each: float | None = None
     said: float | None = None
+    start: float = 0.0
     _first: tuple[int, float] | None = field(default=None)
 
     def before(self) -> str | None:
         """Return what is known before the first frame, None if that is nothing or little time."""
         paces = remembered()
         own, other = paces.get(self._key(self.name)), paces.get(self._key(""))
+        self.start = paces.get(self._key(_START), 0.0)
         if own is not None:
             self.said = own
             return self._told(self.total, "by the last time")
@@ -76,6 +85,7 @@ class Estimate:
             # Until the first frames are there, scenes are built and kernels compiled.
             self._first = done, seconds
             return None
+        self.start = 0.0
         count = done - self._first[0]
         if count < MEASURED:
             return None
@@ -83,14 +93,23 @@ class Estimate:
         if self.said is not None and 1 / WRONG < self.each / max(self.said, 1e-9) < WRONG:
             return None
         self.said = self.each
+        # As the end comes near the bar tells enough.
+        if self.each * (self.total - done) < LATE:
+            return None
         return self._told(self.total - done, "by the first of them")
 
     def remember(self) -> None:
         """Keep for another time what was measured."""
-        if self.each is None:
+        if self.each is None or self._first is None:
             return
         paces = remembered()
-        for name, pace in ((self.name, self.each), ("", self.each / work_of(self.film))):
+        found = {
+            self.name: self.each,
+            "": self.each / work_of(self.film),
+            # What the first frame took more than the others: scenes built, kernels compiled.
+            _START: max(self._first[1] - self.each * self._first[0], 1e-3),
+        }
+        for name, pace in found.items():
             paces.pop(self._key(name), None)
             paces[self._key(name)] = pace
         place = cache_folder() / "paces.json"
@@ -103,7 +122,7 @@ class Estimate:
             pass  # without it the next estimate comes later
 
     def _told(self, frames: int, why: str) -> str | None:
-        seconds = (self.said or 0.0) * frames
+        seconds = self.start + (self.said or 0.0) * frames
         if seconds < WORTH:
             return None
         width, height = self.film.size
@@ -112,7 +131,7 @@ class Estimate:
     def _key(self, name: str) -> str:
         """Return the key of the pace of a scene, or of any scene for no name."""
         film = self.film.model_dump_json(exclude={"preset", "codec", "format", "exposure"})
-        words = f"{name}|{film if name else ''}|{self.backend.key}|{self.jobs}"
+        words = f"{name}|{film if name not in ('', _START) else ''}|{self.backend.key}|{self.jobs}"
         return hashlib.blake2b(words.encode(), digest_size=8).hexdigest()
 
 

@@ -21,6 +21,7 @@ from render.lights.directions import (
     WIDTH,
     Image,
     Vector,
+    angles,
     brightness,
     directions,
     headed,
@@ -39,6 +40,9 @@ _GLOW = 0.06
 """The same above the horizon, where the haze glows before the sky."""
 _SET_DEG = -0.85
 """Height of the sun's middle at which the last of it has set: its radius and refraction."""
+
+_VEILED_DEG = 34.0
+"""How far from the sun clouds before it are bright."""
 
 _LAID_DEG = -8.0
 """Height of the sun at which all light comes from above."""
@@ -68,10 +72,10 @@ def outdoors(sun: Sun, moon: Moon, stars: float, ground: Vector) -> Surroundings
     if height >= SUNSET_DEG:
         # Clouds hide the disc sooner than they whiten the sky.
         key = key.dimmed(veil)
-        image = _earth(_clouded(sky, sun.clouds, height), ground, key)
+        image = _earth(_clouded(sky, sun), ground, key)
         return Surroundings(image, key, card_of(image, key))
     unit = brightness(_above(sky), UP) / SUNSET_LUX
-    turn = turn_of(_clouded(sky, sun.clouds, height), key.dimmed(veil))
+    turn = turn_of(_clouded(sky, sun), key.dimmed(veil))
     faded = twilit(sky, height, azimuth)
     lux = SUNSET_LUX * fading(height) / brightness(_above(faded), UP)
     sky = faded * (lux * unit) + night_sky(moon) * unit
@@ -80,7 +84,7 @@ def outdoors(sun: Sun, moon: Moon, stars: float, ground: Vector) -> Surroundings
         key = moonlight(moon, height, unit)
     seen = (brightness(_above(sky), UP) + key.brightness(UP)) / unit
     key = key.dimmed(veil)
-    image = _earth(_clouded(sky, sun.clouds, height), ground, key)
+    image = _earth(_clouded(sky, sun), ground, key)
     # As the day ends, the card that faced the sun is laid down.
     turn *= float(smooth(np.array((height - _LAID_DEG) / (SUNSET_DEG - _LAID_DEG))))
     facing = Key(shown, key.width_deg, key.irradiance if key.toward @ shown > 0.99 else 0 * UP)
@@ -95,9 +99,9 @@ def outdoors(sun: Sun, moon: Moon, stars: float, ground: Vector) -> Surroundings
     )
 
 
-def _clouded(sky: Image, clouds: float, height_deg: float) -> Image:
-    overcast = _overcast(float(luminance(sky[: HEIGHT // 2]).mean()), height_deg)
-    return np.asarray((1 - clouds) * sky + clouds * overcast)
+def _clouded(sky: Image, sun: Sun) -> Image:
+    overcast = _overcast(float(luminance(sky[: HEIGHT // 2]).mean()), sun)
+    return np.asarray((1 - sun.clouds) * sky + sun.clouds * overcast)
 
 
 def _setting(key: Key, height: float, azimuth: float) -> Key:
@@ -114,17 +118,23 @@ def _above(sky: Image) -> Image:
     return np.concatenate([sky[: HEIGHT // 2], np.zeros_like(sky[HEIGHT // 2 :])])
 
 
-def _overcast(mean: float, height_deg: float) -> Image:
-    """Return the CIE overcast sky: the zenith is three times as bright as the horizon.
+def _overcast(mean: float, sun: Sun) -> Image:
+    """Return an overcast sky: of the CIE, and brighter where the sun stands behind the clouds.
+
+    The zenith is three times as bright as the horizon. Without the sun's share all would
+    be lit from above alone, which shows no shape.
 
     Args:
         mean: luminance of the clear sky.
-        height_deg: of the sun; by night clouds are as blue as all else.
+        sun: behind the clouds; by night they are as blue as all else.
     """
     up = directions(WIDTH, HEIGHT)[..., 1].clip(0, 1)
-    night = float(smooth(np.array((SUNSET_DEG - height_deg) / 9.0)))
+    night = float(smooth(np.array((SUNSET_DEG - sun.elevation_deg) / 9.0)))
     tint = (1 - night) * np.array([0.95, 1.0, 1.07]) + night * np.array([0.50, 0.76, 1.25])
-    return np.asarray(mean * ((1 + 2 * up) / 3)[..., None] * 1.3 * tint)
+    veiled = np.exp(-((angles(np.array(sun.direction)) / _VEILED_DEG) ** 2)) * (1 - night)
+    warm = tint * (1 - veiled[..., None]) + veiled[..., None] * np.array([1.04, 1.0, 0.94])
+    shape = (1 + 2 * up) / 3 * (0.75 + 2.6 * veiled)
+    return np.asarray(mean * 1.3 * shape[..., None] * warm)
 
 
 def _earth(sky: Image, ground: Vector, key: Key) -> Image:

@@ -40,7 +40,7 @@ def test_nothing_known_nothing_said_until_some_frames_are_done() -> None:
 def test_the_same_film_takes_as_long_as_it_did() -> None:
     filmed(estimate(), 2.0)
     again = estimate()
-    assert again.before() == "render: about 3 min for 100 frames of 640x360, by the last time"
+    assert again.before() == "render: about 4 min for 100 frames of 640x360, by the last time"
     assert filmed(again, 2.1) == []
     slower = estimate()
     slower.before()
@@ -52,13 +52,18 @@ def test_another_film_takes_as_long_as_its_work() -> None:
     filmed(estimate(), 2.0)
     other = estimate("b", size=(1280, 720))
     assert other.before() == (
-        "render: about 13 min for 100 frames of 1280x720, by other films on this machine"
+        "render: about 14 min for 100 frames of 1280x720, by other films on this machine"
     )
     assert work_of(other.film) == pytest.approx(4 * work_of(estimate().film))
 
 
+def test_the_first_frame_is_counted_in() -> None:
+    filmed(estimate(), 2.0, first=302.0)
+    assert "about 8 min for 100 frames" in str(estimate().before())
+
+
 def test_short_films_say_nothing() -> None:
-    assert filmed(estimate(total=20), 0.1) == []
+    assert filmed(estimate(total=20), 0.1, first=0.5) == []
     assert estimate(total=20).before() is None
 
 
@@ -74,11 +79,11 @@ def test_a_damaged_memory_is_forgotten(tmp_path: Path, content: str) -> None:
 
 def test_memory_is_bounded_and_the_oldest_goes_first() -> None:
     filmed(estimate("first"), 2.0)
-    for i in range(MOST):
+    for i in range(MOST - 2):
         filmed(estimate(f"s{i}", total=5), 1.0)
     assert len(remembered()) == MOST
     assert "by other films" in str(estimate("first").before())
-    assert "by the last time" in str(estimate(f"s{MOST - 1}").before())
+    assert "by the last time" in str(estimate(f"s{MOST - 3}").before())
 
 
 def test_a_memory_that_cannot_be_kept_does_no_harm(

@@ -24,11 +24,10 @@ SAID = "jit_malloc(): out of memory! Could not allocate 2147483648 bytes of devi
 def test_what_drjit_says_becomes_an_error_of_its_own() -> None:
     with pytest.raises(DeviceMemoryShort, match="2147483648 bytes"), told_memory():
         raise RuntimeError(SAID)
+    loop = RuntimeError("dr.while_loop(): encountered an exception.")
+    loop.__cause__ = RuntimeError(SAID)
     with pytest.raises(DeviceMemoryShort, match="2147483648 bytes"), told_memory():
-        try:
-            raise RuntimeError(SAID)
-        except RuntimeError as inner:
-            raise RuntimeError("dr.while_loop(): encountered an exception.") from inner
+        raise loop
     for other in ("nonsense", SAID.replace("device", "host")):
         with pytest.raises(RuntimeError, match=other[:10]) as error, told_memory():
             raise RuntimeError(other)

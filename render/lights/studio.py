@@ -11,7 +11,7 @@ from render.lights.directions import Image, Vector, cap, directions, headed, sol
 from render.lights.key import Key
 from render.words import Studio
 
-_KEY = 2.6
+_KEY = 3.4
 """Irradiance of a studio's key light; its backdrop has about 0.3 of radiance."""
 
 

@@ -11,7 +11,7 @@ from render.lights.directions import Image, Vector, cap, directions, headed, sol
 from render.lights.key import Key
 from render.words import Studio
 
-_KEY = 3.4
+_KEY = 4.2
 """Irradiance of a studio's key light; its backdrop has about 0.3 of radiance."""
 
 
@@ -23,7 +23,7 @@ def studio_lights(studio: Studio) -> tuple[Image, Key]:
     paper = linear(studio.backdrop) * (0.45 + 0.55 * np.exp(-((up - 0.1) ** 2) / 0.25))
     fill = _box(headed(heading + 2.0, 0.35), 70.0, np.array([0.85, 0.93, 1.0]))
     rim = _box(headed(heading + 3.6, 0.6), 24.0, np.array([1.0, 0.98, 0.95]))
-    image = paper + _KEY * (0.6 * studio.fill * fill + 0.7 * studio.rim * rim)
+    image = paper + _KEY * (0.45 * studio.fill * fill + 0.4 * studio.rim * rim)
     key = Key(headed(heading, height), studio.softness_deg, _KEY * np.array([1.0, 0.95, 0.88]))
     return image, key
 

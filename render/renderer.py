@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.backend import Backend
+from render.device_memory import told_memory
 from render.frame import Frame
 from render.shot import Shot
 from render.words import FullFilm
@@ -91,10 +92,15 @@ class Renderer:
 
         Raises:
             ShotError: the shot cannot be drawn.
-            DenoiseError: the denoiser failed.
+            DenoiseError: the denoiser is missing or failed.
+            DeviceMemoryShort: a graphics processor has too little memory.
         """
         film = shot.film.resolved()
-        light, albedo = self._exposed(shot, film)
+        if film.denoise != "off":
+            # Before the work that would be in vain without it.
+            self._denoiser.require()
+        with told_memory():
+            light, albedo = self._exposed(shot, film)
         with self.split.timed("denoise"):
             light = self._denoiser.clean(light, albedo, film.denoise)
         frame = Frame(light, film.exposure)
@@ -150,7 +156,6 @@ def look() -> str:
     names = (
         "color",
         "denoiser",
-        "lights",
         "materials",
         "meshes",
         "path_tracer",
@@ -160,5 +165,6 @@ def look() -> str:
         "tracer",
         "wavefront",
     )
-    sources = b"".join((here / f"{name}.py").read_bytes() for name in names)
+    files = [*(here / f"{name}.py" for name in names), *sorted((here / "lights").glob("*.py"))]
+    sources = b"".join(file.read_bytes() for file in files)
     return hashlib.blake2b(sources, digest_size=6).hexdigest()

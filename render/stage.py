@@ -15,8 +15,9 @@ import numpy as np
 from render.color import linear
 from render.errors import ShotError
 from render.lights import emitters
+from render.lights.lamps import lamp_emitters, move_lamps, standing
 from render.meshes import Group, built, groups, moved, update
-from render.shot import CameraPose, Mesh, Moment, Shot
+from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.tracer import Image, tracer
 from render.words import FullFilm, Material
 
@@ -39,11 +40,15 @@ class Stage:
             f"mesh{i}": built(group, shot.meshes, shot.materials[group.material])
             for i, group in enumerate(self._groups)
         }
+        self._lamps = shot.light.lamps
+        # Moved there once more below, so that a fresh build equals one that was moved.
+        self._shining: tuple[LampPlace, ...] = ()
         self._scene = mi.load_dict(
             {
                 "type": "scene",
                 **parts,
                 **emitters(shot.light, _ground(shot)),
+                **lamp_emitters(self._lamps, shot.lamps or standing(self._lamps)),
                 "camera": _camera(self._film, shot.camera),
             }
         )
@@ -54,11 +59,15 @@ class Stage:
         self.move(shot.moments[0])
 
     def move(self, moment: Moment) -> None:
-        """Move meshes and camera to where they stand at a moment of a shot of the same build."""
+        """Move meshes, lamps and camera to where they stand at a moment of a shot of one build."""
         for i, group in enumerate(self._groups):
             if moved(group, self._shown, moment.meshes):
                 update(self._values, f"mesh{i}.", group, moment.meshes)
         self._shown = moment.meshes
+        shining = moment.lamps or standing(self._lamps)
+        if shining != self._shining:
+            move_lamps(self._values, self._lamps, shining)
+            self._shining = shining
         _aim(self._values, moment.camera, self._film)
         self._values.update()
 

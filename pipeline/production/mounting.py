@@ -1,8 +1,8 @@
-"""Mounting: the nodes that cameras go along with, and those that they focus on."""
+"""Mounting: the nodes that cameras and lamps go along with, and those that are focused on."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.attaching import number_of
@@ -22,9 +22,23 @@ def mounts_of(scene: Scene, nodes: Sequence[Node]) -> list[int]:
     Raises:
         SceneError: a camera goes along with a part that nobody has.
     """
-    named = [(f"{path}.parent", cut.parent) for path, cut in _cuts(scene) if cut.parent is not None]
+    return nodes_of(scene, nodes, {path: cut.parent for path, cut in _cuts(scene)})
+
+
+def nodes_of(scene: Scene, nodes: Sequence[Node], parents: Mapping[str, str | None]) -> list[int]:
+    """Return the node that each of several things goes along with, -1 for none.
+
+    Args:
+        scene: whose they are.
+        nodes: of its take.
+        parents: by the path of the thing in the scene; None for what goes along with nobody.
+
+    Raises:
+        SceneError: something goes along with a part that nobody has.
+    """
+    named = [(f"{path}.parent", parent) for path, parent in parents.items() if parent is not None]
     found = iter(_numbers(scene, nodes, named))
-    return [-1 if cut.parent is None else next(found) for cut in scene.camera]
+    return [-1 if parent is None else next(found) for parent in parents.values()]
 
 
 def sharp_nodes_of(scene: Scene, nodes: Sequence[Node]) -> dict[str, int]:

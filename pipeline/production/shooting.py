@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from pipeline.production.camera import camera_poses, first_frames
+from pipeline.production.carried_lamps import CarriedLamps
 from pipeline.production.landscape import ground_meshes
 from pipeline.production.mounting import mounts_of, sharp_nodes_of
 from pipeline.production.panning import Panning
@@ -25,7 +26,8 @@ class Shooting:
         poses: of the camera at every frame.
 
     Raises:
-        SceneError: a camera goes along with a part that nobody has, or focuses on one.
+        SceneError: a camera or a lamp goes along with a part that nobody has, or a camera focuses
+            on one.
     """
 
     def __init__(self, scene: Scene, take: Take) -> None:
@@ -41,6 +43,7 @@ class Shooting:
         self.materials = _materials(scene, take)
         self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)
         self._skin = Skin.of(take)
+        self._lamps = CarriedLamps.of(scene, take)
 
     def shot(self, frame: int) -> Shot:
         """Return the shot of the 1-based `frame`."""
@@ -52,12 +55,14 @@ class Shooting:
             camera=first.camera,
             film=self.film,
             later=tuple(later),
+            lamps=first.lamps,
         )
 
     def _moment(self, frame: int, part: float) -> Moment:
         """Return where all stands a part of a frame after its begin."""
         row = self.clock.row_of_frame(frame)
-        vertices = self._skin.posed(self.take, row + part * self.clock.samples)
+        at = row + part * self.clock.samples
+        vertices = self._skin.posed(self.take, at)
         meshes = list(self._ground)
         for i, piece in enumerate(self.take.parts):
             mesh = self.take.meshes[piece.mesh]
@@ -66,7 +71,9 @@ class Shooting:
                 # Hidden by collapsing: the topology of a build stays as it is.
                 placed = np.zeros_like(placed)
             meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material))
-        return Moment(tuple(meshes), self._panning.at(frame, part))
+        return Moment(
+            tuple(meshes), self._panning.at(frame, part), self._lamps.placed(self.take, at)
+        )
 
 
 def _materials(scene: Scene, take: Take) -> Mapping[str, Material]:

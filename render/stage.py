@@ -14,11 +14,12 @@ import numpy as np
 
 from render.color import linear
 from render.errors import ShotError
+from render.exposure import Exposure
 from render.lights import emitters
 from render.lights.lamps import lamp_emitters, move_lamps, standing
 from render.meshes import Group, built, groups, moved, update
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
-from render.tracer import Image, tracer
+from render.tracer import tracer
 from render.words import FullFilm, Material
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
@@ -71,9 +72,9 @@ class Stage:
         _aim(self._values, moment.camera, self._film)
         self._values.update()
 
-    def expose(self, seed: int, passes: range, of: int, colors: bool) -> tuple[Image, Image | None]:
-        """Return the light that the camera sees and its first colours; see `tracer.Tracer`."""
-        return self._tracer.expose(self._sensor, seed, passes, of, colors)
+    def expose(self, seed: int, passes: range, of: int) -> Exposure:
+        """Return what the camera sees; see `tracer.Tracer`."""
+        return self._tracer.expose(self._sensor, seed, passes, of)
 
 
 def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:

@@ -106,7 +106,7 @@ def _group(
 def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     """Return a group as a new mesh of Mitsuba."""
     props = mi.Properties()
-    props["mesh_bsdf"] = mi.load_dict(bsdf(words, group.textured, group.tinted is not None))
+    props["mesh_bsdf"] = bsdf(words, group.textured, group.tinted is not None)
     count = sum(len(meshes[i].vertices) for i in group.members)
     if words.glow > 0.0:
         props["mesh_emitter"] = mi.load_dict(glowing(words))

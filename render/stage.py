@@ -17,6 +17,7 @@ from render.color import linear
 from render.errors import ShotError
 from render.lights import emitters
 from render.meshes import Group, built, groups, moved, update
+from render.rough import set_pixel
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.words import FullFilm, Material
 
@@ -62,6 +63,7 @@ class Stage:
                 update(self._values, f"mesh{i}.", group, moment.meshes)
         self._shown = moment.meshes
         _aim(self._values, moment.camera, self._film)
+        set_pixel(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
 
     def trace(self, seed: int, samples: int) -> NDArray[np.float32]:

@@ -6,14 +6,14 @@ texture that knows nothing else.
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 
 from render.plain import plain
-from render.rough import Look, bent_in
+from render.plugins import plugin
+from render.rough import Look, bent_in, side_of
 from render.words import Material
 
 
@@ -25,124 +25,115 @@ def glossy(words: Material, look: Look, values: dict[str, Any]) -> Any:
         look: what it shows.
         values: see `render.rough.rough`.
     """
-    paint_class, surface_class = _classes(mi.variant())
-    paint = paint_class(mi.Properties())
-    surface = surface_class(mi.Properties())
+    paint, surface = plugin(_Paint, "Texture"), plugin(_Glossy, "BSDF")
     surface.paint, surface.below = paint, mi.load_dict(plain(words, paint))
     surface.look, surface.values = look, values
     surface.describe()
     return surface
 
 
-@cache
-def _classes(variant: str) -> tuple[type, type]:
-    """Return the classes in a variant of Mitsuba."""
-    del variant
+class _Paint:
+    """The methods of `mi.Texture` for one that shows what it was given last."""
 
-    class Paint(mi.Texture):  # type: ignore[misc]
-        """Shows what it was given last."""
+    color: Any = None
 
-        def __init__(self, props: Any) -> None:
-            mi.Texture.__init__(self, props)
-            self.color: Any = None
+    def eval(self, si: Any, active: Any = True) -> Any:
+        del si, active
+        return mi.Color3f(0.5) if self.color is None else self.color
 
-        def eval(self, si: Any, active: Any = True) -> Any:
-            del si, active
-            return mi.Color3f(0.5) if self.color is None else self.color
+    def eval_3(self, si: Any, active: Any = True) -> Any:
+        return self.eval(si, active)
 
-        def eval_3(self, si: Any, active: Any = True) -> Any:
-            return self.eval(si, active)
+    def eval_1(self, si: Any, active: Any = True) -> Any:
+        return mi.luminance(self.eval(si, active))
 
-        def eval_1(self, si: Any, active: Any = True) -> Any:
-            return mi.luminance(self.eval(si, active))
+    def mean(self) -> Any:
+        return mi.Float(0.5)
 
-        def mean(self) -> Any:
-            return mi.Float(0.5)
+    def is_spatially_varying(self) -> bool:
+        return True
 
-        def is_spatially_varying(self) -> bool:
-            return True
+    def traverse(self, callback: Any) -> None:
+        del callback
 
-        def traverse(self, callback: Any) -> None:
-            del callback
+    def to_string(self) -> str:
+        return "Paint[]"
 
-        def to_string(self) -> str:
-            return "Paint[]"
 
-    class Glossy(mi.BSDF):  # type: ignore[misc]
-        look: Look
-        values: dict[str, Any]
-        paint: Paint
-        below: Any
+class _Glossy:
+    """The methods of `mi.BSDF` for a glossy surface."""
 
-        def __init__(self, props: Any) -> None:
-            mi.BSDF.__init__(self, props)
+    m_components: list[Any]
+    m_flags: Any
+    look: Look
+    values: dict[str, Any]
+    paint: Any
+    below: Any
 
-        def describe(self) -> None:
-            """Say of itself what holds of the BSDF below."""
-            parts = [self.below.flags(i) for i in range(self.below.component_count())]
-            both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            self.m_components = [part | both for part in parts]
-            self.m_flags = self.below.flags() | both
+    def describe(self) -> None:
+        """Say of itself what holds of the BSDF below."""
+        parts = [self.below.flags(i) for i in range(self.below.component_count())]
+        both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+        self.m_components = [part | both for part in parts]
+        self.m_flags = self.below.flags() | both
 
-        def sample(
-            self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
-        ) -> tuple[Any, Any]:
-            here, frame, side = self._painted(si)
-            found, weight = self.below.sample(ctx, here, sample1, sample2, active)
-            self.paint.color = None
-            return _raised(found, weight, frame, side)
+    def sample(
+        self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any]:
+        here, frame, side = self._painted(si)
+        found, weight = self.below.sample(ctx, here, sample1, sample2, active)
+        self.paint.color = None
+        return _raised(found, weight, frame, side)
 
-        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(ctx, si, wo, active)[0]
+    def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return self.eval_pdf(ctx, si, wo, active)[0]
 
-        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(ctx, si, wo, active)[1]
+    def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return self.eval_pdf(ctx, si, wo, active)[1]
 
-        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            here, frame, side = self._painted(si)
-            out, there = _lowered(wo, frame, side, active)
-            value, pdf = self.below.eval_pdf(ctx, here, out, there)
-            self.paint.color = None
-            return dr.select(there, value, 0.0), dr.select(there, pdf, 0.0)
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+        here, frame, side = self._painted(si)
+        out, there = _lowered(wo, frame, side, active)
+        value, pdf = self.below.eval_pdf(ctx, here, out, there)
+        self.paint.color = None
+        return dr.select(there, value, 0.0), dr.select(there, pdf, 0.0)
 
-        def eval_pdf_sample(
-            self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
-        ) -> tuple[Any, Any, Any, Any]:
-            here, frame, side = self._painted(si)
-            out, there = _lowered(wo, frame, side, active)
-            value, pdf = self.below.eval_pdf(ctx, here, out, there)
-            found, weight = self.below.sample(ctx, here, sample1, sample2, active)
-            self.paint.color = None
-            found, weight = _raised(found, weight, frame, side)
-            return dr.select(there, value, 0.0), dr.select(there, pdf, 0.0), found, weight
+    def eval_pdf_sample(
+        self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any, Any, Any]:
+        here, frame, side = self._painted(si)
+        out, there = _lowered(wo, frame, side, active)
+        value, pdf = self.below.eval_pdf(ctx, here, out, there)
+        found, weight = self.below.sample(ctx, here, sample1, sample2, active)
+        self.paint.color = None
+        found, weight = _raised(found, weight, frame, side)
+        return dr.select(there, value, 0.0), dr.select(there, pdf, 0.0), found, weight
 
-        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-            return dr.select(active, self.look(si)[0], 0.0)
+    def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+        return dr.select(active, self.look(si)[0], 0.0)
 
-        def _painted(self, si: Any) -> tuple[Any, Any, Any]:
-            """Return the point as the BSDF below sees it, the bent frame and the side."""
-            color, normal = self.look(si)
-            self.paint.color = color
-            side = dr.sign(si.wi.z)
-            frame = mi.Frame3f(bent_in(si, normal))
-            here = mi.SurfaceInteraction3f(si)
-            wi = frame.to_local(mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side))
-            # Seen so flatly that the bent surface turns away, it is seen along itself.
-            wi.z = dr.maximum(wi.z, 1e-3)
-            here.wi = dr.normalize(wi)
-            return here, frame, side
+    def _painted(self, si: Any) -> tuple[Any, Any, Any]:
+        """Return the point as the BSDF below sees it, the bent frame and the side."""
+        color, normal = self.look(si)
+        self.paint.color = color
+        side = side_of(si.wi)
+        frame = mi.Frame3f(bent_in(si, normal))
+        here = mi.SurfaceInteraction3f(si)
+        wi = frame.to_local(mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side))
+        # Seen so flatly that the bent surface turns away, it is seen along itself.
+        wi.z = dr.maximum(wi.z, 1e-3)
+        here.wi = dr.normalize(wi)
+        return here, frame, side
 
-        def traverse(self, callback: Any) -> None:
-            for name, value in self.values.items():
-                callback.put(name, value, mi.ParamFlags.NonDifferentiable)
+    def traverse(self, callback: Any) -> None:
+        for name, value in self.values.items():
+            callback.put(name, value, mi.ParamFlags.NonDifferentiable)
 
-        def parameters_changed(self, keys: Any) -> None:
-            del keys
+    def parameters_changed(self, keys: Any) -> None:
+        del keys
 
-        def to_string(self) -> str:
-            return "Glossy[]"
-
-    return Paint, Glossy
+    def to_string(self) -> str:
+        return "Glossy[]"
 
 
 def _lowered(wo: Any, frame: Any, side: Any, active: Any) -> tuple[Any, Any]:

@@ -30,7 +30,7 @@ def bsdf(words: Material, textured: bool, warned: bool = False) -> Any:
         warned: whether it carries the attribute `TINTED`.
     """
     has_pattern = textured and words.texture != "none"
-    if not (has_pattern or warned) or mi.variant().startswith("scalar"):
+    if not (has_pattern or warned) or _is_scalar():
         surface = nested(words) if has_pattern else plain(words, flat(words.color))
         if warned:
             surface = tinted(TINTED, TINT, surface, WARNING)
@@ -49,9 +49,12 @@ def glowing(words: Material) -> dict[str, Any]:
 
 def shows_rock(words: Material) -> bool:
     """Whether meshes of this material carry the attribute `STEEP`."""
-    scalar = mi.variant().startswith("scalar")
-    return scalar and words.texture != "none" and words.steep_color is not None
+    return _is_scalar() and words.texture != "none" and words.steep_color is not None
 
 
 _BARE = {"texture": "none", "color2": None, "steep_color": None, "bump": 0.0}
 """Words of a surface without any pattern."""
+
+
+def _is_scalar() -> bool:
+    return str(mi.variant()).startswith("scalar")

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import cache
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
+
+from render.plugins import plugin
 
 PIXEL = "pixel"
 """Name of the value that says how wide a pixel is at a distance of one metre [m]."""
@@ -31,8 +32,11 @@ def rough(look: Look, values: dict[str, Any]) -> Any:
         values: arrays of Dr.Jit that the look reads and that others may set between frames,
             under names by which they are found in the scene's parameters.
     """
-    surface = _rough_class(mi.variant())(mi.Properties())
+    surface = plugin(_Rough, "BSDF")
     surface.look, surface.values = look, values
+    both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+    surface.m_flags = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.SpatiallyVarying | both
+    surface.m_components = [surface.m_flags]
     return surface
 
 
@@ -50,74 +54,69 @@ def set_pixel(values: Any, fov_deg: float, height: int) -> None:
             values[name] = dr.opaque(type(values[name]), wide)
 
 
-@cache
-def _rough_class(variant: str) -> type:
-    """Return the class in a variant of Mitsuba, whose classes are others in each."""
-    del variant
+class _Rough:
+    """The methods of `mi.BSDF` for a rough surface; see `render.plugins`."""
 
-    class Rough(mi.BSDF):  # type: ignore[misc]
-        look: Look
-        values: dict[str, Any]
+    m_components: list[Any]
+    m_flags: Any
+    look: Look
+    values: dict[str, Any]
 
-        def __init__(self, props: Any) -> None:
-            mi.BSDF.__init__(self, props)
-            both = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
-            flags = mi.BSDFFlags.DiffuseReflection | mi.BSDFFlags.SpatiallyVarying | both
-            self.m_components = [flags]
-            self.m_flags = flags
+    def sample(
+        self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any]:
+        return self.eval_pdf_sample(ctx, si, mi.Vector3f(0, 0, 1), sample1, sample2, active)[2:]
 
-        def sample(
-            self, ctx: Any, si: Any, sample1: Any, sample2: Any, active: Any = True
-        ) -> tuple[Any, Any]:
-            return self.eval_pdf_sample(ctx, si, mi.Vector3f(0, 0, 1), sample1, sample2, active)[2:]
+    def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return self.eval_pdf(ctx, si, wo, active)[0]
 
-        def eval(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(ctx, si, wo, active)[0]
+    def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
+        return self.eval_pdf(ctx, si, wo, active)[1]
 
-        def pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            return self.eval_pdf(ctx, si, wo, active)[1]
+    def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
+        del ctx
+        color, bent = self._seen(si)
+        return _lit(color, bent, si.wi, wo, active)
 
-        def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
-            del ctx
-            color, bent = self._seen(si)
-            return _lit(color, bent, si.wi, wo, active)
+    def eval_pdf_sample(
+        self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
+    ) -> tuple[Any, Any, Any, Any]:
+        del ctx, sample1
+        color, bent = self._seen(si)
+        value, pdf = _lit(color, bent, si.wi, wo, active)
+        around = mi.warp.square_to_cosine_hemisphere(sample2)
+        side = side_of(si.wi)
+        out = mi.Frame3f(bent).to_world(around)
+        there = active & (out.z > 0) & (si.wi.z != 0)
+        found: Any = dr.zeros(mi.BSDFSample3f)
+        found.wo = mi.Vector3f(out.x, out.y, out.z * side)
+        found.pdf = dr.select(there, mi.warp.square_to_cosine_hemisphere_pdf(around), 0.0)
+        found.eta = 1.0
+        found.sampled_type = mi.UInt32(+mi.BSDFFlags.DiffuseReflection)
+        found.sampled_component = 0
+        return value, pdf, found, dr.select(there, color, 0.0)
 
-        def eval_pdf_sample(
-            self, ctx: Any, si: Any, wo: Any, sample1: Any, sample2: Any, active: Any = True
-        ) -> tuple[Any, Any, Any, Any]:
-            del ctx, sample1
-            color, bent = self._seen(si)
-            value, pdf = _lit(color, bent, si.wi, wo, active)
-            around = mi.warp.square_to_cosine_hemisphere(sample2)
-            side = dr.sign(si.wi.z)
-            out = mi.Frame3f(bent).to_world(around)
-            there = active & (out.z > 0) & (si.wi.z != 0)
-            found = dr.zeros(mi.BSDFSample3f)
-            found.wo = mi.Vector3f(out.x, out.y, out.z * side)
-            found.pdf = dr.select(there, mi.warp.square_to_cosine_hemisphere_pdf(around), 0.0)
-            found.eta = 1.0
-            found.sampled_type = mi.UInt32(+mi.BSDFFlags.DiffuseReflection)
-            found.sampled_component = 0
-            return value, pdf, found, dr.select(there, color, 0.0)
+    def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
+        return dr.select(active, self._seen(si)[0], 0.0)
 
-        def eval_diffuse_reflectance(self, si: Any, active: Any = True) -> Any:
-            return dr.select(active, self._seen(si)[0], 0.0)
+    def _seen(self, si: Any) -> tuple[Any, Any]:
+        color, normal = self.look(si)
+        return color, bent_in(si, normal)
 
-        def _seen(self, si: Any) -> tuple[Any, Any]:
-            color, normal = self.look(si)
-            return color, bent_in(si, normal)
+    def traverse(self, callback: Any) -> None:
+        for name, value in self.values.items():
+            callback.put(name, value, mi.ParamFlags.NonDifferentiable)
 
-        def traverse(self, callback: Any) -> None:
-            for name, value in self.values.items():
-                callback.put(name, value, mi.ParamFlags.NonDifferentiable)
+    def parameters_changed(self, keys: Any) -> None:
+        del keys
 
-        def parameters_changed(self, keys: Any) -> None:
-            del keys
+    def to_string(self) -> str:
+        return "Rough[]"
 
-        def to_string(self) -> str:
-            return "Rough[]"
 
-    return Rough
+def side_of(direction: Any) -> Any:
+    """Return 1 for a direction above the surface and -1 for one below."""
+    return dr.select(direction.z < 0, mi.Float(-1), mi.Float(1))
 
 
 def bent_in(si: Any, normal: Any) -> Any:
@@ -130,7 +129,7 @@ def bent_in(si: Any, normal: Any) -> Any:
 
 def _lit(color: Any, bent: Any, wi: Any, wo: Any, active: Any) -> tuple[Any, Any]:
     """Return the value, times the cosine, and the density of scattering into `wo`."""
-    side = dr.sign(wi.z)
+    side = side_of(wi)
     out = mi.Vector3f(wo.x, wo.y, wo.z * side)
     cosine = dr.maximum(dr.dot(out, bent), 0.0)
     there = active & (out.z > 0) & (wi.z != 0)

@@ -7,6 +7,7 @@ rock lies bare.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -51,9 +52,9 @@ class Ground:
         self.words, self.warned = words, warned
         # Not a constant of the kernel: another lens must not compile it again.
         self.values: dict[str, Any] = {PIXEL: dr.opaque(mi.Float, 1e-3)}
-        self._first = _Source(texels(words.texture)) if words.texture != "none" else None
-        self._patches = _Source(patch_texels()) if words.color2 is not None else None
-        self._bare = _Source(texels("rock")) if words.steep_color is not None else None
+        self._first = source(texels(words.texture)) if words.texture != "none" else None
+        self._patches = source(patch_texels()) if words.color2 is not None else None
+        self._bare = source(texels("rock")) if words.steep_color is not None else None
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at points that were hit."""
@@ -69,53 +70,73 @@ class Ground:
             return mi.Color3f(*_linear(words.color)), n
         ragged = ragged_wave(si.p)
         on = laid(si.p, si.n, ragged)
-        level = self._level(si)
+        level = level_of(si, words.texture_scale, self.values[PIXEL])
         first = self._first.layer(on, words.texture_scale, 0.0, level)
-        color, slopes = _colored(words.color, first), (first.slope_u, first.slope_v)
+        color, slopes = colored(words.color, first), (first.slope_u, first.slope_v)
         if self._patches is not None and words.color2 is not None:
             second = self._first.layer(on, words.texture_scale * SECOND[0], SECOND[1], level)
             patch = self._patches.layer(on, words.texture_scale * PATCHES[0], PATCHES[1], None)
-            color = dr.lerp(color, _colored(words.color2, second), patch.shade)
-            slopes = _mixed(slopes, second, patch.shade)
+            color = dr.lerp(color, colored(words.color2, second), patch.shade)
+            slopes = mixed(slopes, second, patch.shade)
         if self._bare is not None and words.steep_color is not None:
             bare = self._bare.layer(on, words.texture_scale * BARE[0], BARE[1], level)
             share = _steepness(n, words.steep_deg, ragged + 1.5 * (1.0 - first.shade))
-            color = dr.lerp(color, _colored(words.steep_color, bare), share)
-            slopes = _mixed(slopes, bare, share)
-        return color, _bent(n, on.gradient(*slopes), words.bump)
-
-    def _level(self, si: Any) -> Any:
-        """Return the level whose texels are about as large as a pixel where it hits."""
-        texel = self.words.texture_scale / TILE
-        seen = si.t * self.values[PIXEL] / texel
-        # A pixel on ground seen at a flat angle is long, but not as wide as it is long.
-        seen = seen * dr.rsqrt(dr.sqrt(dr.maximum(dr.abs(si.wi.z), 0.02)))
-        return mi.UInt32(dr.clip(dr.log2(dr.maximum(seen, 1.0)), 0.0, LEVELS - 1.0))
+            color = dr.lerp(color, colored(words.steep_color, bare), share)
+            slopes = mixed(slopes, bare, share)
+        return color, bent(n, on.gradient(*slopes), words.bump)
 
 
-class _Source:
-    """A tile in Dr.Jit."""
+def level_of(si: Any, size: float, pixel: Any) -> Any:
+    """Return the level whose texels are about as large as a pixel where it hits.
 
-    def __init__(self, of: Texels) -> None:
-        self.of = of
-        self.words = _on_device(of, mi.variant())
+    Args:
+        si: `mi.SurfaceInteraction3f`.
+        size: of a tile [m].
+        pixel: `mi.Float`, width of a pixel at a metre [m].
+    """
+    seen = si.t * pixel * (TILE / size)
+    # A pixel on ground seen at a flat angle is long, but not as wide as it is long.
+    seen = seen * dr.rsqrt(dr.sqrt(dr.maximum(dr.abs(si.wi.z), 0.02)))
+    return mi.UInt32(dr.clip(dr.log2(dr.maximum(seen, 1.0)), 0.0, LEVELS - 1.0))
 
-    def layer(self, on: Laid, size: float, turn_deg: float, level: Any) -> Sample:
-        """Return the tile laid at `size` metres, turned; its slopes are those of the surface."""
-        u, v = turned(on.u / size, on.v / size, turn_deg)
-        found = read(self.words, self.of, u, v, level)
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A tile in Dr.Jit.
+
+    Attributes:
+        of: the tile.
+        words: its texels.
+    """
+
+    of: Texels
+    words: Any
+
+    def at(self, u: Any, v: Any, turn_deg: float, level: Any) -> Sample:
+        """Return the tile, turned, at coordinates in tiles; its slopes are along these."""
+        found = read(self.words, self.of, *turned(u, v, turn_deg), level)
         slope_u, slope_v = turned(found.slope_u, found.slope_v, -turn_deg)
         return Sample(found.shade, found.warmth, slope_u, slope_v)
 
+    def layer(self, on: Laid, size: float, turn_deg: float, level: Any) -> Sample:
+        """Return the tile laid at `size` metres, turned; its slopes are those of the surface."""
+        return self.at(on.u / size, on.v / size, turn_deg, level)
 
-@lru_cache(maxsize=16)
-def _on_device(of: Texels, variant: str) -> Any:
-    """Return the words of a tile as an array of a variant; all surfaces share it."""
+
+def source(of: Texels) -> Source:
+    """Return a tile in the variant in use."""
+    return _source(of, str(mi.variant()))
+
+
+@lru_cache(maxsize=64)
+def _source(of: Texels, variant: str) -> Source:
+    """Return a tile in a variant; all surfaces share it."""
     del variant
-    return mi.UInt32(of.words)
+    return Source(of, mi.UInt32(of.words))
 
 
-def _colored(color: tuple[float, float, float], sample: Sample) -> Any:
+def colored(color: tuple[float, float, float], sample: Sample) -> Any:
+    """Return a colour in sRGB under a pattern, `mi.Color3f`."""
     parts = [
         dr.fma(sample.warmth, warm * c, c) * sample.shade
         for c, warm in zip(_linear(color), WARMTH, strict=True)
@@ -127,7 +148,8 @@ def _linear(color: tuple[float, float, float]) -> list[float]:
     return [float(c) for c in linear(color)]
 
 
-def _mixed(slopes: tuple[Any, Any], other: Sample, share: Any) -> tuple[Any, Any]:
+def mixed(slopes: tuple[Any, Any], other: Sample, share: Any) -> tuple[Any, Any]:
+    """Return slopes with a share of those of another layer."""
     return dr.lerp(slopes[0], other.slope_u, share), dr.lerp(slopes[1], other.slope_v, share)
 
 
@@ -142,6 +164,7 @@ def _steepness(n: Any, steep_deg: float, ragged: Any) -> Any:
     return t * t * (3.0 - 2.0 * t)
 
 
-def _bent(n: Any, gradient: Any, bump: float) -> Any:
+def bent(n: Any, gradient: Any, bump: float) -> Any:
+    """Return the normal of a relief whose gradient in the world is given."""
     along = gradient - n * dr.dot(n, gradient)
     return mi.Normal3f(n - bump * along)

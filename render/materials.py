@@ -10,35 +10,44 @@ from typing import Any
 
 import mitsuba as mi
 
+from render.coat import Coat
 from render.color import linear
 from render.glossy import glossy
 from render.ground import TINT, TINTED, WARNING, Ground
-from render.nested import STEEP, nested, tinted
-from render.plain import flat, is_rough, plain
+from render.nested import STEEP, Surface, nested, tinted
+from render.plain import clear, flat, is_rough, plain
 from render.rough import rough
 from render.words import Material
 
-__all__ = ["STEEP", "TINTED", "bsdf", "glowing", "shows_rock"]
+__all__ = ["STEEP", "TINTED", "Surface", "bsdf", "glowing", "shows_rock"]
 
 
-def bsdf(words: Material, textured: bool, warned: bool = False) -> Any:
+def bsdf(words: Material, surface: Surface, warned: bool = False) -> Any:
     """Return the BSDF of a material, `mi.BSDF`.
 
     Args:
         words: the material, written out in full.
-        textured: whether the surface is ground that a pattern is laid on.
-        warned: whether it carries the attribute `TINTED`.
+        surface: what a pattern is laid on: ground, a body, or nothing that could bear one.
+        warned: whether the surface carries the attribute `TINTED`.
     """
-    has_pattern = textured and words.texture != "none"
+    if words.transmission > 0:
+        return mi.load_dict(clear(words))
+    has_pattern = surface != "bare" and words.texture != "none"
     if not (has_pattern or warned) or _is_scalar():
-        surface = nested(words) if has_pattern else plain(words, flat(words.color))
+        made = nested(words, surface) if has_pattern else plain(words, flat(words.color))
         if warned:
-            surface = tinted(TINTED, TINT, surface, WARNING)
-        return mi.load_dict({"type": "twosided", "bsdf": surface})
-    look = Ground(words if has_pattern else words.model_copy(update=_BARE), warned)
+            made = tinted(TINTED, TINT, made, WARNING)
+        return mi.load_dict({"type": "twosided", "bsdf": made})
+    look = _look(words if has_pattern else words.model_copy(update=_BARE), surface, warned)
     if is_rough(words):
         return rough(look, look.values)
     return glossy(words, look, look.values)
+
+
+def _look(words: Material, surface: Surface, warned: bool) -> Ground | Coat:
+    if surface == "body" and words.texture != "none":
+        return Coat(words)
+    return Ground(words, warned)
 
 
 def glowing(words: Material) -> dict[str, Any]:
@@ -47,13 +56,21 @@ def glowing(words: Material) -> dict[str, Any]:
     return {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
 
 
-def shows_rock(words: Material) -> bool:
+def shows_rock(words: Material, surface: Surface) -> bool:
     """Whether meshes of this material carry the attribute `STEEP`."""
+    if surface != "ground":
+        return False
     return _is_scalar() and words.texture != "none" and words.steep_color is not None
 
 
 _BARE = {"texture": "none", "color2": None, "steep_color": None, "bump": 0.0}
 """Words of a surface without any pattern."""
+
+
+def needs_coordinates(words: Material, surface: Surface) -> bool:
+    """Whether meshes of this material carry texture coordinates."""
+    # A look lays ground by its place in the world.
+    return words.texture != "none" and (surface == "body" or _is_scalar())
 
 
 def _is_scalar() -> bool:

@@ -16,8 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import ShotError
-from render.materials import STEEP, TINTED, bsdf, glowing, shows_rock
+from render.materials import (
+    STEEP,
+    TINTED,
+    Surface,
+    bsdf,
+    glowing,
+    needs_coordinates,
+    shows_rock,
+)
 from render.shot import Mesh
+from render.unwrapping import Unwrapped, unwrapped
 from render.words import Material
 
 ALONE = 20_000
@@ -34,20 +43,22 @@ class Group:
     Attributes:
         members: their places in `Shot.meshes`.
         material: name of their material.
-        textured: whether they have texture coordinates.
+        surface: what patterns are laid on.
         smooth: whether they have vertex normals.
         faces: (F, 3) indices into the vertices of all members.
         steep_deg: slope about which rock shows, or None.
         tinted: (F,) faces in the colour of a warning, or None.
+        unwrapped: the surface with texture coordinates, None where it needs none.
     """
 
     members: tuple[int, ...]
     material: str
-    textured: bool
+    surface: Surface
     smooth: bool
     faces: NDArray[np.uint32]
     steep_deg: float | None
     tinted: NDArray[np.bool_] | None
+    unwrapped: Unwrapped | None
 
 
 def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[Group, ...]:
@@ -56,16 +67,22 @@ def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[G
     Raises:
         ShotError: a mesh names a material that the shot has not, or its arrays do not fit.
     """
-    members: dict[tuple[str, bool, bool, bool, str], list[int]] = {}
+    members: dict[tuple[str, Surface, bool, bool, str], list[int]] = {}
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
         name = mesh.name if len(mesh.vertices) >= ALONE else ""
-        alike = mesh.material, mesh.uv is not None, mesh.smooth, mesh.tinted is not None, name
+        alike = mesh.material, _surface(mesh), mesh.smooth, mesh.tinted is not None, name
         members.setdefault(alike, []).append(i)
     return tuple(
-        _group(tuple(places), meshes, materials[material], material, textured, smooth)
-        for (material, textured, smooth, _, _), places in members.items()
+        _group(tuple(places), meshes, materials[material], material, surface, smooth)
+        for (material, surface, smooth, _, _), places in members.items()
     )
+
+
+def _surface(mesh: Mesh) -> Surface:
+    if mesh.uv is not None:
+        return "ground"
+    return "bare" if mesh.rest is None else "body"
 
 
 def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
@@ -79,6 +96,8 @@ def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
         raise ShotError(f"mesh {mesh.name!r} has a face with a vertex beyond its {n}")
     if mesh.uv is not None and mesh.uv.shape != (n, 2):
         raise ShotError(f"mesh {mesh.name!r} has uv of shape {mesh.uv.shape}, not ({n}, 2)")
+    if mesh.rest is not None and mesh.rest.shape != (n, 3):
+        raise ShotError(f"mesh {mesh.name!r} has rest of shape {mesh.rest.shape}, not ({n}, 3)")
     if mesh.tinted is not None and mesh.tinted.shape != mesh.faces.shape[:1]:
         told = f"has tints for {len(mesh.tinted)} faces, not {len(mesh.faces)}"
         raise ShotError(f"mesh {mesh.name!r} {told}")
@@ -89,7 +108,7 @@ def _group(
     meshes: Sequence[Mesh],
     words: Material,
     material: str,
-    textured: bool,
+    surface: Surface,
     smooth: bool,
 ) -> Group:
     starts = np.cumsum([0, *(len(meshes[i].vertices) for i in members)])
@@ -97,17 +116,30 @@ def _group(
         meshes[i].faces.astype(np.uint32) + np.uint32(s)
         for i, s in zip(members, starts, strict=False)
     ]
-    steep = words.steep_deg if textured and shows_rock(words) else None
+    all_faces = np.concatenate(faces)
+    steep = words.steep_deg if shows_rock(words, surface) else None
     tints = [t for t in (meshes[i].tinted for i in members) if t is not None]
     tinted = np.concatenate(tints) if tints else None
-    return Group(members, material, textured, smooth, np.concatenate(faces), steep, tinted)
+    laid = _unwrapped([meshes[i] for i in members], all_faces, words, surface)
+    return Group(members, material, surface, smooth, all_faces, steep, tinted, laid)
+
+
+def _unwrapped(
+    meshes: Sequence[Mesh], faces: NDArray[np.uint32], words: Material, surface: Surface
+) -> Unwrapped | None:
+    if surface == "bare" or not needs_coordinates(words, surface):
+        return None
+    # Ground stands where it is at rest.
+    rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in meshes]
+    return unwrapped(np.concatenate(rest), faces)
 
 
 def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     """Return a group as a new mesh of Mitsuba."""
     props = mi.Properties()
-    props["mesh_bsdf"] = bsdf(words, group.textured, group.tinted is not None)
-    count = sum(len(meshes[i].vertices) for i in group.members)
+    props["mesh_bsdf"] = bsdf(words, group.surface, group.tinted is not None)
+    laid = group.unwrapped
+    count = len(laid.source) if laid else sum(len(meshes[i].vertices) for i in group.members)
     if words.glow > 0.0:
         props["mesh_emitter"] = mi.load_dict(glowing(words))
     mesh = mi.Mesh(
@@ -116,17 +148,16 @@ def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
         len(group.faces),
         props=props,
         has_vertex_normals=group.smooth,
-        has_vertex_texcoords=group.textured,
+        has_vertex_texcoords=laid is not None,
     )
     if group.steep_deg is not None:
         mesh.add_attribute(STEEP, 1, [0.0] * count)
     if group.tinted is not None:
         mesh.add_attribute(TINTED, 1, group.tinted.astype(np.float32).tolist())
     values = mi.traverse(mesh)
-    _write(values, "faces", group.faces)
-    if group.textured:
-        uv = np.concatenate([np.asarray(meshes[i].uv, np.float32) for i in group.members])
-        _write(values, "vertex_texcoords", uv)
+    _write(values, "faces", laid.faces if laid else group.faces)
+    if laid:
+        _write(values, "vertex_texcoords", laid.uv)
     update(values, "", group, meshes)
     values.update()
     return mesh
@@ -142,12 +173,14 @@ def update(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> No
     vertices = np.ascontiguousarray(vertices, np.float32)
     if not np.isfinite(vertices).all():
         raise ShotError(f"a vertex of material {group.material!r} is not finite")
-    _write(values, prefix + "vertex_positions", vertices)
+    every = slice(None) if group.unwrapped is None else group.unwrapped.source
+    _write(values, prefix + "vertex_positions", vertices[every])
     if group.smooth:
         normals = vertex_normals(vertices, group.faces)
-        _write(values, prefix + "vertex_normals", normals)
+        _write(values, prefix + "vertex_normals", normals[every])
         if group.steep_deg is not None:
-            _write(values, prefix + STEEP, _bare(normals, vertices, group.steep_deg))
+            bare = _bare(normals, vertices, group.steep_deg)
+            _write(values, prefix + STEEP, bare[every])
 
 
 def _write(values: Any, name: str, array: NDArray[Any]) -> None:

@@ -7,12 +7,13 @@ them by the texture coordinates of the mesh.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from render import coat
 from render.color import linear
 from render.ground import BARE, BRIGHTEST, PATCHES, SECOND, WARMTH
 from render.plain import flat, plain
@@ -24,21 +25,24 @@ STEEP = "vertex_steep"
 
 Plugin = dict[str, Any]
 
+Surface = Literal["ground", "body", "bare"]
+"""What a pattern is laid on; nothing is laid on what is bare."""
 
-def nested(words: Material) -> Plugin:
-    """Return the BSDF of a textured surface as a dictionary for `mi.load_dict`."""
-    surface = _pattern(words, words.texture, words.color, (1.0, 0.0))
+
+def nested(words: Material, surface: Surface) -> Plugin:
+    """Return the BSDF of a surface with a pattern as a dictionary for `mi.load_dict`."""
+    on_body = surface == "body"
+    made = _pattern(words, words.texture, words.color, (1.0, 0.0))
     if words.color2 is not None:
-        second = _pattern(words, words.texture, words.color2, SECOND)
-        span, turn = PATCHES
+        lie = (1.0, 0.0) if on_body else SECOND
+        second = _pattern(words, words.texture, words.color2, lie)
+        span, turn = coat.PATCHES if on_body else PATCHES
         weight = _bitmap(patches()[..., None], words.texture_scale * span, turn)
-        surface = blend(weight, surface, second)
-    if words.steep_color is not None:
+        made = blend(weight, made, second)
+    if words.steep_color is not None and not on_body:
         rock = _pattern(words, "rock", words.steep_color, BARE)
-        surface = blend({"type": "mesh_attribute", "name": STEEP}, surface, rock)
-    if words.bump > 0:
-        surface = _bump(words, surface)
-    return surface
+        made = blend({"type": "mesh_attribute", "name": STEEP}, made, rock)
+    return _bump(words, made) if words.bump > 0 else made
 
 
 def blend(weight: Plugin, below: Plugin, above: Plugin) -> Plugin:

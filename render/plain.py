@@ -13,7 +13,8 @@ ROUGH = 0.7
 
 def is_rough(words: Material) -> bool:
     """Whether a material scatters evenly: rough, and neither metal nor coated."""
-    return words.roughness >= ROUGH and not (words.metallic or words.clearcoat)
+    shines = words.metallic or words.clearcoat or words.sheen or words.transmission
+    return words.roughness >= ROUGH and not shines
 
 
 def plain(words: Material, color: Any) -> dict[str, Any]:
@@ -28,7 +29,21 @@ def plain(words: Material, color: Any) -> dict[str, Any]:
         "specular": 0.5,
         "clearcoat": words.clearcoat,
         "clearcoat_gloss": 0.93,
+        "sheen": words.sheen,
+        "sheen_tint": 0.6,
     }
+
+
+def clear(words: Material) -> dict[str, Any]:
+    """Return the BSDF of a material that light goes through; it has two sides by itself."""
+    tinted = {"int_ior": words.ior, "specular_transmittance": flat(words.color)}
+    glass: dict[str, Any] = {"type": "dielectric", **tinted}
+    if words.roughness > 0.03:
+        glass = {"type": "roughdielectric", "alpha": words.roughness**2, **tinted}
+    if words.transmission >= 1.0:
+        return glass
+    opaque = {"type": "twosided", "bsdf": plain(words, flat(words.color))}
+    return {"type": "blendbsdf", "weight": words.transmission, "below": opaque, "above": glass}
 
 
 def flat(color: tuple[float, float, float]) -> dict[str, Any]:

@@ -33,10 +33,12 @@ class Mesh:
         faces: (F, 3) uint32, counter-clockwise seen from outside. Constant over a film:
             what is hidden has its triangles collapsed, never removed.
         material: a key of `Shot.materials`.
-        uv: (V, 2) float32 or None, texture coordinates [m] along the surface.
+        uv: (V, 2) float32 or None, texture coordinates [m] of ground, which patterns are laid on.
         smooth: shade with interpolated vertex normals.
         tinted: (F,) faces that are shown in the colour of a warning, None for none. Constant
             over a film.
+        rest: (V, 3) float32 or None, places of the vertices of a body in a frame of its own,
+            longest along the first axis [m]: patterns lie on the body there. Constant.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Mesh:
     uv: NDArray[np.float32] | None = None
     smooth: bool = True
     tinted: NDArray[np.bool_] | None = None
+    rest: NDArray[np.float32] | None = None
 
     @cached_property
     def topology(self) -> bytes:
@@ -53,7 +56,8 @@ class Mesh:
         head = f"{self.name}|{self.material}|{self.smooth}|{len(self.vertices)}"
         uv = b"" if self.uv is None else self.uv.tobytes()
         tint = b"" if self.tinted is None else b"tinted" + self.tinted.tobytes()
-        words = head.encode() + self.faces.tobytes() + uv + tint
+        rest = b"" if self.rest is None else b"rest" + self.rest.tobytes()
+        words = head.encode() + self.faces.tobytes() + uv + tint + rest
         return hashlib.blake2b(words, digest_size=16).digest()
 
     @cached_property

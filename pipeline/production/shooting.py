@@ -10,6 +10,7 @@ from pipeline.production.camera import camera_poses, first_frames
 from pipeline.production.landscape import ground_meshes
 from pipeline.production.mounting import mounts_of
 from pipeline.production.panning import Panning
+from pipeline.production.resting import rests
 from pipeline.production.skinning import Skin
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
@@ -40,6 +41,7 @@ class Shooting:
         self.materials = _materials(scene, take)
         self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)
         self._skin = Skin.of(take)
+        self._rests = rests(take, self.materials)
 
     def shot(self, frame: int) -> Shot:
         """Return the shot of the 1-based `frame`."""
@@ -64,7 +66,8 @@ class Shooting:
             if not piece.life[0] <= row < piece.life[1]:
                 # Hidden by collapsing: the topology of a build stays as it is.
                 placed = np.zeros_like(placed)
-            meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material))
+            rest = self._rests[i]
+            meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material, rest=rest))
         return Moment(tuple(meshes), self._panning.at(frame, part))
 
 

@@ -31,6 +31,9 @@ SECOND, BARE = (1.37, 37.0), (1.13, 11.0)
 PATCHES = (9.0, 19.0)
 """Tiles that the map of patches spans, and how far it is turned [deg]."""
 
+REGULAR = frozenset({"wood", "planks", "weave", "tiles", "checker", "scratches", "brushed"})
+"""Patterns with lines, which a second, turned layer would cross; their colours share one layer."""
+
 SOFT_DEG = 9.0
 """The border of the bare rock is spread over this much slope to either side."""
 
@@ -74,10 +77,12 @@ class Ground:
         first = self._first.layer(on, words.texture_scale, 0.0, level)
         color, slopes = colored(words.color, first), (first.slope_u, first.slope_v)
         if self._patches is not None and words.color2 is not None:
-            second = self._first.layer(on, words.texture_scale * SECOND[0], SECOND[1], level)
+            second = first
+            if words.texture not in REGULAR:
+                second = self._first.layer(on, words.texture_scale * SECOND[0], SECOND[1], level)
             patch = self._patches.layer(on, words.texture_scale * PATCHES[0], PATCHES[1], None)
             color = dr.lerp(color, colored(words.color2, second), patch.shade)
-            slopes = mixed(slopes, second, patch.shade)
+            slopes = mixed(slopes, second, patch.shade) if second is not first else slopes
         if self._bare is not None and words.steep_color is not None:
             bare = self._bare.layer(on, words.texture_scale * BARE[0], BARE[1], level)
             share = _steepness(n, words.steep_deg, ragged + 1.5 * (1.0 - first.shade))

@@ -6,6 +6,7 @@ would be slow, it is made of Mitsuba's own textures (`render.nested`).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import mitsuba as mi
@@ -65,6 +66,12 @@ def shows_rock(words: Material, surface: Surface) -> bool:
 
 _BARE = {"texture": "none", "color2": None, "steep_color": None, "bump": 0.0}
 """Words of a surface without any pattern."""
+
+
+def light_paths(materials: Iterable[Material]) -> int:
+    """Return how many more bounces a light path may take through what is clear."""
+    # In and out of one solid, and what it mirrors inside once.
+    return 3 if any(words.transmission > 0 for words in materials) else 0
 
 
 def needs_coordinates(words: Material, surface: Surface) -> bool:

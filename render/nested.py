@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from render import coat
 from render.color import linear
-from render.ground import BARE, BRIGHTEST, PATCHES, SECOND, WARMTH
+from render.ground import BARE, BRIGHTEST, PATCHES, REGULAR, SECOND, WARMTH
 from render.plain import flat, plain
 from render.textures import patches, tile
 from render.words import Material
@@ -34,7 +34,7 @@ def nested(words: Material, surface: Surface) -> Plugin:
     on_body = surface == "body"
     made = _pattern(words, words.texture, words.color, (1.0, 0.0))
     if words.color2 is not None:
-        lie = (1.0, 0.0) if on_body else SECOND
+        lie = (1.0, 0.0) if on_body or words.texture in REGULAR else SECOND
         second = _pattern(words, words.texture, words.color2, lie)
         span, turn = coat.PATCHES if on_body else PATCHES
         weight = _bitmap(patches()[..., None], words.texture_scale * span, turn)

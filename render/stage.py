@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from render.color import linear
 from render.errors import ShotError
 from render.lights import emitters
+from render.materials import light_paths
 from render.meshes import Group, built, groups, moved, update
 from render.rough import set_pixel
 from render.shot import CameraPose, Mesh, Moment, Shot
@@ -48,9 +49,8 @@ class Stage:
             }
         )
         self._sensor = self._scene.sensors()[0]
-        self._integrator = mi.load_dict(
-            {"type": "path", "max_depth": self._film.depth, "rr_depth": self._film.depth + 1}
-        )
+        depth = self._film.depth + light_paths(shot.materials.values())
+        self._integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth + 1})
         self._colors = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
         self._values = mi.traverse(self._scene)
         self._shown: tuple[Mesh, ...] = shot.meshes

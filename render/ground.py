@@ -16,8 +16,11 @@ import mitsuba as mi
 import numpy as np
 
 from render.color import linear
+from render.hatching import hatched
 from render.laying import Laid, laid, ragged_wave, turned
 from render.packed import LEVELS, Sample, Texels, patch_texels, read, texels
+from render.pressed import PRINTED, Pressed
+from render.prints import Prints
 from render.rough import PIXEL
 from render.textures import TILE
 from render.words import Material
@@ -41,20 +44,16 @@ BRIGHTEST = 0.9
 """Above this a surface would light itself through its many reflections."""
 
 
-TINTED = "face_tinted"
-"""Mesh attribute: 1 on faces that are shown in the colour of a warning, else 0."""
-
-WARNING, TINT = (0.85, 0.12, 0.06), 0.55
-"""The colour of a warning, sRGB, and its share of a tinted surface."""
-
-
 class Ground:
     """What is seen of a ground: a `render.rough.Look`."""
 
-    def __init__(self, words: Material, warned: bool = False) -> None:
+    def __init__(self, words: Material, warned: bool = False, prints: Prints | None = None) -> None:
         self.words, self.warned = words, warned
         # Not a constant of the kernel: another lens must not compile it again.
         self.values: dict[str, Any] = {PIXEL: dr.opaque(mi.Float, 1e-3)}
+        self._pressed = Pressed(prints) if prints is not None else None
+        if prints is not None:
+            self.values[PRINTED] = dr.opaque(mi.UInt32, 0)
         self._first = source(texels(words.texture)) if words.texture != "none" else None
         self._patches = source(patch_texels()) if words.color2 is not None else None
         self._bare = source(texels("rock")) if words.steep_color is not None else None
@@ -62,15 +61,18 @@ class Ground:
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at points that were hit."""
         color, normal = self._pattern(si)
+        if self._pressed is not None:
+            dark, gradient = self._pressed.at(si.p, self.values[PRINTED])
+            color *= 1.0 - dark
+            normal = bent(normal, gradient, 1.0)
         if self.warned:
-            share = TINT * si.shape.eval_attribute_1(TINTED, si)
-            color = dr.lerp(color, mi.Color3f(*_linear(WARNING)), share)
+            color = hatched(si, color)
         return dr.clip(color, 0.003, BRIGHTEST), normal
 
     def _pattern(self, si: Any) -> tuple[Any, Any]:
         words, n = self.words, si.sh_frame.n
         if self._first is None:
-            return mi.Color3f(*_linear(words.color)), n
+            return mi.Color3f(*_linear(words.color)), mi.Normal3f(n)
         ragged = ragged_wave(si.p)
         on = laid(si.p, si.n, ragged)
         level = level_of(si, words.texture_scale, self.values[PIXEL])

@@ -14,41 +14,46 @@ import mitsuba as mi
 from render.coat import Coat
 from render.color import linear
 from render.glossy import glossy
-from render.ground import TINT, TINTED, WARNING, Ground
+from render.ground import Ground
+from render.hatching import TINT, TINTED, WARNING
 from render.nested import STEEP, Surface, nested, tinted
 from render.plain import clear, flat, is_rough, plain
+from render.prints import Prints
 from render.rough import rough
 from render.words import Material
 
 __all__ = ["STEEP", "TINTED", "Surface", "bsdf", "glowing", "shows_rock"]
 
 
-def bsdf(words: Material, surface: Surface, warned: bool = False) -> Any:
+def bsdf(
+    words: Material, surface: Surface, warned: bool = False, prints: Prints | None = None
+) -> Any:
     """Return the BSDF of a material, `mi.BSDF`.
 
     Args:
         words: the material, written out in full.
         surface: what a pattern is laid on: ground, a body, or nothing that could bear one.
         warned: whether the surface carries the attribute `TINTED`.
+        prints: what is pressed into ground; the scalar variant leaves it out.
     """
     if words.transmission > 0:
         return mi.load_dict(clear(words))
     has_pattern = surface != "bare" and words.texture != "none"
-    if not (has_pattern or warned) or _is_scalar():
+    if not (has_pattern or warned or prints) or _is_scalar():
         made = nested(words, surface) if has_pattern else plain(words, flat(words.color))
         if warned:
             made = tinted(TINTED, TINT, made, WARNING)
         return mi.load_dict({"type": "twosided", "bsdf": made})
-    look = _look(words if has_pattern else words.model_copy(update=_BARE), surface, warned)
+    look = _look(words if has_pattern else words.model_copy(update=_BARE), surface, warned, prints)
     if is_rough(words):
         return rough(look, look.values)
     return glossy(words, look, look.values)
 
 
-def _look(words: Material, surface: Surface, warned: bool) -> Ground | Coat:
+def _look(words: Material, surface: Surface, warned: bool, prints: Prints | None) -> Ground | Coat:
     if surface == "body" and words.texture != "none":
         return Coat(words)
-    return Ground(words, warned)
+    return Ground(words, warned, prints)
 
 
 def glowing(words: Material) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,8 @@ from render.materials import (
     needs_coordinates,
     shows_rock,
 )
+from render.pressed import PRINTED
+from render.prints import Prints
 from render.shot import Mesh
 from render.unwrapping import Unwrapped, unwrapped
 from render.words import Material
@@ -49,6 +52,7 @@ class Group:
         steep_deg: slope about which rock shows, or None.
         tinted: (F,) faces in the colour of a warning, or None.
         unwrapped: the surface with texture coordinates, None where it needs none.
+        prints: what is pressed into it, or None; such a mesh stands alone.
     """
 
     members: tuple[int, ...]
@@ -59,6 +63,7 @@ class Group:
     steep_deg: float | None
     tinted: NDArray[np.bool_] | None
     unwrapped: Unwrapped | None
+    prints: Prints | None
 
 
 def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[Group, ...]:
@@ -70,7 +75,8 @@ def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[G
     members: dict[tuple[str, Surface, bool, bool, str], list[int]] = {}
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
-        name = mesh.name if len(mesh.vertices) >= ALONE else ""
+        alone = len(mesh.vertices) >= ALONE or mesh.prints is not None
+        name = mesh.name if alone else ""
         alike = mesh.material, _surface(mesh), mesh.smooth, mesh.tinted is not None, name
         members.setdefault(alike, []).append(i)
     return tuple(
@@ -121,7 +127,8 @@ def _group(
     tints = [t for t in (meshes[i].tinted for i in members) if t is not None]
     tinted = np.concatenate(tints) if tints else None
     laid = _unwrapped([meshes[i] for i in members], all_faces, words, surface)
-    return Group(members, material, surface, smooth, all_faces, steep, tinted, laid)
+    prints = meshes[members[0]].prints
+    return Group(members, material, surface, smooth, all_faces, steep, tinted, laid, prints)
 
 
 def _unwrapped(
@@ -137,7 +144,7 @@ def _unwrapped(
 def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     """Return a group as a new mesh of Mitsuba."""
     props = mi.Properties()
-    props["mesh_bsdf"] = bsdf(words, group.surface, group.tinted is not None)
+    props["mesh_bsdf"] = bsdf(words, group.surface, group.tinted is not None, group.prints)
     laid = group.unwrapped
     count = len(laid.source) if laid else sum(len(meshes[i].vertices) for i in group.members)
     if words.glow > 0.0:
@@ -153,7 +160,8 @@ def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     if group.steep_deg is not None:
         mesh.add_attribute(STEEP, 1, [0.0] * count)
     if group.tinted is not None:
-        mesh.add_attribute(TINTED, 1, group.tinted.astype(np.float32).tolist())
+        tints = _at_vertices(group.tinted, group.faces)
+        mesh.add_attribute(TINTED, 1, (tints[laid.source] if laid else tints).tolist())
     values = mi.traverse(mesh)
     _write(values, "faces", laid.faces if laid else group.faces)
     if laid:
@@ -181,6 +189,20 @@ def update(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> No
         if group.steep_deg is not None:
             bare = _bare(normals, vertices, group.steep_deg)
             _write(values, prefix + STEEP, bare[every])
+
+
+def imprint(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> None:
+    """Write how many prints have been made into Mitsuba's parameters."""
+    name = f"{prefix}bsdf.{PRINTED}"
+    if group.prints is not None and name in values:
+        values[name] = dr.opaque(type(values[name]), meshes[group.members[0]].printed)
+
+
+def _at_vertices(tinted: NDArray[np.bool_], faces: NDArray[np.uint32]) -> NDArray[np.float32]:
+    """Return which share of the faces about each vertex is tinted, (V,)."""
+    corners, tints = faces.ravel(), np.repeat(tinted.astype(float), 3)
+    count = np.bincount(corners)
+    return (np.bincount(corners, tints) / np.maximum(count, 1)).astype(np.float32)
 
 
 def _write(values: Any, name: str, array: NDArray[Any]) -> None:

@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from render.prints import Prints
 from render.words import Film, Light, Material
 
 
@@ -39,6 +40,8 @@ class Mesh:
             over a film.
         rest: (V, 3) float32 or None, places of the vertices of a body in a frame of its own,
             longest along the first axis [m]: patterns lie on the body there. Constant.
+        prints: what is pressed into ground over the whole film, or None. Constant.
+        printed: how many of these prints have been made.
     """
 
     name: str
@@ -49,6 +52,8 @@ class Mesh:
     smooth: bool = True
     tinted: NDArray[np.bool_] | None = None
     rest: NDArray[np.float32] | None = None
+    prints: Prints | None = None
+    printed: int = 0
 
     @cached_property
     def topology(self) -> bytes:
@@ -57,13 +62,16 @@ class Mesh:
         uv = b"" if self.uv is None else self.uv.tobytes()
         tint = b"" if self.tinted is None else b"tinted" + self.tinted.tobytes()
         rest = b"" if self.rest is None else b"rest" + self.rest.tobytes()
-        words = head.encode() + self.faces.tobytes() + uv + tint + rest
+        prints = b"" if self.prints is None else b"prints" + self.prints.bytes
+        words = head.encode() + self.faces.tobytes() + uv + tint + rest + prints
         return hashlib.blake2b(words, digest_size=16).digest()
 
     @cached_property
     def digest(self) -> bytes:
         """Digest of the whole mesh."""
-        return hashlib.blake2b(self.topology + self.vertices.tobytes(), digest_size=16).digest()
+        words = self.topology + self.vertices.tobytes()
+        words += f"printed {self.printed}".encode() if self.printed else b""
+        return hashlib.blake2b(words, digest_size=16).digest()
 
 
 @dataclass(frozen=True)

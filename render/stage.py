@@ -17,7 +17,7 @@ from render.color import linear
 from render.errors import ShotError
 from render.lights import emitters
 from render.materials import light_paths
-from render.meshes import Group, built, groups, moved, update
+from render.meshes import Group, built, groups, imprint, moved, update
 from render.rough import set_pixel
 from render.shot import CameraPose, Mesh, Moment, Shot
 from render.words import FullFilm, Material
@@ -61,6 +61,7 @@ class Stage:
         for i, group in enumerate(self._groups):
             if moved(group, self._shown, moment.meshes):
                 update(self._values, f"mesh{i}.", group, moment.meshes)
+            imprint(self._values, f"mesh{i}.", group, moment.meshes)
         self._shown = moment.meshes
         _aim(self._values, moment.camera, self._film)
         set_pixel(self._values, moment.camera.fov_deg, self._film.size[1])

@@ -13,7 +13,7 @@ from pipeline.simulation.take import Mesh, Take
 from render.words import Material
 
 LONG = 1.6
-"""How much longer than wide a part is whose pattern runs along it, by deviations of its vertices."""
+"""How much longer than wide a part is whose pattern runs along it (deviations of vertices)."""
 
 ALIGNED = 0.98
 """Cosine of the angle up to which a part is taken to lie along an axis of its own frame."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from pipeline.production.camera import camera_poses, first_frames
+from pipeline.production.footprints import footprints
 from pipeline.production.landscape import ground_meshes
 from pipeline.production.mounting import mounts_of
 from pipeline.production.panning import Panning
@@ -39,7 +41,11 @@ class Shooting:
         self.poses = camera_poses(take, scene.camera, aspect, mounts_of(scene, take.nodes))
         self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
-        self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)
+        words = scene.terrain
+        texture = self.materials[take.terrain.material].texture
+        self._prints = footprints(take, texture) if words.footprints else None
+        raster = self._prints.prints if self._prints else None
+        self._ground = ground_meshes(take.terrain, words.show_forbidden, raster)
         self._skin = Skin.of(take)
         self._rests = rests(take, self.materials)
 
@@ -59,7 +65,7 @@ class Shooting:
         """Return where all stands a part of a frame after its begin."""
         row = self.clock.row_of_frame(frame)
         vertices = self._skin.posed(self.take, row + part * self.clock.samples)
-        meshes = list(self._ground)
+        meshes = list(self._trodden(row + part * self.clock.samples))
         for i, piece in enumerate(self.take.parts):
             mesh = self.take.meshes[piece.mesh]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
@@ -69,6 +75,14 @@ class Shooting:
             rest = self._rests[i]
             meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material, rest=rest))
         return Moment(tuple(meshes), self._panning.at(frame, part))
+
+    def _trodden(self, row: float) -> tuple[Mesh, ...]:
+        """Return the ground with the footprints that have been made by a row of the take."""
+        near, *others = self._ground
+        made = self._prints.made(row) if self._prints else 0
+        if near.printed != made:
+            self._ground = replace(near, printed=made), *others
+        return self._ground
 
 
 def _materials(scene: Scene, take: Take) -> Mapping[str, Material]:

@@ -51,17 +51,17 @@ def shell(rng: np.random.Generator) -> Drawn:
     y = np.mgrid[0:TILE, 0:TILE][0] / TILE
     stria = np.cos(2 * np.pi * 14 * y) ** 8
     cloud = np.tanh(noise(rng, 1.9, first=4))
-    shade = 1 + 0.14 * cloud - 0.22 * pit - 0.12 * stria + 0.04 * noise(rng, 0.8, first=40)
-    relief = -0.0006 * pit - 0.0005 * stria + 0.0004 * cloud
-    return shade.clip(0.4, 1.6), 0.5 * cloud, relief, 0.3
+    shade = 1 + 0.08 * cloud - 0.16 * pit - 0.05 * stria + 0.03 * noise(rng, 0.8, first=40)
+    relief = -0.0006 * pit - 0.0003 * stria + 0.0004 * cloud
+    return shade.clip(0.4, 1.6), 0.35 * cloud, relief, 0.3
 
 
 def fur(rng: np.random.Generator) -> Drawn:
     """Draw hair that lies along the rows, in tufts."""
     hair, tuft = noise(rng, 0.7, first=40, stretch=14.0), noise(rng, 1.5, first=9, stretch=4.0)
     patch = noise(rng, 1.8, first=4)
-    shade = 1 + 0.2 * hair + 0.15 * tuft + 0.08 * patch
-    return shade.clip(0.35, 1.8), 0.25 * patch + 0.15 * tuft, 0.0011 * hair + 0.0022 * tuft, 0.32
+    shade = 1 + 0.11 * hair + 0.1 * tuft + 0.06 * patch
+    return shade.clip(0.35, 1.8), 0.25 * patch + 0.15 * tuft, 0.0005 * hair + 0.0012 * tuft, 0.32
 
 
 def plumage(rng: np.random.Generator) -> Drawn:

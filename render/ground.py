@@ -55,6 +55,8 @@ class Ground:
         if prints is not None:
             self.values[PRINTED] = dr.opaque(mi.UInt32, 0)
         self._first = source(texels(words.texture)) if words.texture != "none" else None
+        if self._first is not None:
+            self._smoothness = mi.Float(self._first.of.smoothness(words.bump))
         self._patches = source(patch_texels()) if words.color2 is not None else None
         self._bare = source(texels("rock")) if words.steep_color is not None else None
 
@@ -90,6 +92,7 @@ class Ground:
             share = _steepness(n, words.steep_deg, ragged + 1.5 * (1.0 - first.shade))
             color = dr.lerp(color, colored(words.steep_color, bare), share)
             slopes = mixed(slopes, bare, share)
+        color *= dr.gather(mi.Float, self._smoothness, level)
         return color, bent(n, on.gradient(*slopes), words.bump)
 
 
@@ -157,7 +160,12 @@ def _linear(color: tuple[float, float, float]) -> list[float]:
 
 def mixed(slopes: tuple[Any, Any], other: Sample, share: Any) -> tuple[Any, Any]:
     """Return slopes with a share of those of another layer."""
-    return dr.lerp(slopes[0], other.slope_u, share), dr.lerp(slopes[1], other.slope_v, share)
+    # Two reliefs that know nothing of one another would smooth each other where they mix.
+    scale = dr.rsqrt(share * share + (1.0 - share) * (1.0 - share))
+    u, v = (
+        dr.lerp(a, b, share) for a, b in zip(slopes, (other.slope_u, other.slope_v), strict=True)
+    )
+    return u * scale, v * scale
 
 
 def _steepness(n: Any, steep_deg: float, ragged: Any) -> Any:

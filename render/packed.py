@@ -22,6 +22,9 @@ from render.textures import TILE, Plane, patches, tile
 LEVELS = 7
 """Copies of a tile, each half as wide as the one before."""
 
+_SOME = 1 << 16
+"""Slopes that are kept of each level: enough for a mean."""
+
 _SHADES = 2.0
 """The brightest shade that a texel can hold."""
 
@@ -34,11 +37,22 @@ class Texels:
         words: texels, row by row, level after level.
         width: of the tile [pixels].
         steepest: the greatest slope that a texel can hold.
+        squares: (LEVELS, n) squares of some slopes of each level.
     """
 
     words: NDArray[np.uint32]
     width: int
     steepest: float
+    squares: NDArray[np.float32]
+
+    def smoothness(self, bump: float) -> NDArray[np.float32]:
+        """Return how dark each level is beside the one that it stands for, (LEVELS,).
+
+        Bent normals make ground darker; where the bends are too fine to be seen, that must
+        remain, or the ground would be brighter far away than near.
+        """
+        upright = (1.0 / np.sqrt(1.0 + bump**2 * self.squares)).mean(axis=1)
+        return np.asarray(upright[0] / upright, np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,11 +80,13 @@ def texels(pattern: str) -> Texels:
     steepest = float(max(np.abs(slope_u).max(), np.abs(slope_v).max(), 1e-6))
     planes = [drawn.shade, drawn.warmth, slope_u, slope_v]
     ranges = [(0.0, _SHADES), (-1.0, 1.0), (-steepest, steepest), (-steepest, steepest)]
-    levels = []
+    levels, squares = [], []
     for _ in range(LEVELS):
         levels.append(_packed(planes, ranges))
+        slopes = planes[2] ** 2 + planes[3] ** 2
+        squares.append(np.resize(slopes.ravel()[:: slopes.size // _SOME | 1], _SOME))
         planes = [_halved(plane) for plane in planes]
-    return Texels(np.concatenate(levels), TILE, steepest)
+    return Texels(np.concatenate(levels), TILE, steepest, np.array(squares))
 
 
 @lru_cache(maxsize=1)
@@ -79,7 +95,7 @@ def patch_texels() -> Texels:
     plane = patches()
     flat = np.zeros_like(plane)
     words = _packed([plane, flat, flat, flat], [(0.0, _SHADES), *[(-1.0, 1.0)] * 3])
-    return Texels(words, len(plane), 1.0)
+    return Texels(words, len(plane), 1.0, np.zeros((LEVELS, 1), np.float32))
 
 
 def _slope(relief: Plane, axis: int, size: float) -> Plane:

@@ -19,7 +19,7 @@ import numpy as np
 from render.textures import grounds, things
 from render.textures.noise import TILE, Plane, noise
 
-__all__ = ["TILE", "Plane", "Tile", "patches", "tile"]
+__all__ = ["TILE", "Plane", "Tile", "patches", "patterns", "tile"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +44,7 @@ def tile(pattern: str) -> Tile:
     """Return the tile of a pattern of `render.words.material.Texture`."""
     shade, warmth, relief, size = _PATTERNS[pattern](np.random.default_rng(_SEED))
     shade = shade / shade.mean()
+    warmth = np.clip(warmth, -1, 1)
     planes = [np.asarray(plane, np.float32) for plane in (shade, warmth, _softened(relief))]
     return Tile(planes[0], planes[1], planes[2], size)
 
@@ -54,6 +55,11 @@ def patches(size: int = 512) -> Plane:
     rng = np.random.default_rng(_SEED + 1)
     field = noise(rng, 2.2, first=2, size=size) + 0.35 * noise(rng, 1.2, first=24, size=size)
     return (1 / (1 + np.exp(-2.2 * field))).astype(np.float32)
+
+
+def patterns() -> tuple[str, ...]:
+    """Return the names of all patterns."""
+    return tuple(_PATTERNS)
 
 
 _SEED = 19870501

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from render.textures import TILE, Plane, patches, tile
 
-LEVELS = 7
-"""Copies of a tile, each half as wide as the one before."""
+LEVELS = 10
+"""Copies of a tile, each half as wide as the one before: far away no tile is seen to repeat."""
 
 _SOME = 1 << 16
 """Slopes that are kept of each level: enough for a mean."""

@@ -124,7 +124,7 @@ def plaster(rng: np.random.Generator) -> Drawn:
     """Draw what was smoothed by hand."""
     trowel, grain = noise(rng, 1.8, first=4), noise(rng, 0.7, first=50)
     shade = 1 + 0.035 * trowel + 0.025 * grain
-    return shade, 0.25 * trowel.clip(-2, 2), 0.0016 * trowel + 0.00015 * grain, 1.0
+    return shade, 0.12 * trowel.clip(-2, 2), 0.0016 * trowel + 0.00015 * grain, 1.0
 
 
 def clay(rng: np.random.Generator) -> Drawn:

@@ -220,7 +220,7 @@ THINGS: dict[str, dict[str, Any]] = {
     "red rubber": {"color": "#b2261f", "roughness": 0.5, "clearcoat": 0.15},
     "white plaster": {
         "color": "#dcd9d2",
-        "color2": "#d2cec5",
+        "color2": "#d8d5cd",
         "roughness": 0.9,
         "texture": "plaster",
         "texture_scale": 1.0,
@@ -228,7 +228,7 @@ THINGS: dict[str, dict[str, Any]] = {
     },
     "grey plaster": {
         "color": "#8b8a87",
-        "color2": "#82817d",
+        "color2": "#878683",
         "roughness": 0.9,
         "texture": "plaster",
         "texture_scale": 1.0,

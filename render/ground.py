@@ -34,6 +34,12 @@ SECOND, BARE = (1.37, 37.0), (1.13, 11.0)
 PATCHES = (9.0, 19.0)
 """Tiles that the map of patches spans, and how far it is turned [deg]."""
 
+FIELDS = (61.0, 52.0)
+"""The same of larger patches."""
+
+_CONTRAST = 0.8
+"""How much patches of each size weigh."""
+
 REGULAR = frozenset({"wood", "planks", "weave", "tiles", "checker", "scratches", "brushed"})
 """Patterns with lines, which a second, turned layer would cross; their colours share one layer."""
 
@@ -84,9 +90,9 @@ class Ground:
             second = first
             if words.texture not in REGULAR:
                 second = self._first.layer(on, words.texture_scale * SECOND[0], SECOND[1], level)
-            patch = self._patches.layer(on, words.texture_scale * PATCHES[0], PATCHES[1], None)
-            color = dr.lerp(color, colored(words.color2, second), patch.shade)
-            slopes = mixed(slopes, second, patch.shade) if second is not first else slopes
+            share = self._patch(si, on)
+            color = dr.lerp(color, colored(words.color2, second), share)
+            slopes = mixed(slopes, second, share) if second is not first else slopes
         if self._bare is not None and words.steep_color is not None:
             bare = self._bare.layer(on, words.texture_scale * BARE[0], BARE[1], level)
             share = _steepness(n, words.steep_deg, ragged + 1.5 * (1.0 - first.shade))
@@ -94,6 +100,18 @@ class Ground:
             slopes = mixed(slopes, bare, share)
         color *= dr.gather(mi.Float, self._smoothness, level)
         return color, bent(n, on.gradient(*slopes), words.bump)
+
+    def _patch(self, si: Any, on: Laid) -> Any:
+        """Return the share of the second colour: patches of two sizes, which never meet again."""
+        assert self._patches is not None
+        share = mi.Float(0.5)
+        for larger, turn_deg in (PATCHES, FIELDS):
+            size = self.words.texture_scale * larger
+            # The map has half as many texels as a tile.
+            level = level_of(si, 2.0 * size, self.values[PIXEL])
+            layer = self._patches.layer(on, size, turn_deg, level)
+            share += _CONTRAST * (layer.shade - 0.5)
+        return dr.clip(share, 0.0, 1.0)
 
 
 def level_of(si: Any, size: float, pixel: Any) -> Any:

@@ -92,10 +92,12 @@ def texels(pattern: str) -> Texels:
 @lru_cache(maxsize=1)
 def patch_texels() -> Texels:
     """Return the packed map of slow patches; its shade is 0 to 1."""
-    plane = patches()
-    flat = np.zeros_like(plane)
-    words = _packed([plane, flat, flat, flat], [(0.0, _SHADES), *[(-1.0, 1.0)] * 3])
-    return Texels(words, len(plane), 1.0, np.zeros((LEVELS, 1), np.float32))
+    plane, words = patches(), []
+    for _ in range(LEVELS):
+        flat = np.zeros_like(plane)
+        words.append(_packed([plane, flat, flat, flat], [(0.0, _SHADES), *[(-1.0, 1.0)] * 3]))
+        plane = _halved(plane)
+    return Texels(np.concatenate(words), len(patches()), 1.0, np.zeros((LEVELS, 1), np.float32))
 
 
 def _slope(relief: Plane, axis: int, size: float) -> Plane:

@@ -102,7 +102,7 @@ def hills(surface: Any) -> Any:
     import mitsuba as mi
 
     from render.meshes import vertex_normals
-    from render.nested import STEEP
+    from render.shares import STEEP
 
     n = 200
     c = np.linspace(-30, 30, n)

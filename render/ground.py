@@ -43,8 +43,9 @@ _CONTRAST = 0.8
 REGULAR = frozenset({"wood", "planks", "weave", "tiles", "checker", "scratches", "brushed"})
 """Patterns with lines, which a second, turned layer would cross; their colours share one layer."""
 
-SOFT_DEG = 9.0
-"""The border of the bare rock is spread over this much slope to either side."""
+SOFT_DEG, SOFT = 9.0, 0.2
+"""The borders of bare rock and of crests and hollows are spread over this much slope [deg] and
+height [m] to either side."""
 
 BRIGHTEST = 0.9
 """Above this a surface would light itself through its many reflections."""
@@ -72,7 +73,7 @@ class Ground:
         if self._pressed is not None:
             dark, gradient = self._pressed.at(si.p, self.values[PRINTED])
             color *= 1.0 - dark
-            normal = bent(normal, gradient, 1.0)
+            normal = bent(dr.normalize(normal), gradient, 1.0)
         if self.warned:
             color = hatched(si, color)
         return dr.clip(color, 0.003, BRIGHTEST), normal
@@ -93,6 +94,9 @@ class Ground:
             share = self._patch(si, on)
             color = dr.lerp(color, colored(words.color2, second), share)
             slopes = mixed(slopes, second, share) if second is not first else slopes
+        # The pattern itself breaks the border up: the dark between clods fills first.
+        uneven = 0.2 * SOFT * (ragged + 2.0 * (1.0 - first.shade))
+        color = _by_height(words, color, first, si.p.y + uneven)
         if self._bare is not None and words.steep_color is not None:
             bare = self._bare.layer(on, words.texture_scale * BARE[0], BARE[1], level)
             share = _steepness(n, words.steep_deg, ragged + 1.5 * (1.0 - first.shade))
@@ -174,6 +178,23 @@ def colored(color: tuple[float, float, float], sample: Sample) -> Any:
 
 def _linear(color: tuple[float, float, float]) -> list[float]:
     return [float(c) for c in linear(color)]
+
+
+def _by_height(words: Material, color: Any, sample: Sample, height: Any) -> Any:
+    """Return the colour of ground with those of hollows and crests."""
+    if words.hollow_color is not None:
+        share = _step((words.hollow_height - height) * (1.0 / SOFT))
+        color = dr.lerp(color, colored(words.hollow_color, sample), share)
+    if words.crest_color is not None:
+        share = _step((height - words.crest_height) * (1.0 / SOFT))
+        color = dr.lerp(color, colored(words.crest_color, sample), share)
+    return color
+
+
+def _step(place: Any) -> Any:
+    """Return 0 at -1 and 1 at 1, with a soft passage."""
+    t = dr.clip(0.5 + 0.5 * place, 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
 
 
 def mixed(slopes: tuple[Any, Any], other: Sample, share: Any) -> tuple[Any, Any]:

@@ -16,13 +16,13 @@ from render.color import linear
 from render.glossy import glossy
 from render.ground import Ground
 from render.hatching import TINT, TINTED, WARNING
-from render.nested import STEEP, Surface, nested, tinted
+from render.nested import Surface, nested, tinted
 from render.plain import clear, flat, is_rough, plain
 from render.prints import Prints
 from render.rough import rough
 from render.words import Material
 
-__all__ = ["STEEP", "TINTED", "Surface", "bsdf", "glowing", "shows_rock"]
+__all__ = ["TINTED", "Surface", "bsdf", "glowing", "has_shares"]
 
 
 def bsdf(
@@ -62,14 +62,19 @@ def glowing(words: Material) -> dict[str, Any]:
     return {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
 
 
-def shows_rock(words: Material, surface: Surface) -> bool:
-    """Whether meshes of this material carry the attribute `STEEP`."""
-    if surface != "ground":
-        return False
-    return _is_scalar() and words.texture != "none" and words.steep_color is not None
+def has_shares(words: Material, surface: Surface) -> bool:
+    """Whether meshes of this material carry the attributes of `render.shares`."""
+    return _is_scalar() and surface == "ground" and words.texture != "none"
 
 
-_BARE = {"texture": "none", "color2": None, "steep_color": None, "bump": 0.0}
+_BARE = {
+    "texture": "none",
+    "color2": None,
+    "steep_color": None,
+    "crest_color": None,
+    "hollow_color": None,
+    "bump": 0.0,
+}
 """Words of a surface without any pattern."""
 
 

@@ -18,25 +18,22 @@ from numpy.typing import NDArray
 
 from render.errors import ShotError
 from render.materials import (
-    STEEP,
     TINTED,
     Surface,
     bsdf,
     glowing,
+    has_shares,
     needs_coordinates,
-    shows_rock,
 )
 from render.pressed import PRINTED
 from render.prints import Prints
+from render.shares import share_names, shares
 from render.shot import Mesh
 from render.unwrapping import Unwrapped, unwrapped
 from render.words import Material
 
 ALONE = 20_000
 """A mesh of this many vertices is not merged: it is likely to stand still (terrain)."""
-
-_SOFT_DEG = 9.0
-"""The border of the bare rock is spread over this much slope to either side."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +46,7 @@ class Group:
         surface: what patterns are laid on.
         smooth: whether they have vertex normals.
         faces: (F, 3) indices into the vertices of all members.
-        steep_deg: slope about which rock shows, or None.
+        shared: the material, if its vertices say which share of its colours they show.
         tinted: (F,) faces in the colour of a warning, or None.
         unwrapped: the surface with texture coordinates, None where it needs none.
         prints: what is pressed into it, or None; such a mesh stands alone.
@@ -60,7 +57,7 @@ class Group:
     surface: Surface
     smooth: bool
     faces: NDArray[np.uint32]
-    steep_deg: float | None
+    shared: Material | None
     tinted: NDArray[np.bool_] | None
     unwrapped: Unwrapped | None
     prints: Prints | None
@@ -123,12 +120,12 @@ def _group(
         for i, s in zip(members, starts, strict=False)
     ]
     all_faces = np.concatenate(faces)
-    steep = words.steep_deg if shows_rock(words, surface) else None
+    shared = words if has_shares(words, surface) else None
     tints = [t for t in (meshes[i].tinted for i in members) if t is not None]
     tinted = np.concatenate(tints) if tints else None
     laid = _unwrapped([meshes[i] for i in members], all_faces, words, surface)
     prints = meshes[members[0]].prints
-    return Group(members, material, surface, smooth, all_faces, steep, tinted, laid, prints)
+    return Group(members, material, surface, smooth, all_faces, shared, tinted, laid, prints)
 
 
 def _unwrapped(
@@ -157,8 +154,8 @@ def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
         has_vertex_normals=group.smooth,
         has_vertex_texcoords=laid is not None,
     )
-    if group.steep_deg is not None:
-        mesh.add_attribute(STEEP, 1, [0.0] * count)
+    for name in share_names(group.shared):
+        mesh.add_attribute(name, 1, [0.0] * count)
     if group.tinted is not None:
         tints = _at_vertices(group.tinted, group.faces)
         mesh.add_attribute(TINTED, 1, (tints[laid.source] if laid else tints).tolist())
@@ -186,9 +183,9 @@ def update(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> No
     if group.smooth:
         normals = vertex_normals(vertices, group.faces)
         _write(values, prefix + "vertex_normals", normals[every])
-        if group.steep_deg is not None:
-            bare = _bare(normals, vertices, group.steep_deg)
-            _write(values, prefix + STEEP, bare[every])
+        if group.shared is not None:
+            for name, share in shares(group.shared, vertices, normals).items():
+                _write(values, prefix + name, share[every])
 
 
 def imprint(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> None:
@@ -238,16 +235,3 @@ def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> 
     # A vertex of collapsed triangles only is never seen; any direction will do.
     up = np.array([0.0, 1.0, 0.0])
     return np.where(length > 1e-20, total / np.maximum(length, 1e-20), up).astype(np.float32)
-
-
-def _bare(
-    normals: NDArray[np.float32], vertices: NDArray[np.float32], steep_deg: float
-) -> NDArray[np.float32]:
-    """Return the share of bare rock at each vertex, by slope, with a ragged border."""
-    slope = np.degrees(np.arccos(np.clip(np.abs(normals[:, 1]), 0, 1)))
-    x, y, z = vertices.T
-    # Waves whose lengths have no common measure: never seen to repeat, and equal anywhere.
-    ragged = np.sin(5.1 * x + 1.7 * z + 2.3 * y) + np.sin(3.3 * z - 4.4 * x + 1.1)
-    ragged += np.sin(9.7 * x + 8.3 * z) * np.sin(7.9 * z - 6.1 * y)
-    t = ((slope + 2.5 * ragged - steep_deg + _SOFT_DEG) / (2 * _SOFT_DEG)).clip(0, 1)
-    return np.asarray(t * t * (3 - 2 * t), np.float32)

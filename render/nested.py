@@ -17,11 +17,9 @@ from render import coat
 from render.color import linear
 from render.ground import BARE, BRIGHTEST, PATCHES, REGULAR, SECOND, WARMTH
 from render.plain import flat, plain
+from render.shares import CREST, HOLLOW, STEEP
 from render.textures import patches, tile
 from render.words import Material
-
-STEEP = "vertex_steep"
-"""Mesh attribute: share of bare rock at a vertex, 0 to 1."""
 
 Plugin = dict[str, Any]
 
@@ -39,9 +37,15 @@ def nested(words: Material, surface: Surface) -> Plugin:
         span, turn = coat.PATCHES if on_body else PATCHES
         weight = _bitmap(patches()[..., None], words.texture_scale * span, turn)
         made = blend(weight, made, second)
-    if words.steep_color is not None and not on_body:
-        rock = _pattern(words, "rock", words.steep_color, BARE)
-        made = blend({"type": "mesh_attribute", "name": STEEP}, made, rock)
+    over = [
+        (HOLLOW, words.hollow_color, words.texture, (1.0, 0.0)),
+        (CREST, words.crest_color, words.texture, (1.0, 0.0)),
+        (STEEP, words.steep_color, "rock", BARE),
+    ]
+    for name, color, texture, lie in over:
+        if color is not None and not on_body:
+            layer = _pattern(words, texture, color, lie)
+            made = blend({"type": "mesh_attribute", "name": name}, made, layer)
     return _bump(words, made) if words.bump > 0 else made
 
 

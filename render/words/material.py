@@ -80,6 +80,15 @@ class Material(PresetWords):
     steep_deg: float = Field(
         33.0, ge=1, le=89, description="Slope [degrees] about which the rock shows."
     )
+    crest_color: Color | None = Field(
+        None,
+        description="Colour of textured ground above `crest_height`, such as dry crests or snow.",
+    )
+    crest_height: float = Field(1.0, description="Height [m] from which crests show their colour.")
+    hollow_color: Color | None = Field(
+        None, description="Colour of textured ground below `hollow_height`, such as damp soil."
+    )
+    hollow_height: float = Field(0.0, description="Height [m] up to which hollows show theirs.")
 
 
 MATERIALS: dict[str, Material] = {name: Material.model_validate(name) for name in PALETTE}

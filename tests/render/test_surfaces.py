@@ -135,12 +135,28 @@ print(json.dumps([test_surfaces.mean_of(renderer, name) for name in sys.argv[3:]
 """
 
 
+def test_steps_of_the_scalar_variant_are_where_those_of_the_look_are() -> None:
+    from render.backend import choose
+
+    choose().activate()
+    from render.shares import CREST, HOLLOW, STEEP, shares
+
+    words = material({"preset": "dry soil", "crest_color": [1, 1, 1], "hollow_color": [0, 0, 0]})
+    low, high = words.hollow_height - 1, words.crest_height + 1
+    places = np.float32([[0, low, 0], [3, (low + high) / 2, 1], [7, high, 2]])
+    slanted = np.float32([[0, 1, 0], [0, 1, 0], [1, 0.2, 0]])
+    found = shares(words, places, slanted / np.linalg.norm(slanted, axis=1, keepdims=True))
+    assert found[CREST].tolist() == [0, 0, 1]
+    assert found[HOLLOW].tolist() == [1, 0, 0]
+    assert found[STEEP].tolist() == [0, 0, 1]
+
+
 def mean_of(renderer: Renderer, name: str) -> list[float]:
     """Return the mean light of wide, flat ground seen from above."""
-    corners = np.float32([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]]) * 60
+    corners = np.float32([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]]) * 600
     faces = np.array([[0, 2, 1], [0, 3, 2]], np.uint32)
     mesh = Mesh("ground", corners, faces, "m", uv=corners[:, [0, 2]].copy())
-    high = CameraPose((0.0, 80.0, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0))
+    high = CameraPose((0.0, 800.0, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0))
     film = Film(size=(96, 96), samples=16, depth=2, denoise="off")
     shot = Shot((mesh,), {"m": material(name)}, light("noon"), high, film)
     light_seen = renderer.render(shot).light
@@ -184,6 +200,30 @@ def test_walls_have_no_streaks(renderer: Renderer) -> None:
                 colors.append(np.array(look(si)[0])[0])
             changes.append(float(np.abs(colors[0] - colors[1]).mean()))
         assert changes[0] == pytest.approx(changes[1], rel=0.2)
+
+
+def test_crests_and_hollows_show_their_colours(renderer: Renderer) -> None:
+    if renderer.backend.variant.startswith("scalar"):
+        pytest.skip("the scalar variant shows them by attributes")
+    import mitsuba as mi
+
+    from render.ground import Ground
+
+    green, red, blue = [0.2, 0.6, 0.2], [0.8, 0.1, 0.1], [0.1, 0.1, 0.8]
+    words = material(
+        {"preset": "sand", "color": green, "color2": green}
+        | {"crest_color": red, "crest_height": 2.0, "hollow_color": blue, "hollow_height": -1.0}
+    )
+    look = Ground(words)
+    x, z = np.random.default_rng(8).uniform(-20, 20, (2, 1000))
+    strongest = []
+    for y in (-3.0, 0.5, 4.0):
+        si: Any = mi.SurfaceInteraction3f()
+        si.p, si.n = mi.Point3f(x, y + 0 * x, z), mi.Normal3f(0, 1, 0)
+        si.sh_frame, si.t = mi.Frame3f(mi.Vector3f(0, 1, 0)), mi.Float(1.0)
+        si.wi = mi.Vector3f(0, 0, 1)
+        strongest.append({int(i) for i in np.array(look(si)[0]).argmax(axis=0)})
+    assert strongest == [{2}, {1}, {0}]
 
 
 def one_print() -> Prints:

@@ -101,6 +101,9 @@ class Backend:
                     f"Dr.Jit was imported before the backend was chosen; set {_ENV}={self.library}"
                 )
             os.environ[_ENV] = self.library
+        if self.variant == _VARIANTS["cuda"] and (found := libraries()):
+            # It is read only once: LLVM may have to go on where the GPU's memory ends.
+            os.environ.setdefault(_ENV, found[0])
         import mitsuba as mi
 
         mi.set_variant(self.variant)
@@ -141,6 +144,18 @@ def choose(choice: Choice = "auto", fresh: bool = False) -> Backend:
     )
 
 
+def without_gpu() -> Backend:
+    """Return the first backend that works and needs no graphics processor.
+
+    Raises:
+        BackendMissing: none works; the message says why for each.
+    """
+    try:
+        return choose("llvm")
+    except BackendMissing:
+        return choose("scalar")
+
+
 def _candidates(kinds: Sequence[str]) -> Iterator[tuple[str, str]]:
     for kind in kinds:
         for library in libraries() if kind == "llvm" else [""]:
@@ -163,7 +178,7 @@ def libraries() -> list[str]:
 
 def _remembered(variant: str, library: str, fresh: bool) -> Finding:
     """Return what became of a candidate, from the cache where nothing has changed since."""
-    place = _cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
+    place = cache_folder() / f"backend-{_fingerprint(variant, library)}.json"
     if not fresh:
         try:
             return Finding(**json.loads(place.read_text()))
@@ -206,11 +221,15 @@ def _probed(variant: str, library: str) -> Finding:
     if "CUDA backend hasn't been initialized" in last:
         last = "Dr.Jit found no NVIDIA GPU with a driver"
     if child.returncode < 0:
-        return Finding(variant, library, False, f"died of signal {-child.returncode}: {last}")
+        why = f"died of signal {-child.returncode}: {last}"
+        if library:
+            why += "; Dr.Jit cannot use this LLVM"
+        return Finding(variant, library, False, why)
     return Finding(variant, library, False, last)
 
 
-def _cache_folder() -> Path:
+def cache_folder() -> Path:
+    """Return the folder in which this machine's findings are kept."""
     base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     return Path(base, "pronk")
 

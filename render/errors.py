@@ -2,6 +2,7 @@
 
 RenderError
 ├── BackendMissing    no variant of Mitsuba works as asked
+├── DeviceMemoryShort  a graphics processor has too little memory for the shot
 ├── ShotError         the shot cannot be drawn: a material is missing, a number is not finite
 ├── DenoiseError      the denoiser is missing or failed
 ├── FrameFileError    a picture could not be written or read
@@ -17,6 +18,10 @@ class RenderError(Exception):
 
 class BackendMissing(RenderError):
     """No variant of Mitsuba works as asked on this machine."""
+
+
+class DeviceMemoryShort(RenderError):
+    """A graphics processor has too little memory for the shot."""
 
 
 class ShotError(RenderError):

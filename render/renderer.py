@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.backend import Backend
+from render.device_memory import told_memory
 from render.frame import Frame
 from render.shot import Shot
 from render.words import FullFilm
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     from render.stage import Stage
 
 Image = NDArray[np.float32]
-
-_STRIDE = 7919
-"""Between the seeds of the moments of one frame."""
 
 
 @dataclass
@@ -94,10 +92,15 @@ class Renderer:
 
         Raises:
             ShotError: the shot cannot be drawn.
-            DenoiseError: the denoiser failed.
+            DenoiseError: the denoiser is missing or failed.
+            DeviceMemoryShort: a graphics processor has too little memory.
         """
         film = shot.film.resolved()
-        light, albedo = self._exposed(shot, film)
+        if film.denoise != "off":
+            # Before the work that would be in vain without it.
+            self._denoiser.require()
+        with told_memory():
+            light, albedo = self._exposed(shot, film)
         with self.split.timed("denoise"):
             light = self._denoiser.clean(light, albedo, film.denoise)
         frame = Frame(light, film.exposure)
@@ -111,20 +114,18 @@ class Renderer:
         """Return light and albedo, each the mean of all moments that the shutter is open."""
         stage = self._staged(shot)
         count = len(shot.moments)
-        samples = max(round(film.samples / count), 1)
+        each = max(round(film.samples / count), 1)
         lights, albedos = [], []
         for k, moment in enumerate(shot.moments):
             if k:
                 with self.split.timed("update"):
                     stage.move(moment)
-            # Each moment has samples of its own, or its noise would be that of one.
-            seed = shot.seed + _STRIDE * k
+            passes = range(k * each, (k + 1) * each)
             with self.split.timed("trace"):
-                lights.append(stage.trace(seed, samples))
-                if film.denoise != "off":
-                    albedos.append(stage.albedo(seed, samples))
-        light = _mean(lights)
-        return light, _mean(albedos) if albedos else light
+                light, albedo = stage.expose(shot.seed, passes, count * each, film.denoise != "off")
+            lights.append(light)
+            albedos.append(light if albedo is None else albedo)
+        return _mean(lights), _mean(albedos)
 
     def _staged(self, shot: Shot) -> Stage:
         from render.stage import Stage

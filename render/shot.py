@@ -16,10 +16,12 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from render.panorama import content_of
 from render.prints import Prints
 from render.words import Film, Light, Material
 
@@ -75,6 +77,19 @@ class Mesh:
 
 
 @dataclass(frozen=True)
+class Lens:
+    """A thin lens, which is sharp at one distance only.
+
+    Attributes:
+        radius: of its aperture [m].
+        focus: distance of what is sharp, along the direction in which the camera looks [m].
+    """
+
+    radius: float
+    focus: float
+
+
+@dataclass(frozen=True)
 class CameraPose:
     """Where the camera stands in one frame and how it sees.
 
@@ -83,12 +98,27 @@ class CameraPose:
         p_WT: the point it looks at [m].
         up: the direction that is up in the picture.
         fov_deg: vertical field of view [degrees].
+        lens: what it sees through; None for a pinhole, to which all is sharp.
     """
 
     p_WC: tuple[float, float, float]
     p_WT: tuple[float, float, float]
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     fov_deg: float = 35.0
+    lens: Lens | None = None
+
+
+@dataclass(frozen=True)
+class LampPlace:
+    """Where a lamp is.
+
+    Attributes:
+        p_WL: its place in the world [m].
+        p_WS: the point that a spot shines at, None for a lamp that shines all around.
+    """
+
+    p_WL: tuple[float, float, float]
+    p_WS: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +128,12 @@ class Moment:
     Attributes:
         meshes: surfaces in world coordinates, of one topology in all moments of a shot.
         camera: pose at this instant.
+        lamps: places of the lamps of the shot's light; none if they stand where it says.
     """
 
     meshes: tuple[Mesh, ...]
     camera: CameraPose
+    lamps: tuple[LampPlace, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +149,7 @@ class Shot:
         seed: of the sampler; constant over a film flickers less than one a frame.
         later: moments of the same exposure after the first, as long apart as that is after the
             shutter opened twice; none for a frame without motion blur.
+        lamps: places of the lamps of the light; none if they stand where it says.
     """
 
     meshes: tuple[Mesh, ...]
@@ -126,20 +159,22 @@ class Shot:
     film: Film
     seed: int = 0
     later: tuple[Moment, ...] = ()
+    lamps: tuple[LampPlace, ...] = ()
 
     @property
     def moments(self) -> tuple[Moment, ...]:
         """All moments of the exposure, whose light is averaged."""
-        return Moment(self.meshes, self.camera), *self.later
+        return Moment(self.meshes, self.camera, self.lamps), *self.later
 
     @cached_property
     def build(self) -> str:
         """Digest of what a Mitsuba scene is built for: shots that share it share the scene."""
         words = (
             *(f"{name}={m.model_dump_json()}" for name, m in sorted(self.materials.items())),
-            self.light.model_dump_json(),
+            *_light_words(self.light),
             # A preset is only where words came from, and a codec is of the film.
             self.film.model_dump_json(exclude={"preset", "codec"}),
+            "pinhole" if self.camera.lens is None else "lens",
         )
         return _digest((*(mesh.topology for mesh in self.meshes), *(w.encode() for w in words)))
 
@@ -148,9 +183,21 @@ class Shot:
         """Digest of everything that the picture depends on, as hexadecimal digits."""
         camera = repr((self.camera, self.seed)).encode()
         pieces = [self.build.encode(), camera, *(mesh.digest for mesh in self.meshes)]
+        # Without lamps the digest is what it was before there were any.
+        if self.lamps:
+            pieces.append(repr(self.lamps).encode())
         for moment in self.later:
-            pieces += [repr(moment.camera).encode(), *(mesh.digest for mesh in moment.meshes)]
+            placed = repr((moment.camera, moment.lamps) if moment.lamps else moment.camera)
+            pieces += [placed.encode(), *(mesh.digest for mesh in moment.meshes)]
         return _digest(pieces)
+
+
+def _light_words(light: Light) -> tuple[str, ...]:
+    """Return all that a light depends on: of a picture its content, wherever it lies."""
+    if light.hdr is None:
+        return (light.model_dump_json(),)
+    words = light.model_dump_json(exclude={"hdr": {"file"}})
+    return words, content_of(Path(light.hdr.file))
 
 
 def _digest(pieces: Iterable[bytes]) -> str:

@@ -11,15 +11,16 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
 from render.color import linear
 from render.errors import ShotError
 from render.lights import emitters
+from render.lights.lamps import lamp_emitters, move_lamps, standing
 from render.materials import light_paths
 from render.meshes import Group, built, groups, imprint, moved, update
 from render.rough import set_pixel
-from render.shot import CameraPose, Mesh, Moment, Shot
+from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
+from render.tracer import Image, tracer
 from render.words import FullFilm, Material
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
@@ -30,6 +31,7 @@ class Stage:
 
     Attributes:
         build: the digest of what it was built for.
+        handed_over: why Mitsuba's own path tracer is at work, or nothing.
     """
 
     def __init__(self, shot: Shot) -> None:
@@ -40,55 +42,56 @@ class Stage:
             f"mesh{i}": built(group, shot.meshes, shot.materials[group.material])
             for i, group in enumerate(self._groups)
         }
+        self._lamps = shot.light.lamps
+        # Moved there once more below, so that a fresh build equals one that was moved.
+        self._shining: tuple[LampPlace, ...] = ()
         self._scene = mi.load_dict(
             {
                 "type": "scene",
                 **parts,
                 **emitters(shot.light, _ground(shot)),
-                "camera": _camera(self._film),
+                **lamp_emitters(self._lamps, shot.lamps or standing(self._lamps)),
+                "camera": _camera(self._film, shot.camera),
             }
         )
         self._sensor = self._scene.sensors()[0]
         depth = self._film.depth + light_paths(shot.materials.values())
-        self._integrator = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth + 1})
-        self._colors = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
+        self._tracer, self.handed_over = tracer(self._scene, self._film.size, depth)
         self._values = mi.traverse(self._scene)
         self._shown: tuple[Mesh, ...] = shot.meshes
         self.move(shot.moments[0])
 
     def move(self, moment: Moment) -> None:
-        """Move meshes and camera to where they stand at a moment of a shot of the same build."""
+        """Move meshes, lamps and camera to where they stand at a moment of a shot of one build."""
         for i, group in enumerate(self._groups):
             if moved(group, self._shown, moment.meshes):
                 update(self._values, f"mesh{i}.", group, moment.meshes)
             imprint(self._values, f"mesh{i}.", group, moment.meshes)
         self._shown = moment.meshes
+        shining = moment.lamps or standing(self._lamps)
+        if shining != self._shining:
+            move_lamps(self._values, self._lamps, shining)
+            self._shining = shining
         _aim(self._values, moment.camera, self._film)
         set_pixel(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
 
-    def trace(self, seed: int, samples: int) -> NDArray[np.float32]:
-        """Return the light that the camera sees, (H, W, 3), linear sRGB."""
-        return self._render(self._integrator, seed, samples)
-
-    def albedo(self, seed: int, samples: int) -> NDArray[np.float32]:
-        """Return the colour of what the camera sees first, (H, W, 3), 0 to 1.
-
-        A pass of its own, because around the path tracer it doubles the time.
-        """
-        colors = self._render(self._colors, seed, samples)
-        return np.ascontiguousarray(colors[..., -3:].clip(0.0, 1.0))
-
-    def _render(self, integrator: Any, seed: int, samples: int) -> NDArray[np.float32]:
-        image = integrator.render(self._scene, self._sensor, seed=seed & 0xFFFFFFFF, spp=samples)
-        # Reading the pixels waits for Mitsuba, so that times taken outside are honest.
-        return np.array(image, np.float32)
+    def expose(self, seed: int, passes: range, of: int, colors: bool) -> tuple[Image, Image | None]:
+        """Return the light that the camera sees and its first colours; see `tracer.Tracer`."""
+        return self._tracer.expose(self._sensor, seed, passes, of, colors)
 
 
-def _camera(film: FullFilm) -> dict[str, Any]:
+def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:
     width, height = film.size
+    lens: dict[str, Any] = {"type": "perspective"}
+    if pose.lens is not None:
+        lens = {
+            "type": "thinlens",
+            "aperture_radius": pose.lens.radius,
+            "focus_distance": pose.lens.focus,
+        }
     return {
-        "type": "perspective",
+        **lens,
         "fov": 35.0,
         "fov_axis": "x",
         "near_clip": 0.01,
@@ -118,6 +121,12 @@ def _aim(values: Any, pose: CameraPose, film: FullFilm) -> None:
     width, height = film.size
     half = math.tan(math.radians(pose.fov_deg) / 2) * width / height
     values["camera.to_world"] = type(values["camera.to_world"])(T)
+    if pose.lens is not None:
+        for name, value in (
+            ("aperture_radius", pose.lens.radius),
+            ("focus_distance", pose.lens.focus),
+        ):
+            values[f"camera.{name}"] = type(values[f"camera.{name}"])(value)
     values["camera.x_fov"] = type(values["camera.x_fov"])(math.degrees(2 * math.atan(half)))
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pipeline.errors import Problem
-from pipeline.production.mounting import mounts_of
+from pipeline.production.mounting import mounts_of, sharp_nodes_of
 from pipeline.simulation.figures.drawing import draw
 from pipeline.simulation.figures.network import analyse
 from pipeline.simulation.simulate import Simulation
@@ -20,6 +20,7 @@ def check_scene(scene: Scene) -> str:
     """
     simulation = Simulation(scene)
     mounts_of(scene, simulation.recorder.nodes)
+    sharp_nodes_of(scene, simulation.recorder.nodes)
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"

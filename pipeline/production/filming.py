@@ -16,7 +16,7 @@ from pipeline.errors import FilmingError
 from pipeline.production.interrupts import held_back
 from pipeline.production.outputs import Outputs
 from pipeline.production.shooting import Shooting
-from render.errors import RenderError
+from render.errors import DeviceMemoryShort, RenderError
 from render.frame import Frame
 from render.pictures import read_key, write_exr, write_png
 from render.renderer import Renderer
@@ -47,6 +47,7 @@ def film_frames(
 
     Raises:
         FilmingError: if a frame cannot be rendered or written.
+        DeviceMemoryShort: a graphics processor has too little memory.
     """
     waiting: list[tuple[int, Future[None]]] = []
     with ThreadPoolExecutor(max_workers=1) as writer:
@@ -61,6 +62,8 @@ def film_frames(
                     yield _kept(waiting.pop(0))
             for pair in waiting:
                 yield _kept(pair)
+        except DeviceMemoryShort:
+            raise
         except (RenderError, OSError) as error:
             raise FilmingError(str(error)) from error
 

@@ -8,12 +8,12 @@ Source: Sims 1987, 3.1 and 3.2.1.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.production.seen import Seen
 from pipeline.simulation.spatial import UP, Array, matrix, normalized, rotation, turn
 from pipeline.simulation.take import Take
 from pipeline.simulation.tracks import Key, Track, turned
@@ -24,27 +24,6 @@ AHEAD = np.array([1.0, 0.0, 0.0])
 
 UPRIGHT = 1e-3
 """Sine of the angle to the vertical below which it cannot say what is up in the picture."""
-
-
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """Where a camera is at F frames, where it looks, and how wide it sees.
-
-    Attributes:
-        eye: (F, 3) [m].
-        target: (F, 3) point that it looks at [m].
-        up: (F, 3) what is up in the picture.
-        fov_deg: (F,) vertical field of view [degrees].
-    """
-
-    eye: Array
-    target: Array
-    up: Array
-    fov_deg: Array
-
-    def smoothed(self, smooth: Callable[[Array], Array]) -> Seen:
-        """Return the same with its paths evened out by `smooth`, (F, 3) -> (F, 3)."""
-        return Seen(smooth(self.eye), smooth(self.target), smooth(self.up), self.fov_deg)
 
 
 def looks_by_itself(cut: Camera) -> bool:
@@ -78,9 +57,16 @@ def seen_from(
     elif target is None:
         R_WC = R_WP @ _looks(cut, times)
         target, up = eye + R_WC[..., 0], R_WC[..., 1]
+    return Seen(eye, *_seeing(eye, target, up), fields_of_view(cut, times))
+
+
+def fields_of_view(cut: Camera, times: Array) -> Array:
+    """Return how wide the camera of a cut sees, vertically, at `times` (F,) [degrees]."""
     wide = _track(cut.keyframes, "fov_deg")
-    fov = np.full(len(rows), cut.fov_deg) if wide is None else wide(times)[:, 0].clip(1.0, 150.0)
-    return Seen(eye, *_seeing(eye, target, up), fov)
+    if wide is None:
+        return np.full(len(times), cut.fov_deg)
+    result: Array = wide(times)[:, 0].clip(1.0, 150.0)
+    return result
 
 
 def _places(cut: Camera, times: Array) -> Array:

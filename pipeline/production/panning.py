@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from render.shot import CameraPose
+from render.shot import CameraPose, Lens
 
 Triple = tuple[float, float, float]
 
@@ -45,7 +45,17 @@ def _between(a: CameraPose, b: CameraPose, part: float) -> CameraPose:
         p_WT=_mixed(a.p_WT, b.p_WT, part),
         up=_mixed(a.up, b.up, part),
         fov_deg=a.fov_deg + part * (b.fov_deg - a.fov_deg),
+        lens=_refocused(a.lens, b.lens, part),
     )
+
+
+def _refocused(a: Lens | None, b: Lens | None, part: float) -> Lens | None:
+    if a is None or b is None:
+        return a
+    # Going on past a key, neither may come to nothing.
+    radius = max(a.radius + part * (b.radius - a.radius), 0.5 * b.radius)
+    focus = max(a.focus + part * (b.focus - a.focus), 0.5 * b.focus)
+    return Lens(radius, focus)
 
 
 def _mixed(a: Triple, b: Triple, part: float) -> Triple:

@@ -18,6 +18,8 @@ from audio.midi import write_midi
 from audio.modal import write_wav
 from audio.score import Score
 from pipeline.errors import FilmingError, ScoringError, StoreError
+from pipeline.production.estimate import Estimate
+from pipeline.production.falling_back import on_some_backend
 from pipeline.production.filming import due, film_frames
 from pipeline.production.frame_ranges import contiguous, counted, described, parse_frames
 from pipeline.production.interrupts import held_back
@@ -35,7 +37,7 @@ from pipeline.simulation.simulate import simulate, versions
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
 from pipeline.spec import Scene, simulation_key
-from render.backend import choose
+from render.backend import Backend
 from render.codecs import CODECS
 from render.color import developed, developed16
 from render.errors import RenderError
@@ -204,35 +206,59 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
 
 def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dict[int, str]:
     """Render the frames that are due and return the keys of all."""
-    order, outputs = run.order, run.outputs
     with stage(run.reporter, "render", len(frames)) as current:
-        began = time.monotonic()
-        backend = choose(order.backend)
-        for line in backend.describe():
-            run.reporter.note(line, detail=True)
-        with held_back():
-            renderer = Renderer(backend)
-        keys, missing = due(shooting, outputs, frames, renderer.key_extra)
-        kept = len(frames) - len(missing)
-        run.manifest.words["renderer"] = renderer.key_extra
-        step(run.reporter, current, kept)
-        if not missing:
-            current.result = "frames are up to date"
-            return keys
-        wanted = {frame: keys[frame] for frame in missing}
-        jobs = min(order.jobs, len(missing))
-        if jobs > 1:
-            share = Share(order.scene, outputs.take, outputs, backend, wanted)
-            split = film_in_processes(
-                share, jobs, lambda done: step(run.reporter, current, kept + done)
-            )
-        else:
-            for i, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
-                step(run.reporter, current, kept + i)
-            split = renderer.split
-        run.timed("render", began)
-        current.result = _told(split, current.seconds * jobs, kept)
+        return on_some_backend(
+            run.order.backend,
+            run.reporter,
+            lambda backend: _rendered(run, shooting, frames, backend, current),
+        )
+
+
+def _rendered(
+    run: Production,
+    shooting: Shooting,
+    frames: tuple[int, ...],
+    backend: Backend,
+    current: Stage,
+) -> dict[int, str]:
+    """Render the frames that are due on one backend and return the keys of all."""
+    order, outputs, began = run.order, run.outputs, time.monotonic()
+    for line in backend.describe():
+        run.reporter.note(line, detail=True)
+    with held_back():
+        renderer = Renderer(backend)
+    keys, missing = due(shooting, outputs, frames, renderer.key_extra)
+    kept = len(frames) - len(missing)
+    run.manifest.words["renderer"] = renderer.key_extra
+    step(run.reporter, current, kept)
+    if not missing:
+        current.result = "frames are up to date"
+        return keys
+    wanted = {frame: keys[frame] for frame in missing}
+    jobs = min(order.jobs, len(missing))
+    estimate = Estimate(order.name, shooting.film, backend, jobs, len(missing))
+    _say(run, estimate.before())
+
+    def progress(done: int) -> None:
+        step(run.reporter, current, kept + done)
+        _say(run, estimate.after(done, time.monotonic() - began))
+
+    if jobs > 1:
+        share = Share(order.scene, outputs.take, outputs, backend, wanted)
+        split = film_in_processes(share, jobs, progress)
+    else:
+        for i, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
+            progress(i)
+        split = renderer.split
+    estimate.remember()
+    run.timed("render", began)
+    current.result = _told(split, current.seconds * jobs, kept)
     return keys
+
+
+def _say(run: Production, text: str | None) -> None:
+    if text is not None:
+        run.reporter.note(text)
 
 
 def _told(split: Split, seconds: float, kept: int) -> str:

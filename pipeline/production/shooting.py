@@ -8,9 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.production.camera import camera_poses, first_frames
+from pipeline.production.carried_lamps import CarriedLamps
 from pipeline.production.footprints import footprints
 from pipeline.production.landscape import ground_meshes
-from pipeline.production.mounting import mounts_of
+from pipeline.production.mounting import mounts_of, sharp_nodes_of
 from pipeline.production.panning import Panning
 from pipeline.production.resting import rests
 from pipeline.production.skinning import Skin
@@ -28,7 +29,8 @@ class Shooting:
         poses: of the camera at every frame.
 
     Raises:
-        SceneError: a camera goes along with a part that nobody has.
+        SceneError: a camera or a lamp goes along with a part that nobody has, or a camera focuses
+            on one.
     """
 
     def __init__(self, scene: Scene, take: Take) -> None:
@@ -38,7 +40,8 @@ class Shooting:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         aspect = self.film.size[0] / self.film.size[1]
-        self.poses = camera_poses(take, scene.camera, aspect, mounts_of(scene, take.nodes))
+        mounts, sharp = mounts_of(scene, take.nodes), sharp_nodes_of(scene, take.nodes)
+        self.poses = camera_poses(take, scene.camera, aspect, mounts, sharp)
         self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
         words = scene.terrain
@@ -48,6 +51,7 @@ class Shooting:
         self._ground = ground_meshes(take.terrain, words.show_forbidden, raster)
         self._skin = Skin.of(take)
         self._rests = rests(take, self.materials)
+        self._lamps = CarriedLamps.of(scene, take)
 
     def shot(self, frame: int) -> Shot:
         """Return the shot of the 1-based `frame`."""
@@ -59,13 +63,15 @@ class Shooting:
             camera=first.camera,
             film=self.film,
             later=tuple(later),
+            lamps=first.lamps,
         )
 
     def _moment(self, frame: int, part: float) -> Moment:
         """Return where all stands a part of a frame after its begin."""
         row = self.clock.row_of_frame(frame)
-        vertices = self._skin.posed(self.take, row + part * self.clock.samples)
-        meshes = list(self._trodden(row + part * self.clock.samples))
+        at = row + part * self.clock.samples
+        vertices = self._skin.posed(self.take, at)
+        meshes = list(self._trodden(at))
         for i, piece in enumerate(self.take.parts):
             mesh = self.take.meshes[piece.mesh]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
@@ -74,7 +80,9 @@ class Shooting:
                 placed = np.zeros_like(placed)
             rest = self._rests[i]
             meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material, rest=rest))
-        return Moment(tuple(meshes), self._panning.at(frame, part))
+        return Moment(
+            tuple(meshes), self._panning.at(frame, part), self._lamps.placed(self.take, at)
+        )
 
     def _trodden(self, row: float) -> tuple[Mesh, ...]:
         """Return the ground with the footprints that have been made by a row of the take."""

@@ -51,7 +51,7 @@ class Skin:
 
     def posed(self, take: Take, at: float) -> NDArray[np.float32]:
         """Return the vertices (V, 3) in the world [m], at a row or between two."""
-        q, p, scales = _poses(take, at)
+        q, p, scales = poses(take, at)
         row = int(at)
         R = matrix(q)
         # A scale is of the node's own geometry: along its axes, before it is turned.
@@ -67,7 +67,7 @@ class Skin:
         return world.astype(np.float32)
 
 
-def _poses(take: Take, at: float) -> tuple[Array, Array, Array]:
+def poses(take: Take, at: float) -> tuple[Array, Array, Array]:
     """Return rotations wxyz (J, 4), positions (J, 3) [m] and scales, straight between two rows."""
     row = int(at)
     part, after = at - row, min(row + 1, len(take.positions) - 1)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import FilmingError, UsageError
+from pipeline.production.falling_back import on_some_backend
 from pipeline.production.filming import due, write_frame
 from pipeline.production.frame_ranges import counted
 from pipeline.production.interrupts import held_back
@@ -17,7 +18,7 @@ from pipeline.production.order import Order
 from pipeline.production.produce import take_of, working
 from pipeline.production.reporting import Reporter, stage, step
 from pipeline.production.shooting import Shooting
-from render.backend import choose
+from render.backend import Backend
 from render.errors import RenderError
 from render.pictures import read_png, write_png
 from render.renderer import Renderer
@@ -90,15 +91,18 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
         shooting = Shooting(order.scene, take_of(run))
         files = {f: run.outputs.frame(f, shooting.film.format) for f in frames}
         with stage(reporter, "render", len(frames)) as current:
-            backend = choose(order.backend)
-            with held_back():
-                renderer = Renderer(backend)
-            keys, missing = due(shooting, run.outputs, frames, renderer.key_extra)
-            for i, frame in enumerate(missing, start=1):
+
+            def rendered(backend: Backend) -> None:
                 with held_back():
-                    picture = renderer.render(shooting.shot(frame))
-                write_frame(files[frame], picture, keys[frame])
-                step(reporter, current, len(frames) - len(missing) + i)
-            kept = len(frames) - len(missing)
-            current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
+                    renderer = Renderer(backend)
+                keys, missing = due(shooting, run.outputs, frames, renderer.key_extra)
+                kept = len(frames) - len(missing)
+                for i, frame in enumerate(missing, start=1):
+                    with held_back():
+                        picture = renderer.render(shooting.shot(frame))
+                    write_frame(files[frame], picture, keys[frame])
+                    step(reporter, current, kept + i)
+                current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
+
+            on_some_backend(order.backend, reporter, rendered)
     return list(files.values())

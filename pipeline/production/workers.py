@@ -21,7 +21,7 @@ from pipeline.production.shooting import Shooting
 from pipeline.simulation.take_store import read_take
 from pipeline.spec.scene import Scene
 from render.backend import Backend
-from render.errors import RenderError
+from render.errors import DeviceMemoryShort, RenderError
 from render.renderer import Renderer, Split
 
 FRAMES_A_PROCESS = 500
@@ -62,6 +62,7 @@ def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) 
 
     Raises:
         FilmingError: if a frame cannot be rendered or written, or a process died.
+        DeviceMemoryShort: a graphics processor has too little memory.
     """
     split = Split()
 
@@ -84,6 +85,8 @@ def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], Non
                 parts = [pool.submit(_film_piece, piece) for piece in pieces]
             for future in as_completed(parts):
                 part = future.result()
+                if isinstance(part, DeviceMemoryShort):
+                    raise part
                 if isinstance(part, str):
                     raise FilmingError(part)
                 done(part)
@@ -144,7 +147,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _film_piece(piece: Share) -> Split | str:
+def _film_piece(piece: Share) -> Split | str | DeviceMemoryShort:
     """Render one piece; an error comes back as its message."""
     global _equipment
     try:
@@ -155,6 +158,8 @@ def _film_piece(piece: Share) -> Split | str:
         renderer.split = Split()
         for _ in film_frames(renderer, shooting, piece.outputs, piece.keys):
             pass
+    except DeviceMemoryShort as error:
+        return error
     except (FilmingError, RenderError) as error:
         return str(error)
     return renderer.split

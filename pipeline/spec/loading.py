@@ -12,6 +12,7 @@ from pipeline.spec.checking import check, in_order, problems_of_faults
 from pipeline.spec.figure import Figure
 from pipeline.spec.figure_files import FigureFile, Search
 from pipeline.spec.files import read_bytes, read_file
+from pipeline.spec.light_files import light_named_in_full
 from pipeline.spec.nearest import hint
 from pipeline.spec.overrides import override
 from pipeline.spec.references import faults_of_references
@@ -157,7 +158,8 @@ def _scene(
     tree, nameless = named_in_full(tree, beside)
     tree, missing = bodies_named_in_full(tree, beside)
     tree, silent = sound_named_in_full(tree, beside)
-    nameless = [*nameless, *missing, *silent]
+    tree, unlit = light_named_in_full(tree, beside)
+    nameless = [*nameless, *missing, *silent, *unlit]
     scene, invalid = check(Scene, tree)
     if scene is None:
         # What does not fit together is found by the model only when all else is right.

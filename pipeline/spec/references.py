@@ -46,6 +46,7 @@ def faults_of_references(scene: object) -> list[Fault]:
         _names_of_many,
         _materials,
         _followed,
+        _carried,
         _attached,
         _scripted,
         _hopped,
@@ -132,6 +133,23 @@ def _followed(scene: object) -> Iterator[Fault]:
         if isinstance(parent, str) and (name := parent.partition(".")[0]) not in known:
             message = f"nobody in the cast is called '{name}', {hint(name, known)}"
             yield Fault(("camera", *place, "parent"), message)
+        focuses: list[tuple[Place, Any]] = [(("focus",), _get(cut, "focus"))]
+        for k, key in _items(_get(cut, "keyframes")):
+            focuses.append((("keyframes", k, "focus"), _get(key, "focus")))
+        for below, focus in focuses:
+            if isinstance(focus, str) and (name := focus.partition(".")[0]) not in known:
+                message = f"nobody in the cast is called '{name}', {hint(name, known)}"
+                yield Fault(("camera", *place, *below), message)
+
+
+def _carried(scene: object) -> Iterator[Fault]:
+    """Find lamps that nobody carries who is in the cast."""
+    known = _names(scene)
+    for i, lamp in _items(_get(_get(scene, "light"), "lamps")):
+        parent = _get(lamp, "parent")
+        if isinstance(parent, str) and (name := parent.partition(".")[0]) not in known:
+            message = f"nobody in the cast is called '{name}', {hint(name, known)}"
+            yield Fault(("light", "lamps", i, "parent"), message)
 
 
 def _attached(scene: object) -> Iterator[Fault]:

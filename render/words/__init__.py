@@ -6,7 +6,8 @@ one that the renderer would then ignore.
 
 from render.words.camera import Camera, Cuts, View, cuts
 from render.words.film import Film, FullFilm
-from render.words.light import LIGHTS, Light, Studio, Sun, light
+from render.words.lamp import Lamp, Spot
+from render.words.light import LIGHTS, Hdr, Light, Moon, Studio, Sun, light
 from render.words.material import MATERIALS, Material, material
 
 __all__ = [
@@ -16,8 +17,12 @@ __all__ = [
     "Cuts",
     "Film",
     "FullFilm",
+    "Hdr",
+    "Lamp",
     "Light",
     "Material",
+    "Moon",
+    "Spot",
     "Studio",
     "Sun",
     "View",

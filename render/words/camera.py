@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, TypeAdapter, model_validator
 
 from render.words.base import Words
+from render.words.camera_moves import CraneWords, DollyWords, OrbitWords, TruckWords
 from render.words.ease import HELD_EASE, TURN, Ease, Place, Rate, Rates, Time, Turn
 
 View = Literal["three-quarter", "side", "front", "back", "top"]
@@ -17,8 +18,22 @@ View = Literal["three-quarter", "side", "front", "back", "top"]
 MOST_KEYS = 10_000
 """Keyframes of one cut."""
 
-VALUES = ("position", "target", "rotation_deg", "fov_deg")
+PLACED = ("position", "target", "rotation_deg")
+"""What a keyframe says of a camera that its author moves."""
+
+VALUES = (*PLACED, "fov_deg", "focus")
 """What a keyframe of the camera may say."""
+
+FRAMED = ("view", "distance", "elevation_deg", "orbit", "dolly", "truck", "crane")
+"""Words of a camera that is not put anywhere: it frames by itself."""
+
+Focus = Annotated[float, Field(gt=0, le=1e5)] | Place | str
+"""A distance [m], a point of the world, or a performer."""
+
+FOCUS = (
+    "What is sharp: a performer or one of its links or nodes as bug.head, a point [x, y, z] of the "
+    "world, or a distance [m]"
+)
 
 FieldOfView = Annotated[float, Field(ge=1, le=150)]
 
@@ -43,6 +58,7 @@ class CameraKey(Words):
         description=f"How it is turned: {TURN}; at 0 it looks along +X.",
     )
     fov_deg: FieldOfView | None = Field(None, description="Vertical field of view [degrees].")
+    focus: Focus | None = Field(None, description=f"{FOCUS}.")
     ease: Ease = Field("spline", description=HELD_EASE)
     tangent: CameraTangent | None = Field(
         None,
@@ -114,9 +130,40 @@ class Camera(Words):
         description="Over about how long the shaking of its parent is evened out [s].",
     )
 
+    orbit: OrbitWords | None = Field(
+        None, description="Turn about what it looks at: degrees a second, [from, to], or in full."
+    )
+    dolly: DollyWords | None = Field(
+        None,
+        description="Drive towards what it looks at: metres a second, distances [from, to], or in "
+        "full.",
+    )
+    truck: TruckWords | None = Field(
+        None, description="Drive to the right: metres a second, [from, to] in metres, or in full."
+    )
+    crane: CraneWords | None = Field(
+        None,
+        description="Rise: metres a second, heights [from, to] over the ground, or in full.",
+    )
+    lead: float | None = Field(
+        None,
+        ge=-0.5,
+        le=0.5,
+        description="How much more room a performer that moves has ahead than behind, as it is put "
+        "back from the middle, as a part of the picture; 0.1 if left out.",
+    )
+    aperture: float | None = Field(
+        None,
+        ge=0.05,
+        le=64,
+        description="F-number of the lens on a sensor of 36 x 24 mm: the smaller, the less is "
+        "sharp before and behind the focus. All is sharp if left out.",
+    )
+    focus: Focus | None = Field(None, description=f"{FOCUS}; what it looks at if left out.")
+
     @model_validator(mode="after")
     def _no_idle_words(self) -> Self:
-        viewed = [w for w in ("view", "distance", "elevation_deg") if getattr(self, w) is not None]
+        viewed = [word for word in FRAMED if getattr(self, word) is not None]
         if self.at is not None and viewed:
             raise ValueError(f"a camera that stands at a place has no {' and no '.join(viewed)}")
         if (wrong := next(self._wrong(viewed), None)) is not None:
@@ -125,18 +172,21 @@ class Camera(Words):
             raise ValueError("give one of follow and look_at")
         if self.at is not None and self.at == self.look_at:
             raise ValueError("the camera stands at the point it looks at")
-        if self.view == "top" and self.elevation_deg is not None:
-            raise ValueError("the view from the top has no elevation_deg")
+        if (wrong := next(iter((*self._wrong_moves(), *self._wrong_lens())), None)) is not None:
+            raise ValueError(wrong)
         return self
 
     @property
     def moved(self) -> bool:
         """Whether it is moved by its author, by keyframes, velocity or a parent."""
         words = (self.parent, self.velocity, self.rotation_deg, self.spin_deg)
-        return bool(self.keyframes) or any(word is not None for word in words)
+        said = (getattr(key, word) for key in self.keyframes for word in PLACED)
+        return any(word is not None for word in (*words, *said))
 
     def _wrong(self, viewed: list[str]) -> Iterator[str]:
         """Find what does not fit together in a camera that is moved."""
+        if any(b.at < a.at for a, b in itertools.pairwise(self.keyframes)):
+            yield "keyframes must be in the order of time"
         if not self.moved:
             if self.steady:
                 yield "steady is for a camera that has a parent"
@@ -151,8 +201,42 @@ class Camera(Words):
         if self.velocity is not None and self.keyframes:
             yield "give one of velocity and keyframes"
         yield from self._looks_twice()
-        if any(b.at < a.at for a, b in itertools.pairwise(self.keyframes)):
-            yield "keyframes must be in the order of time"
+
+    def _wrong_moves(self) -> Iterator[str]:
+        """Find what does not fit together in a camera that frames by itself."""
+        if self.view == "top":
+            words = ("elevation_deg", "orbit", "truck", "crane")
+            if said := [word for word in words if getattr(self, word) is not None]:
+                yield f"the view from the top has no {' and no '.join(said)}"
+        if self.lead is not None and (self.look_at is not None or self.moved):
+            which = "looks at a point" if self.look_at is not None else "is moved by its author"
+            yield f"a camera that {which} has no lead"
+        if self.dolly is not None and self.dolly.start is not None and self.distance is not None:
+            yield "the distance is said by distance and by dolly; give one of them"
+        if self.crane is not None and self.crane.start is not None:
+            if self.elevation_deg is not None:
+                yield "the height is said by elevation_deg and by crane; give one of them"
+            if self.orbit is not None and self.orbit.rise_deg:
+                yield "the height is said by crane and by rise_deg of orbit; give one of them"
+        zooms = any(key.fov_deg is not None for key in self.keyframes)
+        if self.dolly is not None and self.dolly.zoom and zooms:
+            yield "give one of zoom of dolly and fov_deg in keyframes"
+
+    def _wrong_lens(self) -> Iterator[str]:
+        """Find what does not fit together in a lens."""
+        keyed = any(key.focus is not None for key in self.keyframes)
+        if self.focus is not None and keyed:
+            yield "give one of focus and focus in keyframes"
+        if self.aperture is None:
+            if self.focus is not None or keyed:
+                yield "focus needs an aperture, as 2.8; without one all is sharp"
+            return
+        turned = self.rotation_deg is not None or self.spin_deg is not None
+        turned |= any(key.rotation_deg is not None for key in self.keyframes)
+        aims = (self.look_at, self.follow, *(key.target for key in self.keyframes))
+        ahead = turned or (self.parent is not None and all(aim is None for aim in aims))
+        if ahead and self.focus is None and not keyed:
+            yield "a camera that looks at nothing in particular needs a focus"
 
     def _looks_twice(self) -> Iterator[str]:
         looks = [word for word in ("look_at", "follow") if getattr(self, word) is not None]

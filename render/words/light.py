@@ -1,23 +1,23 @@
-"""Light: a sun with its sky, or a studio."""
+"""Light: a sun with its sky by day and night, a studio or a picture of a place; and lamps."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
 from render.words.base import Color, PresetWords, Unit, Words, known_name
-
-LOWEST_SUN_DEG = 1.0
-"""The model of the sky holds for a sun above the horizon."""
+from render.words.lamp import Lamp
 
 
 class Sun(Words):
     """Where the sun stands, by hour, day and latitude, and the air that it shines through."""
 
-    hour: float = Field(16.5, ge=0, le=24, description="Solar time; 12 is noon.")
+    hour: float = Field(
+        16.5, ge=0, le=24, description="Solar time: 12 is noon, 0 and 24 are midnight."
+    )
     day: int = Field(172, ge=1, le=366, description="Day of the year; 172 is midsummer.")
     latitude_deg: float = Field(48.0, ge=-90, le=90, description="North is positive.")
     north_deg: float = Field(
@@ -28,16 +28,6 @@ class Sun(Words):
         1.0, ge=0.5, le=20, description="Width of the sun's disc; the real one has 0.53."
     )
     clouds: Unit = Field(0.0, description="0 is a clear sky, 1 an overcast one without sun.")
-
-    @model_validator(mode="after")
-    def _is_up(self) -> Self:
-        if self.elevation_deg < LOWEST_SUN_DEG:
-            raise ValueError(
-                f"the sun is {self.elevation_deg:.1f} degrees above the horizon at hour "
-                f"{self.hour:g} of day {self.day} at latitude {self.latitude_deg:g}; "
-                f"choose an hour at which it stands higher than {LOWEST_SUN_DEG:g}"
-            )
-        return self
 
     @property
     def direction(self) -> tuple[float, float, float]:
@@ -66,6 +56,19 @@ class Sun(Words):
         return math.degrees(math.asin(max(-1.0, min(1.0, self.direction[1]))))
 
 
+class Moon(Words):
+    """The moon, which lights the night; it stands where it is wanted."""
+
+    heading_deg: float = Field(
+        -55.0, ge=-360, le=360, description="Heading towards the moon; 0 is +X."
+    )
+    elevation_deg: float = Field(38.0, ge=2, le=90, description="Height above the horizon.")
+    phase: Unit = Field(1.0, description="0 is new and gives no light, 1 is full.")
+    softness_deg: float = Field(
+        1.2, ge=0.5, le=20, description="Width of its disc; the real one has 0.52."
+    )
+
+
 class Studio(Words):
     """A key light, a fill light and a rim light, large and soft, before a backdrop."""
 
@@ -79,34 +82,63 @@ class Studio(Words):
     backdrop: Color = Field((0.58, 0.6, 0.63), description="Colour of the backdrop.")
 
 
+class Hdr(Words):
+    """A picture of all directions around a place, which lights the scene."""
+
+    file: Annotated[str, Field(min_length=1)] = Field(
+        description="EXR or HDR file, twice as wide as high, beside the scene."
+    )
+    turn_deg: float = Field(0.0, ge=-360, le=360, description="Turns the place about +Y.")
+    strength: float = Field(
+        1.0, ge=0, le=1000, description="1 is exposed by itself, 2 is twice as bright."
+    )
+
+
 _PRESETS: dict[str, dict[str, Any]] = {
     "day": {"sun": {"hour": 16.5, "turbidity": 2.5}},
     "noon": {"sun": {"hour": 12.5}},
     "golden hour": {"sun": {"hour": 18.6, "turbidity": 3.0, "softness_deg": 1.4}},
+    "dawn": {"sun": {"hour": 3.95, "turbidity": 3.0}},
+    "dusk": {"sun": {"hour": 20.2, "turbidity": 3.0}},
+    "night": {"sun": {"hour": 0.0}, "moon": {}},
     "overcast": {"sun": {"hour": 13.0, "clouds": 1.0}},
     "studio": {"studio": {}},
 }
+_SKIES = {"sun", "studio", "hdr"}
 
 
 class Light(PresetWords):
-    """What lights the scene: the name of a preset, an adjusted preset, a sun or a studio."""
+    """What lights the scene: a preset or an adjusted one, a sun, a studio, a picture; and lamps."""
 
     presets: ClassVar[Mapping[str, Mapping[str, Any]]] = _PRESETS
 
-    sun: Sun | None = Field(None, description="The sun and its sky.")
+    sun: Sun | None = Field(None, description="The sun and its sky; at night, with the moon.")
     studio: Studio | None = Field(None, description="A photographer's studio.")
+    hdr: Hdr | None = Field(None, description="A picture of the light of a place.")
+    moon: Moon | None = Field(None, description="The moon, seen while the sun is down.")
+    stars: Unit | None = Field(None, description="How bright stars are at night; 0.5 unless said.")
+
+    lamps: tuple[Lamp, ...] = Field(
+        (), max_length=64, description="Lamps; with no other word of light they shine at night."
+    )
 
     @model_validator(mode="before")
     @classmethod
     def _default(cls, value: object) -> object:
-        if isinstance(value, Mapping) and not any(value.values()):
-            return {**value, "preset": "day"} if not value.keys() & {"sun", "studio"} else value
-        return value
+        if not isinstance(value, Mapping) or value.get("preset") is not None:
+            return value
+        if value.keys() & _SKIES:
+            return value
+        # Who asks for moon, stars or lamps and for no sky means the night.
+        dark = any(value.get(word) not in (None, (), []) for word in ("moon", "stars", "lamps"))
+        return {**value, "preset": "night" if dark else "day"}
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        if (self.sun is None) == (self.studio is None):
-            raise ValueError("give one of sun and studio")
+        if [self.sun, self.studio, self.hdr].count(None) != 2:
+            raise ValueError("give one of sun, studio and hdr")
+        if self.sun is None and (self.moon is not None or self.stars is not None):
+            raise ValueError("moon and stars stand in the sky of a sun: give sun: {hour: 0}")
         return self
 
 

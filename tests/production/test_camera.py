@@ -9,7 +9,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from pipeline.production.camera import VIEWS, camera_poses
+from pipeline.production.camera import camera_poses
+from pipeline.production.camera_moves import VIEWS
 from pipeline.production.skinning import Skin
 from pipeline.simulation.spatial import matrix
 from pipeline.simulation.take import Take
@@ -175,6 +176,7 @@ def test_a_camera_follows_whom_it_is_told(take: Take) -> None:
         nodes=take.nodes + twins,
         positions=np.concatenate([take.positions, take.positions + far], axis=1),
         rotations=np.concatenate([take.rotations, take.rotations], axis=1),
+        alive=np.concatenate([take.alive, take.alive], axis=1),
         parts=take.parts + parts,
         meshes=take.meshes + meshes,
     )

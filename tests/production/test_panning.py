@@ -11,7 +11,7 @@ from pipeline.production.panning import Panning
 from pipeline.production.shooting import Shooting
 from pipeline.production.skinning import LEAP, Skin
 from pipeline.simulation.take import Take
-from render.shot import CameraPose
+from render.shot import CameraPose, Lens
 
 POSES = [CameraPose((float(f * f), 1.0, 0.0), (0.0, 0.0, float(-f)), fov_deg=30 + f)
          for f in range(6)]  # fmt: skip
@@ -81,3 +81,20 @@ def test_a_shot_has_the_moments_of_its_film_and_the_last_frame_too(unmade, take:
         # The ground is the same object in all of them: it is not moved again.
         assert len({id(moment.meshes[0]) for moment in shot.moments}) == 1
         assert len({tuple(one) for one in digests}) > 1
+
+
+def test_a_focus_goes_straight_between_frames_and_stays_before_the_lens() -> None:
+    poses = [
+        replace(pose, lens=Lens(0.02, focus))
+        for pose, focus in zip(POSES[:3], (9, 6, 3), strict=True)
+    ]
+    panning = Panning(poses, [1])
+    assert panning.at(1, 0.25).lens == Lens(0.02, pytest.approx(8.25))
+    quick = Panning([*poses, replace(poses[2], lens=Lens(0.02, 0.1))], [1])
+    assert quick.at(4, 0.9).lens is not None
+    assert quick.at(4, 0.9).lens.focus > 0
+
+
+def test_over_a_change_of_lens_each_frame_keeps_its_own() -> None:
+    poses = [POSES[0], replace(POSES[1], lens=Lens(0.02, 2.0))]
+    assert Panning(poses, [1]).at(1, 0.5).lens is None

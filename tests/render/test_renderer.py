@@ -152,7 +152,7 @@ def test_tinted_faces_are_red_and_the_others_as_they_were(
     assert red(both).min() > red(plain).max()
 
 
-@pytest.mark.parametrize("lit", ["day", "noon", "golden hour", "overcast", "studio"])
+@pytest.mark.parametrize("lit", ["day", "noon", "golden hour", "overcast", "studio", "dawn"])
 def test_every_light_is_finite_and_well_exposed(
     renderer: Renderer, make_shot: Make, lit: str
 ) -> None:

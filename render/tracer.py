@@ -1,0 +1,62 @@
+"""Tracers: what turns a scene of Mitsuba into light, pass by pass.
+
+`wavefront` is ours and the faster one. Mitsuba's own `path` does what that does not handle.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from render.path_tracer import PathTracer
+from render.wavefront import Wavefront
+
+Image = NDArray[np.float32]
+
+
+class Tracer(Protocol):
+    """Traces one scene."""
+
+    def expose(
+        self, sensor: Any, seed: int, passes: range, of: int, colors: bool
+    ) -> tuple[Image, Image | None]:
+        """Return what the sensor sees, the mean of some passes of one sample a pixel each.
+
+        Args:
+            sensor: of the scene.
+            seed: of all passes.
+            passes: numbers of those to trace now, at some moment of the exposure.
+            of: how many passes make up the picture, among which the samples are spread.
+            colors: whether the colour of what is seen first is wanted too.
+
+        Returns:
+            The light (H, W, 3), linear sRGB, and the colour (H, W, 3), 0 to 1.
+        """
+        ...
+
+
+def tracer(scene: Any, size: tuple[int, int], depth: int) -> tuple[Tracer, str]:
+    """Return the tracer for a scene, and why it is not ours, or nothing.
+
+    Args:
+        scene: of Mitsuba.
+        size: width and height of the picture [pixels].
+        depth: longest path, in segments.
+    """
+    why = refusal(scene)
+    return (PathTracer(scene, depth), why) if why else (Wavefront(scene, size, depth), "")
+
+
+def refusal(scene: Any) -> str:
+    """Return why the wavefront tracer does not handle a scene, or nothing."""
+    variant = str(mi.variant())
+    if not variant.startswith(("llvm", "cuda")):
+        return f"{variant} has no wavefronts"
+    if "spectral" in variant or "polarized" in variant:
+        return f"{variant} carries more than three colours"
+    if any(shape.is_medium_transition() for shape in scene.shapes()):
+        return "a surface has a medium inside"
+    return ""

@@ -1,0 +1,164 @@
+"""Pictures of places as light."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from render.backend import Backend
+from render.color import luminance
+from render.errors import ShotError
+from render.panorama import content_of, fault_of
+from render.renderer import Renderer
+from render.shot import Shot
+from render.words import Film, Light, light
+
+Make = Callable[..., Shot]
+
+
+@pytest.fixture(autouse=True)
+def _mitsuba(backend: Backend) -> None:
+    backend.activate()
+
+
+def sky(sun: float = 0.0, width: int = 256) -> np.ndarray:
+    """Return a bluish sky over dark ground, with a sun of some pixels towards +X, 40 degrees up."""
+    from render.lights.directions import directions, headed
+
+    d = directions(width, width // 2)
+    image = np.where(d[..., 1:2] > 0, np.array([0.4, 0.5, 0.8]), 0.1) * np.ones(3)
+    spot = d @ headed(0.0, np.radians(40.0)) > np.cos(np.radians(1.5))
+    image[spot] += sun * np.array([1.0, 0.9, 0.7])
+    return image.astype(np.float32)
+
+
+def written(path: Path, image: np.ndarray) -> str:
+    import mitsuba as mi
+
+    mi.Bitmap(np.ascontiguousarray(image, np.float32)).write(str(path))
+    return str(path)
+
+
+@pytest.mark.parametrize("name", ["place.exr", "place.hdr"])
+@pytest.mark.parametrize("normal", [(0, 1, 0), (0.77, 0.64, 0), (0.3, 0.2, 0.93)])
+def test_sky_and_sun_together_are_the_picture(
+    tmp_path: Path, name: str, normal: tuple[float, float, float]
+) -> None:
+    from render.lights.directions import irradiance, unit
+    from render.lights.hdr import panorama
+
+    image = sky(sun=2000.0)
+    lit = light({"hdr": {"file": written(tmp_path / name, image)}})
+    assert lit.hdr is not None
+    rest, key = panorama(lit.hdr)
+    n = unit(np.array(normal, float))
+    sent = irradiance(rest, n) + key.irradiance * max(float(n @ key.toward), 0.0)
+    # RGBE keeps eight bits; a disc of three degrees is not quite one direction.
+    np.testing.assert_allclose(sent, irradiance(image, n), rtol=0.01)
+    assert rest.max() < 1.0
+    assert key.width_deg == pytest.approx(3.0, abs=0.3)
+
+
+def test_a_sky_without_sun_has_no_key_light(tmp_path: Path) -> None:
+    from render.lights import emitters
+
+    for sun in (0.0, 3.0):
+        lit = light({"hdr": {"file": written(tmp_path / "a.exr", sky(sun))}})
+        assert set(emitters(lit, (0.2, 0.2, 0.2))) == {"sky"}
+    dark = light({"hdr": {"file": written(tmp_path / "b.exr", 0 * sky())}})
+    assert np.array(emitters(dark, (0.2, 0.2, 0.2))["sky"]["bitmap"]).max() == 0
+
+
+def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
+    """A sun towards +X, turned by a quarter, stands towards -Z, as headings do."""
+    from render.lights.hdr import panorama
+
+    file = written(tmp_path / "a.exr", sky(2000.0))
+    for turn, xz in ((0, (1, 0)), (90, (0, -1)), (180, (-1, 0)), (-45, (0.707, 0.707))):
+        words = light({"hdr": {"file": file, "turn_deg": turn}}).hdr
+        assert words is not None
+        toward = panorama(words)[1].toward
+        flat = toward[[0, 2]] / np.hypot(*toward[[0, 2]])
+        np.testing.assert_allclose(flat, xz, atol=0.02)
+
+
+def test_a_large_picture_gives_the_same_light(tmp_path: Path) -> None:
+    from render.lights.directions import UP, irradiance
+    from render.lights.hdr import _smaller
+
+    image = sky(100.0, width=4096).astype(np.float64)
+    small = _smaller(image)
+    assert small.shape == (1024, 2048, 3)
+    np.testing.assert_allclose(irradiance(small, UP), irradiance(image, UP), rtol=1e-3)
+
+
+def test_strength_is_a_factor_and_the_picture_is_exposed(
+    renderer: Renderer, make_shot: Make, tmp_path: Path
+) -> None:
+    file = written(tmp_path / "a.exr", sky(2000.0) * 37.0)
+    film = Film(size=(64, 48), samples=16, depth=3, denoise="off")
+
+    def seen(strength: float) -> np.ndarray:
+        lit = Light.model_validate({"hdr": {"file": file, "strength": strength}})
+        return np.asarray(renderer.render(make_shot(lit=lit, film=film)).light)
+
+    once = seen(1.0)
+    np.testing.assert_allclose(seen(2.0), 2 * once, rtol=1e-3, atol=1e-5)
+    assert 0.1 < float(luminance(once).mean()) < 0.6
+
+
+@pytest.mark.slow
+def test_taking_the_sun_out_lights_the_scene_as_the_whole_picture_does(
+    renderer: Renderer, make_shot: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from render.lights import hdr
+
+    lit = Light.model_validate({"hdr": {"file": written(tmp_path / "a.exr", sky(600.0))}})
+    film = Film(size=(32, 24), samples=1024, depth=3, denoise="off")
+    parted = Renderer(renderer.backend).render(make_shot(lit=lit, film=film)).light
+    monkeypatch.setattr(hdr, "_SHARE", 2.0)
+    whole = Renderer(renderer.backend).render(make_shot(lit=lit, film=film)).light
+    # Both are exposed by a card, which is turned to the key light where there is one.
+    ratio = parted / whole
+    scale = float(np.median(ratio))
+    np.testing.assert_allclose(parted.mean() / whole.mean(), scale, rtol=0.02)
+    assert np.abs(ratio / scale - 1).mean() < 0.05
+
+
+def test_only_its_content_decides_what_a_picture_is(make_shot: Make, tmp_path: Path) -> None:
+    a, b = tmp_path / "a.exr", tmp_path / "b.exr"
+    written(a, sky())
+    b.write_bytes(a.read_bytes())
+
+    def build(file: Path) -> str:
+        return make_shot(lit=light({"hdr": {"file": str(file)}})).build
+
+    first = build(a)
+    assert build(b) == first
+    written(b, sky(5.0))
+    assert build(b) != first
+    assert content_of(tmp_path / "none.exr") == ""
+
+
+def test_what_is_no_picture_of_all_directions_is_named(tmp_path: Path) -> None:
+    good = Path(written(tmp_path / "good.hdr", sky()))
+    assert fault_of(good) is None
+    written(tmp_path / "square.exr", sky()[:, :128])
+    assert "128 by 128" in str(fault_of(tmp_path / "square.exr"))
+    for name, content in {
+        "torn.exr": b"v/1\x01\x02",
+        "torn.hdr": b"#?RADIANCE\n",
+        "a.hdr": b"",
+    }.items():
+        (tmp_path / name).write_bytes(content)
+        assert "cannot be read" in str(fault_of(tmp_path / name))
+    assert "is no .exr or .hdr file" in str(fault_of(tmp_path / "a.png"))
+    torn = tmp_path / "half.exr"
+    torn.write_bytes(Path(written(tmp_path / "whole.exr", sky())).read_bytes()[:3000])
+    from render.lights import emitters
+
+    with pytest.raises(ShotError, match=r"half\.exr"):
+        emitters(light({"hdr": {"file": str(torn)}}), (0.2, 0.2, 0.2))

@@ -1,0 +1,113 @@
+"""Depth of field: how large a point out of focus is in the picture, by closed form."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from render.renderer import Renderer
+from render.shot import CameraPose, Lens, Mesh, Moment, Shot
+from render.words import Film, light, material
+
+SIZE = (96, 96)
+FOV = 30.0
+FOCUS, RADIUS = 2.0, 0.04
+TAN = math.tan(math.radians(FOV) / 2)
+
+
+def plate(depth: float, half: float) -> Mesh:
+    """Return a small square that faces a camera at the origin, which looks along +X."""
+    corners = np.array([[0, -1, -1], [0, -1, 1], [0, 1, 1], [0, 1, -1]]) * half + [depth, 0, 0]
+    faces = np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
+    return Mesh("plate", corners.astype(np.float32), faces, "white", smooth=False)
+
+
+def seen_through(lens: Lens | None, depth: float, half: float = 0.02) -> Shot:
+    film = Film(size=SIZE, samples=256, depth=1, denoise="off")
+    pose = CameraPose((0, 0, 0), (1, 0, 0), fov_deg=FOV, lens=lens)
+    white = material({"color": [1, 1, 1], "roughness": 1.0})
+    return Shot((plate(depth, half),), {"white": white}, light("studio"), pose, film)
+
+
+def coverage(renderer: Renderer, shot: Shot) -> NDArray[np.float64]:
+    """Return how much of each pixel the plate covers: its colour, whatever lights it."""
+    stage = renderer._staged(shot)
+    return stage.albedo(3, 256)[..., 0].astype(float)
+
+
+def spread(picture: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return the sum, and the standard deviations across and up of a picture [pixels]."""
+    y, x = np.mgrid[: SIZE[1], : SIZE[0]]
+    total = picture.sum()
+    mean_x, mean_y = (picture * x).sum() / total, (picture * y).sum() / total
+    return (
+        total,
+        math.sqrt((picture * (x - mean_x) ** 2).sum() / total),
+        math.sqrt((picture * (y - mean_y) ** 2).sum() / total),
+    )
+
+
+@pytest.mark.parametrize("depth", [1.0, 1.5, 2.0, 3.0, 6.0])
+def test_a_circle_of_confusion_is_as_large_as_optics_say(renderer: Renderer, depth: float) -> None:
+    """Of a lens of radius A focused at f, a point at d has a disc of A·|d - f| / (d·f)."""
+    half = 0.02
+    picture = coverage(renderer, seen_through(Lens(RADIUS, FOCUS), depth, half))
+    pixels = SIZE[1] / 2 / TAN
+    disc = RADIUS * abs(depth - FOCUS) / (depth * FOCUS) * pixels
+    side = 2 * half / depth * pixels
+    # The second moments of a disc, of the plate and of a pixel add up.
+    expected = math.sqrt(disc**2 / 4 + side**2 / 12 + 1 / 12)
+    total, across, up = spread(picture)
+    assert across == pytest.approx(expected, abs=0.15)
+    assert up == pytest.approx(expected, abs=0.15)
+    assert total == pytest.approx(side**2 * _white(renderer), rel=0.03)
+
+
+def _white(renderer: Renderer) -> float:
+    """Return the colour of a plate that fills the picture."""
+    return float(coverage(renderer, seen_through(None, 1.0, half=2.0)).mean())
+
+
+def test_what_is_in_focus_is_as_sharp_as_without_a_lens(renderer: Renderer) -> None:
+    sharp = coverage(renderer, seen_through(None, FOCUS, half=0.2))
+    through = coverage(renderer, seen_through(Lens(RADIUS, FOCUS), FOCUS, half=0.2))
+    np.testing.assert_allclose(through, sharp, atol=0.12)
+    assert abs(through - sharp).mean() < 0.003
+
+
+def test_focus_is_pulled_in_the_scene_as_it_is_built(renderer: Renderer) -> None:
+    """What is moved in place is what would be built."""
+    near, far = (seen_through(Lens(r, f), 4.0) for r, f in ((0.04, 2.0), (0.02, 4.0)))
+    assert near.build == far.build
+    coverage(renderer, near)
+    stage = renderer._stage
+    pulled = coverage(renderer, far)
+    assert renderer._stage is stage
+    renderer._stage = None
+    np.testing.assert_array_equal(pulled, coverage(renderer, far))
+
+
+def test_a_pinhole_and_a_lens_do_not_share_a_scene() -> None:
+    assert seen_through(None, 1.0).build != seen_through(Lens(0.01, 1.0), 1.0).build
+
+
+def test_moments_are_seen_through_lenses_of_their_own(
+    renderer: Renderer, make_shot: Callable[..., Shot]
+) -> None:
+    shot = seen_through(Lens(RADIUS, 2.0), 4.0)
+    other = replace(shot.camera, lens=Lens(RADIUS, 4.0))
+    both = replace(shot, later=(Moment(shot.meshes, other),))
+    alone = [
+        renderer.render(
+            replace(
+                shot, camera=pose, seed=seed, film=shot.film.model_copy(update={"samples": 128})
+            )
+        ).light
+        for pose, seed in ((shot.camera, 0), (other, 7919))
+    ]
+    np.testing.assert_allclose(renderer.render(both).light, np.mean(alone, axis=0), rtol=1e-5)

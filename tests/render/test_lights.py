@@ -1,0 +1,100 @@
+"""What the sky promises at every hour, and what lamps and pictures of places do."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from render.backend import Backend
+from render.color import luminance
+from render.words import Light, Sun, light
+
+GROUND = (0.3, 0.26, 0.21)
+
+
+@pytest.fixture(autouse=True)
+def _mitsuba(backend: Backend) -> None:
+    backend.activate()
+
+
+def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
+    """Return what sky and key light send on level ground and on a wall to the south."""
+    from render.lights import emitters
+    from render.lights.directions import irradiance
+
+    found = emitters(lit, GROUND)
+    sky = np.array(found["sky"]["bitmap"], np.float64)[..., :3]
+    total = []
+    for normal in (np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])):
+        sent = irradiance(sky, normal)
+        if "key" in found:
+            T = np.array(found["key"]["to_world"].matrix)
+            toward = T[:3, 3] / np.linalg.norm(T[:3, 3])
+            area = np.pi * np.linalg.norm(T[:3, 0]) ** 2
+            radiance = np.array(found["key"]["emitter"]["radiance"]["value"])
+            sent += radiance * area / np.sum(T[:3, 3] ** 2) * max(float(normal @ toward), 0.0)
+        total.append(sent)
+    return total[0], total[1]
+
+
+def at(hour: float, **words: float) -> Light:
+    return light({"sun": {"hour": hour, "day": 172, "latitude_deg": 48, **words}})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("clouds", [0.0, 0.5])
+def test_the_light_goes_on_from_day_to_night_without_a_jump(clouds: float) -> None:
+    """Where it changes most, while the sun sets, half the time changes it half as much."""
+
+    def steps(hours: np.ndarray) -> np.ndarray:
+        seen = np.array([irradiance_of(at(h, clouds=clouds)) for h in hours])
+        return np.asarray(np.abs(np.diff(np.log(seen), axis=0)).max(axis=(1, 2)))
+
+    setting = np.arange(19.74, 20.22, 1 / 30)
+    shift = steps(setting)
+    assert shift.max() < 0.4
+    assert steps(np.arange(20.3, 22.5, 0.1)).max() < 0.3
+    worst = int(shift.argmax())
+    assert steps(np.linspace(setting[worst], setting[worst + 1], 5)).max() < 0.4 * shift.max()
+
+
+def test_night_is_darker_and_bluer_than_dusk_and_dusk_than_day() -> None:
+    level = {name: irradiance_of(light(name))[0] for name in ("day", "dusk", "night")}
+    bright = {name: float(luminance(value)) for name, value in level.items()}
+    assert bright["day"] > 1.5 * bright["dusk"] > 2 * bright["night"] > 0
+    assert level["night"][2] > 1.5 * level["night"][0]
+    assert level["day"][2] < level["day"][0]
+
+
+def test_moon_and_clouds_decide_how_dark_a_night_is() -> None:
+    def level(**words: object) -> float:
+        return float(luminance(irradiance_of(light({"preset": "night", **words}))[0]))
+
+    full, half, new = (level(moon={"phase": p}) for p in (1.0, 0.5, 0.0))
+    assert full > 1.3 * half > 1.3 * new > 0
+    assert level(sun={"clouds": 1.0}) < full
+
+
+def test_stars_are_always_the_same_and_wider_than_a_pixel_of_their_map() -> None:
+    from render.lights.night import star_map
+
+    stars = star_map(0.5, -18.0)
+    assert stars is not None
+    np.testing.assert_array_equal(stars, star_map(0.5, -18.0))
+    assert star_map(0.5, -5.9) is None
+    assert star_map(0.0, -18.0) is None
+    bright = luminance(stars)
+    beside = sum(np.roll(bright, s, axis) for s in (-1, 1) for axis in (0, 1))
+    top = bright > 0.05
+    assert top.sum() > 500
+    # No lone pixel: what is that bright has light beside it.
+    assert (beside[top] > 0).all()
+
+
+def test_a_sun_may_stand_at_any_hour() -> None:
+    assert Sun(hour=0).elevation_deg < -15
+    with pytest.raises(ValueError, match="moon and stars stand in the sky of a sun"):
+        light({"studio": {}, "stars": 0.5})
+    dark = light({"stars": 0.8})
+    assert dark.sun is not None
+    assert dark.sun.hour == 0

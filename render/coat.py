@@ -23,8 +23,10 @@ class Coat:
         self.words = words
         # Not a constant of the kernel: another lens must not compile it again.
         self.values: dict[str, Any] = {PIXEL: dr.opaque(mi.Float, 1e-3)}
-        self._first = source(texels(words.texture))
-        self._patches = source(patch_texels()) if words.color2 is not None else None
+        self._first = source(texels(words.texture), self.values, "first")
+        self._patches = None
+        if words.color2 is not None:
+            self._patches = source(patch_texels(), self.values, "patches")
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at points that were hit."""

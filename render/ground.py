@@ -19,7 +19,7 @@ from render.color import linear
 from render.hatching import hatched
 from render.laying import Laid, laid, ragged_wave, turned
 from render.packed import LEVELS, Sample, Texels, patch_texels, read, texels
-from render.pressed import PRINTED, Pressed
+from render.pressed import Pressed
 from render.prints import Prints
 from render.rough import PIXEL
 from render.textures import TILE
@@ -58,20 +58,22 @@ class Ground:
         self.words, self.warned = words, warned
         # Not a constant of the kernel: another lens must not compile it again.
         self.values: dict[str, Any] = {PIXEL: dr.opaque(mi.Float, 1e-3)}
-        self._pressed = Pressed(prints) if prints is not None else None
-        if prints is not None:
-            self.values[PRINTED] = dr.opaque(mi.UInt32, 0)
-        self._first = source(texels(words.texture)) if words.texture != "none" else None
-        if self._first is not None:
-            self._smoothness = mi.Float(self._first.of.smoothness(words.bump))
-        self._patches = source(patch_texels()) if words.color2 is not None else None
-        self._bare = source(texels("rock")) if words.steep_color is not None else None
+        self._pressed = Pressed(prints, self.values) if prints is not None else None
+        self._first = self._patches = self._bare = None
+        if words.texture != "none":
+            tile = texels(words.texture)
+            self._first = source(tile, self.values, "first")
+            self.values["smoothness"] = mi.Float(tile.smoothness(words.bump))
+        if words.color2 is not None:
+            self._patches = source(patch_texels(), self.values, "patches")
+        if words.steep_color is not None:
+            self._bare = source(texels("rock"), self.values, "bare")
 
     def __call__(self, si: Any) -> tuple[Any, Any]:
         """Return colour and normal at points that were hit."""
         color, normal = self._pattern(si)
         if self._pressed is not None:
-            dark, gradient = self._pressed.at(si.p, self.values[PRINTED])
+            dark, gradient = self._pressed.at(si.p)
             color *= 1.0 - dark
             normal = bent(dr.normalize(normal), gradient, 1.0)
         if self.warned:
@@ -102,7 +104,7 @@ class Ground:
             share = _steepness(n, words.steep_deg, ragged + 1.5 * (1.0 - first.shade))
             color = dr.lerp(color, colored(words.steep_color, bare), share)
             slopes = mixed(slopes, bare, share)
-        color *= dr.gather(mi.Float, self._smoothness, level)
+        color *= dr.gather(mi.Float, self.values["smoothness"], level)
         return color, bent(n, on.gradient(*slopes), words.bump)
 
     def _patch(self, si: Any, on: Laid) -> Any:
@@ -138,15 +140,17 @@ class Source:
 
     Attributes:
         of: the tile.
-        words: its texels.
+        values: of the surface, among which its texels are.
+        name: of the texels.
     """
 
     of: Texels
-    words: Any
+    values: dict[str, Any]
+    name: str
 
     def at(self, u: Any, v: Any, turn_deg: float, level: Any) -> Sample:
         """Return the tile, turned, at coordinates in tiles; its slopes are along these."""
-        found = read(self.words, self.of, *turned(u, v, turn_deg), level)
+        found = read(self.values[self.name], self.of, *turned(u, v, turn_deg), level)
         slope_u, slope_v = turned(found.slope_u, found.slope_v, -turn_deg)
         return Sample(found.shade, found.warmth, slope_u, slope_v)
 
@@ -155,16 +159,17 @@ class Source:
         return self.at(on.u / size, on.v / size, turn_deg, level)
 
 
-def source(of: Texels) -> Source:
-    """Return a tile in the variant in use."""
-    return _source(of, str(mi.variant()))
+def source(of: Texels, values: dict[str, Any], name: str) -> Source:
+    """Put the texels of a tile among the values of a surface and return the tile."""
+    values[name] = _on_device(of, str(mi.variant()))
+    return Source(of, values, name)
 
 
 @lru_cache(maxsize=64)
-def _source(of: Texels, variant: str) -> Source:
-    """Return a tile in a variant; all surfaces share it."""
+def _on_device(of: Texels, variant: str) -> Any:
+    """Return the texels of a tile in a variant; all surfaces share them."""
     del variant
-    return Source(of, mi.UInt32(of.words))
+    return mi.UInt32(of.words)
 
 
 def colored(color: tuple[float, float, float], sample: Sample) -> Any:

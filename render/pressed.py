@@ -14,19 +14,24 @@ PRINTED = "printed"
 
 
 class Pressed:
-    """What is pressed into the ground at points of a kernel."""
+    """What is pressed into the ground at points of a kernel.
 
-    def __init__(self, prints: Prints) -> None:
-        self._prints = prints
-        self._blocks = mi.UInt32(prints.blocks.ravel())
-        self._texels = mi.UInt32(prints.texels.ravel())
+    Args:
+        prints: all of the film.
+        values: of the surface, to which those of the prints are added.
+    """
 
-    def at(self, p: Any, made: Any) -> tuple[Any, Any]:
+    def __init__(self, prints: Prints, values: dict[str, Any]) -> None:
+        self._prints, self._values = prints, values
+        values[PRINTED] = dr.opaque(mi.UInt32, 0)
+        values["blocks"] = mi.UInt32(prints.blocks.ravel())
+        values["prints"] = mi.UInt32(prints.texels.ravel())
+
+    def at(self, p: Any) -> tuple[Any, Any]:
         """Return how dark it is, and the gradient in the world of what is pressed in.
 
         Args:
             p: `mi.Point3f` on the ground [m].
-            made: `mi.UInt32`, how many prints have been made.
         """
         of = self._prints
         rows, columns = of.blocks.shape
@@ -35,7 +40,7 @@ class Pressed:
         there = (i >= 0) & (j >= 0) & (i < columns * BLOCK) & (j < rows * BLOCK)
         column, row = mi.UInt32(dr.select(there, i, 0)), mi.UInt32(dr.select(there, j, 0))
         place = row // BLOCK * columns + column // BLOCK
-        block = dr.gather(mi.UInt32, self._blocks, place, there)
+        block = dr.gather(mi.UInt32, self._values["blocks"], place, there)
         there &= block > 0
         side = BLOCK + 1
         first = block * (side * side) + (row % BLOCK) * side + column % BLOCK
@@ -43,9 +48,9 @@ class Pressed:
         weights = ((1 - x) * (1 - z), x * (1 - z), (1 - x) * z, x * z)
         dark, along_x, along_z = mi.Float(0), mi.Float(0), mi.Float(0)
         for step, weight in zip((0, 1, side, side + 1), weights, strict=True):
-            word = dr.gather(mi.UInt32, self._texels, first + step, there)
+            word = dr.gather(mi.UInt32, self._values["prints"], first + step, there)
             number = word & MOST
-            share = dr.select((number > 0) & (number <= made), weight, 0.0)
+            share = dr.select((number > 0) & (number <= self._values[PRINTED]), weight, 0.0)
             dark += share * mi.Float((word >> 13) & 31)
             along_x += share * (mi.Float((word >> 18) & 127) - 64)
             along_z += share * (mi.Float(word >> 25) - 64)

@@ -29,8 +29,9 @@ def rough(look: Look, values: dict[str, Any]) -> Any:
 
     Args:
         look: what it shows.
-        values: arrays of Dr.Jit that the look reads and that others may set between frames,
-            under names by which they are found in the scene's parameters.
+        values: all arrays of Dr.Jit that the look reads. They must stand in the surface
+            itself, where recordings look for what may change, and are found among the scene's
+            parameters by these names.
     """
     surface = plugin(_Rough, "BSDF")
     surface.look, surface.values = look, values

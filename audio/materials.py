@@ -93,8 +93,11 @@ _WORDS: dict[str, str] = {
     **dict.fromkeys(("shell", "carapace", "claw", "nail", "hoof", "horn", "beetle"), "chitin"),
     **dict.fromkeys(("ivory", "tooth", "skeleton", "antler", "ceramic", "porcelain"), "bone"),
     **dict.fromkeys(("oak", "pine", "bark", "timber", "plank", "log", "bamboo", "cork"), "wood"),
+    **dict.fromkeys(("walnut", "ebony", "parquet"), "wood"),
     **dict.fromkeys(("rock", "granite", "marble", "slate", "boulder", "basalt"), "stone"),
-    **dict.fromkeys(("concrete", "clay", "tile", "terracotta", "plaster", "asphalt"), "brick"),
+    **dict.fromkeys(
+        ("concrete", "clay", "tile", "tiles", "terracotta", "plaster", "asphalt"), "brick"
+    ),
     **dict.fromkeys(("steel", "iron", "copper", "brass", "gold", "silver", "aluminium"), "metal"),
     **dict.fromkeys(("aluminum", "chrome", "tin", "bronze", "lead", "rust"), "metal"),
     **dict.fromkeys(("crystal", "diamond", "bottle"), "glass"),

@@ -1,50 +1,59 @@
 """Materials as Mitsuba's BSDFs.
 
-Ground is made of two layers of one pattern, the second larger, turned and in the
-second colour, mixed by slow patches, so that no tile is seen again beside itself;
-where the surface is steep, rock lies bare.
+A pattern is looked at once a point (`render.ground`); in the scalar variant, where that
+would be slow, it is made of Mitsuba's own textures (`render.nested`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import mitsuba as mi
-import numpy as np
-from numpy.typing import NDArray
 
+from render.coat import Coat
 from render.color import linear
-from render.textures import patches, tile
+from render.glossy import glossy
+from render.ground import Ground
+from render.hatching import TINT, TINTED, WARNING
+from render.nested import Surface, nested, tinted
+from render.plain import clear, flat, is_rough, plain
+from render.prints import Prints
+from render.rough import rough
 from render.words import Material
 
-STEEP = "vertex_steep"
-"""Mesh attribute: share of bare rock at a vertex, 0 to 1."""
-
-TINTED = "face_tinted"
-"""Mesh attribute: 1 on faces that are shown in the colour of a warning, else 0."""
-
-WARNING, TINT = (0.85, 0.12, 0.06), 0.55
-"""The colour of a warning, sRGB, and its share of a tinted surface."""
-
-_PATCH_TILES = 9.0
-"""The map of patches spans this many tiles of the pattern."""
+__all__ = ["TINTED", "Surface", "bsdf", "glowing", "has_shares"]
 
 
-def bsdf(words: Material, textured: bool, tinted: bool = False) -> dict[str, Any]:
-    """Return the BSDF of a material as a dictionary for `mi.load_dict`.
+def bsdf(
+    words: Material, surface: Surface, warned: bool = False, prints: Prints | None = None
+) -> Any:
+    """Return the BSDF of a material, `mi.BSDF`.
 
     Args:
         words: the material, written out in full.
-        textured: whether the surface has texture coordinates.
-        tinted: whether it carries the attribute `TINTED`.
+        surface: what a pattern is laid on: ground, a body, or nothing that could bear one.
+        warned: whether the surface carries the attribute `TINTED`.
+        prints: what is pressed into ground; the scalar variant leaves it out.
     """
-    surface = _surface(words, textured)
-    if tinted:
-        warned = _blend(
-            {"type": "uniform", "value": TINT}, surface, _principled(words, _flat(WARNING))
-        )
-        surface = _blend({"type": "mesh_attribute", "name": TINTED}, surface, warned)
-    return {"type": "twosided", "bsdf": surface}
+    if words.transmission > 0:
+        return mi.load_dict(clear(words))
+    has_pattern = surface != "bare" and words.texture != "none"
+    if not (has_pattern or warned or prints) or _is_scalar():
+        made = nested(words, surface) if has_pattern else plain(words, flat(words.color))
+        if warned:
+            made = tinted(TINTED, TINT, made, WARNING)
+        return mi.load_dict({"type": "twosided", "bsdf": made})
+    look = _look(words if has_pattern else words.model_copy(update=_BARE), surface, warned, prints)
+    if is_rough(words):
+        return rough(look, look.values)
+    return glossy(words, look, look.values)
+
+
+def _look(words: Material, surface: Surface, warned: bool, prints: Prints | None) -> Ground | Coat:
+    if surface == "body" and words.texture != "none":
+        return Coat(words)
+    return Ground(words, warned, prints)
 
 
 def glowing(words: Material) -> dict[str, Any]:
@@ -53,81 +62,33 @@ def glowing(words: Material) -> dict[str, Any]:
     return {"type": "area", "radiance": {"type": "rgb", "value": radiance}}
 
 
-def _surface(words: Material, textured: bool) -> dict[str, Any]:
-    if words.texture == "none" or not textured:
-        return _principled(words, _flat(words.color))
-    surface = _pattern(words, words.texture, words.color, 1.0, 0.0)
-    if words.color2 is not None:
-        second = _pattern(words, words.texture, words.color2, 1.37, 37.0)
-        surface = _blend(_patch_map(words), surface, second)
-    if words.steep_color is not None:
-        rock = _pattern(words, "rock", words.steep_color, 1.13, 11.0)
-        surface = _blend({"type": "mesh_attribute", "name": STEEP}, surface, rock)
-    if words.bump > 0:
-        surface = _bump(words, surface)
-    return surface
+def has_shares(words: Material, surface: Surface) -> bool:
+    """Whether meshes of this material carry the attributes of `render.shares`."""
+    return _is_scalar() and surface == "ground" and words.texture != "none"
 
 
-def shows_rock(words: Material) -> bool:
-    """Whether meshes of this material carry the attribute `STEEP`."""
-    return words.texture != "none" and words.steep_color is not None
+_BARE = {
+    "texture": "none",
+    "color2": None,
+    "steep_color": None,
+    "crest_color": None,
+    "hollow_color": None,
+    "bump": 0.0,
+}
+"""Words of a surface without any pattern."""
 
 
-def _principled(words: Material, color: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "type": "principled",
-        "base_color": color,
-        "roughness": max(words.roughness, 0.03),
-        "metallic": words.metallic,
-        "specular": 0.5,
-        "clearcoat": words.clearcoat,
-        "clearcoat_gloss": 0.93,
-    }
+def light_paths(materials: Iterable[Material]) -> int:
+    """Return how many more bounces a light path may take through what is clear."""
+    # In and out of one solid, and what it mirrors inside once.
+    return 3 if any(words.transmission > 0 for words in materials) else 0
 
 
-def _flat(color: tuple[float, float, float]) -> dict[str, Any]:
-    return {"type": "rgb", "value": [float(c) for c in linear(color)]}
+def needs_coordinates(words: Material, surface: Surface) -> bool:
+    """Whether meshes of this material carry texture coordinates."""
+    # A look lays ground by its place in the world.
+    return words.texture != "none" and (surface == "body" or _is_scalar())
 
 
-def _blend(weight: dict[str, Any], below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    return {"type": "blendbsdf", "weight": weight, "below": below, "above": above}
-
-
-def _pattern(
-    words: Material, name: str, color: tuple[float, float, float], larger: float, turn_deg: float
-) -> dict[str, Any]:
-    drawn = tile(name)
-    tint = np.array([0.13, 0.0, -0.16], np.float32)
-    albedo = linear(color) * drawn.shade[..., None] * (1 + drawn.warmth[..., None] * tint)
-    # Above 0.9 a surface would light itself through its many reflections.
-    return _principled(
-        words, _bitmap(albedo.clip(0.003, 0.9), words.texture_scale * larger, turn_deg)
-    )
-
-
-def _patch_map(words: Material) -> dict[str, Any]:
-    return _bitmap(patches()[..., None], words.texture_scale * _PATCH_TILES, 19.0)
-
-
-def _bump(words: Material, surface: dict[str, Any]) -> dict[str, Any]:
-    drawn = tile(words.texture)
-    # The relief grows with the tile, which keeps its slopes.
-    relief = drawn.relief[..., None] * (words.texture_scale / drawn.size)
-    return {
-        "type": "bumpmap",
-        "scale": words.bump,
-        "relief": _bitmap(relief, words.texture_scale, 0.0),
-        "surface": surface,
-    }
-
-
-def _bitmap(pixels: NDArray[np.floating], size: float, turn_deg: float) -> dict[str, Any]:
-    """Return a texture that repeats after `size` metres, turned about its corner."""
-    T = mi.ScalarTransform3f
-    return {
-        "type": "bitmap",
-        "bitmap": mi.Bitmap(np.ascontiguousarray(pixels, np.float32)),
-        "raw": True,
-        "wrap_mode": "repeat",
-        "to_uv": T().rotate(turn_deg).scale([1 / size, 1 / size]),
-    }
+def _is_scalar() -> bool:
+    return str(mi.variant()).startswith("scalar")

@@ -11,20 +11,29 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import ShotError
-from render.materials import STEEP, TINTED, bsdf, glowing, shows_rock
+from render.materials import (
+    TINTED,
+    Surface,
+    bsdf,
+    glowing,
+    has_shares,
+    needs_coordinates,
+)
+from render.pressed import PRINTED
+from render.prints import Prints
+from render.shares import share_names, shares
 from render.shot import Mesh
+from render.unwrapping import Unwrapped, unwrapped
 from render.words import Material
 
 ALONE = 20_000
 """A mesh of this many vertices is not merged: it is likely to stand still (terrain)."""
-
-_SOFT_DEG = 9.0
-"""The border of the bare rock is spread over this much slope to either side."""
 
 
 _CACHE_LINE = 64
@@ -38,20 +47,24 @@ class Group:
     Attributes:
         members: their places in `Shot.meshes`.
         material: name of their material.
-        textured: whether they have texture coordinates.
+        surface: what patterns are laid on.
         smooth: whether they have vertex normals.
         faces: (F, 3) indices into the vertices of all members.
-        steep_deg: slope about which rock shows, or None.
+        shared: the material, if its vertices say which share of its colours they show.
         tinted: (F,) faces in the colour of a warning, or None.
+        unwrapped: the surface with texture coordinates, None where it needs none.
+        prints: what is pressed into it, or None; such a mesh stands alone.
     """
 
     members: tuple[int, ...]
     material: str
-    textured: bool
+    surface: Surface
     smooth: bool
     faces: NDArray[np.uint32]
-    steep_deg: float | None
+    shared: Material | None
     tinted: NDArray[np.bool_] | None
+    unwrapped: Unwrapped | None
+    prints: Prints | None
 
 
 def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[Group, ...]:
@@ -60,16 +73,23 @@ def groups(meshes: Sequence[Mesh], materials: Mapping[str, Material]) -> tuple[G
     Raises:
         ShotError: a mesh names a material that the shot has not, or its arrays do not fit.
     """
-    members: dict[tuple[str, bool, bool, bool, str], list[int]] = {}
+    members: dict[tuple[str, Surface, bool, bool, str], list[int]] = {}
     for i, mesh in enumerate(meshes):
         _check(mesh, materials)
-        name = mesh.name if len(mesh.vertices) >= ALONE else ""
-        alike = mesh.material, mesh.uv is not None, mesh.smooth, mesh.tinted is not None, name
+        alone = len(mesh.vertices) >= ALONE or mesh.prints is not None
+        name = mesh.name if alone else ""
+        alike = mesh.material, _surface(mesh), mesh.smooth, mesh.tinted is not None, name
         members.setdefault(alike, []).append(i)
     return tuple(
-        _group(tuple(places), meshes, materials[material], material, textured, smooth)
-        for (material, textured, smooth, _, _), places in members.items()
+        _group(tuple(places), meshes, materials[material], material, surface, smooth)
+        for (material, surface, smooth, _, _), places in members.items()
     )
+
+
+def _surface(mesh: Mesh) -> Surface:
+    if mesh.uv is not None:
+        return "ground"
+    return "bare" if mesh.rest is None else "body"
 
 
 def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
@@ -83,6 +103,8 @@ def _check(mesh: Mesh, materials: Mapping[str, Material]) -> None:
         raise ShotError(f"mesh {mesh.name!r} has a face with a vertex beyond its {n}")
     if mesh.uv is not None and mesh.uv.shape != (n, 2):
         raise ShotError(f"mesh {mesh.name!r} has uv of shape {mesh.uv.shape}, not ({n}, 2)")
+    if mesh.rest is not None and mesh.rest.shape != (n, 3):
+        raise ShotError(f"mesh {mesh.name!r} has rest of shape {mesh.rest.shape}, not ({n}, 3)")
     if mesh.tinted is not None and mesh.tinted.shape != mesh.faces.shape[:1]:
         told = f"has tints for {len(mesh.tinted)} faces, not {len(mesh.faces)}"
         raise ShotError(f"mesh {mesh.name!r} {told}")
@@ -93,7 +115,7 @@ def _group(
     meshes: Sequence[Mesh],
     words: Material,
     material: str,
-    textured: bool,
+    surface: Surface,
     smooth: bool,
 ) -> Group:
     starts = np.cumsum([0, *(len(meshes[i].vertices) for i in members)])
@@ -101,17 +123,31 @@ def _group(
         meshes[i].faces.astype(np.uint32) + np.uint32(s)
         for i, s in zip(members, starts, strict=False)
     ]
-    steep = words.steep_deg if textured and shows_rock(words) else None
+    all_faces = np.concatenate(faces)
+    shared = words if has_shares(words, surface) else None
     tints = [t for t in (meshes[i].tinted for i in members) if t is not None]
     tinted = np.concatenate(tints) if tints else None
-    return Group(members, material, textured, smooth, np.concatenate(faces), steep, tinted)
+    laid = _unwrapped([meshes[i] for i in members], all_faces, words, surface)
+    prints = meshes[members[0]].prints
+    return Group(members, material, surface, smooth, all_faces, shared, tinted, laid, prints)
+
+
+def _unwrapped(
+    meshes: Sequence[Mesh], faces: NDArray[np.uint32], words: Material, surface: Surface
+) -> Unwrapped | None:
+    if surface == "bare" or not needs_coordinates(words, surface):
+        return None
+    # Ground stands where it is at rest.
+    rest = [mesh.vertices if mesh.rest is None else mesh.rest for mesh in meshes]
+    return unwrapped(np.concatenate(rest), faces)
 
 
 def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
     """Return a group as a new mesh of Mitsuba."""
     props = mi.Properties()
-    props["mesh_bsdf"] = mi.load_dict(bsdf(words, group.textured, group.tinted is not None))
-    count = sum(len(meshes[i].vertices) for i in group.members)
+    props["mesh_bsdf"] = bsdf(words, group.surface, group.tinted is not None, group.prints)
+    laid = group.unwrapped
+    count = len(laid.source) if laid else sum(len(meshes[i].vertices) for i in group.members)
     if words.glow > 0.0:
         props["mesh_emitter"] = mi.load_dict(glowing(words))
     mesh = mi.Mesh(
@@ -120,17 +156,17 @@ def built(group: Group, meshes: Sequence[Mesh], words: Material) -> mi.Mesh:
         len(group.faces),
         props=props,
         has_vertex_normals=group.smooth,
-        has_vertex_texcoords=group.textured,
+        has_vertex_texcoords=laid is not None,
     )
-    if group.steep_deg is not None:
-        mesh.add_attribute(STEEP, 1, [0.0] * count)
+    for name in share_names(group.shared):
+        mesh.add_attribute(name, 1, [0.0] * count)
     if group.tinted is not None:
-        mesh.add_attribute(TINTED, 1, group.tinted.astype(np.float32).tolist())
+        tints = _at_vertices(group.tinted, group.faces)
+        mesh.add_attribute(TINTED, 1, (tints[laid.source] if laid else tints).tolist())
     values = mi.traverse(mesh)
-    _write(values, "faces", group.faces)
-    if group.textured:
-        uv = np.concatenate([np.asarray(meshes[i].uv, np.float32) for i in group.members])
-        _write(values, "vertex_texcoords", uv)
+    _write(values, "faces", laid.faces if laid else group.faces)
+    if laid:
+        _write(values, "vertex_texcoords", laid.uv)
     update(values, "", group, meshes)
     values.update()
     return mesh
@@ -146,12 +182,28 @@ def update(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> No
     vertices = np.ascontiguousarray(vertices, np.float32)
     if not np.isfinite(vertices).all():
         raise ShotError(f"a vertex of material {group.material!r} is not finite")
-    _write(values, prefix + "vertex_positions", vertices)
+    every = slice(None) if group.unwrapped is None else group.unwrapped.source
+    _write(values, prefix + "vertex_positions", vertices[every])
     if group.smooth:
         normals = vertex_normals(vertices, group.faces)
-        _write(values, prefix + "vertex_normals", normals)
-        if group.steep_deg is not None:
-            _write(values, prefix + STEEP, _bare(normals, vertices, group.steep_deg))
+        _write(values, prefix + "vertex_normals", normals[every])
+        if group.shared is not None:
+            for name, share in shares(group.shared, vertices, normals).items():
+                _write(values, prefix + name, share[every])
+
+
+def imprint(values: Any, prefix: str, group: Group, meshes: Sequence[Mesh]) -> None:
+    """Write how many prints have been made into Mitsuba's parameters."""
+    name = f"{prefix}bsdf.{PRINTED}"
+    if group.prints is not None and name in values:
+        values[name] = dr.opaque(type(values[name]), meshes[group.members[0]].printed)
+
+
+def _at_vertices(tinted: NDArray[np.bool_], faces: NDArray[np.uint32]) -> NDArray[np.float32]:
+    """Return which share of the faces about each vertex is tinted, (V,)."""
+    corners, tints = faces.ravel(), np.repeat(tinted.astype(float), 3)
+    count = np.bincount(corners)
+    return (np.bincount(corners, tints) / np.maximum(count, 1)).astype(np.float32)
 
 
 def _write(values: Any, name: str, array: NDArray[Any]) -> None:
@@ -200,16 +252,3 @@ def vertex_normals(vertices: NDArray[np.float32], faces: NDArray[np.uint32]) -> 
     # A vertex of collapsed triangles only is never seen; any direction will do.
     up = np.array([0.0, 1.0, 0.0])
     return np.where(length > 1e-20, total / np.maximum(length, 1e-20), up).astype(np.float32)
-
-
-def _bare(
-    normals: NDArray[np.float32], vertices: NDArray[np.float32], steep_deg: float
-) -> NDArray[np.float32]:
-    """Return the share of bare rock at each vertex, by slope, with a ragged border."""
-    slope = np.degrees(np.arccos(np.clip(np.abs(normals[:, 1]), 0, 1)))
-    x, y, z = vertices.T
-    # Waves whose lengths have no common measure: never seen to repeat, and equal anywhere.
-    ragged = np.sin(5.1 * x + 1.7 * z + 2.3 * y) + np.sin(3.3 * z - 4.4 * x + 1.1)
-    ragged += np.sin(9.7 * x + 8.3 * z) * np.sin(7.9 * z - 6.1 * y)
-    t = ((slope + 2.5 * ragged - steep_deg + _SOFT_DEG) / (2 * _SOFT_DEG)).clip(0, 1)
-    return np.asarray(t * t * (3 - 2 * t), np.float32)

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.panorama import content_of
+from render.prints import Prints
 from render.words import Film, Light, Material
 
 
@@ -35,10 +36,14 @@ class Mesh:
         faces: (F, 3) uint32, counter-clockwise seen from outside. Constant over a film:
             what is hidden has its triangles collapsed, never removed.
         material: a key of `Shot.materials`.
-        uv: (V, 2) float32 or None, texture coordinates [m] along the surface.
+        uv: (V, 2) float32 or None, texture coordinates [m] of ground, which patterns are laid on.
         smooth: shade with interpolated vertex normals.
         tinted: (F,) faces that are shown in the colour of a warning, None for none. Constant
             over a film.
+        rest: (V, 3) float32 or None, places of the vertices of a body in a frame of its own,
+            longest along the first axis [m]: patterns lie on the body there. Constant.
+        prints: what is pressed into ground over the whole film, or None. Constant.
+        printed: how many of these prints have been made.
     """
 
     name: str
@@ -48,6 +53,9 @@ class Mesh:
     uv: NDArray[np.float32] | None = None
     smooth: bool = True
     tinted: NDArray[np.bool_] | None = None
+    rest: NDArray[np.float32] | None = None
+    prints: Prints | None = None
+    printed: int = 0
 
     @cached_property
     def topology(self) -> bytes:
@@ -55,13 +63,17 @@ class Mesh:
         head = f"{self.name}|{self.material}|{self.smooth}|{len(self.vertices)}"
         uv = b"" if self.uv is None else self.uv.tobytes()
         tint = b"" if self.tinted is None else b"tinted" + self.tinted.tobytes()
-        words = head.encode() + self.faces.tobytes() + uv + tint
+        rest = b"" if self.rest is None else b"rest" + self.rest.tobytes()
+        prints = b"" if self.prints is None else b"prints" + self.prints.bytes
+        words = head.encode() + self.faces.tobytes() + uv + tint + rest + prints
         return hashlib.blake2b(words, digest_size=16).digest()
 
     @cached_property
     def digest(self) -> bytes:
         """Digest of the whole mesh."""
-        return hashlib.blake2b(self.topology + self.vertices.tobytes(), digest_size=16).digest()
+        words = self.topology + self.vertices.tobytes()
+        words += f"printed {self.printed}".encode() if self.printed else b""
+        return hashlib.blake2b(words, digest_size=16).digest()
 
 
 @dataclass(frozen=True)

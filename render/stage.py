@@ -17,7 +17,9 @@ from render.errors import ShotError
 from render.exposure import Exposure
 from render.lights import emitters
 from render.lights.lamps import lamp_emitters, move_lamps, standing
-from render.meshes import Group, built, groups, moved, update
+from render.materials import light_paths
+from render.meshes import Group, built, groups, imprint, moved, update
+from render.rough import set_pixel
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.tracer import tracer
 from render.words import FullFilm, Material
@@ -54,7 +56,8 @@ class Stage:
             }
         )
         self._sensor = self._scene.sensors()[0]
-        self._tracer, self.handed_over = tracer(self._scene, self._film.size, self._film.depth)
+        depth = self._film.depth + light_paths(shot.materials.values())
+        self._tracer, self.handed_over = tracer(self._scene, self._film.size, depth)
         self._values = mi.traverse(self._scene)
         self._shown: tuple[Mesh, ...] = shot.meshes
         self.move(shot.moments[0])
@@ -64,12 +67,14 @@ class Stage:
         for i, group in enumerate(self._groups):
             if moved(group, self._shown, moment.meshes):
                 update(self._values, f"mesh{i}.", group, moment.meshes)
+            imprint(self._values, f"mesh{i}.", group, moment.meshes)
         self._shown = moment.meshes
         shining = moment.lamps or standing(self._lamps)
         if shining != self._shining:
             move_lamps(self._values, self._lamps, shining)
             self._shining = shining
         _aim(self._values, moment.camera, self._film)
+        set_pixel(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
 
     def expose(self, seed: int, passes: range, of: int) -> Exposure:

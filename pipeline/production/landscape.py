@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
 from pipeline.simulation.terrain.surfaces import surface_of_vertices
+from render.prints import Prints
 from render.shot import Mesh
 
 RINGS = 26
@@ -22,12 +23,15 @@ GROWTH = 1.32
 """How much wider each ring is than the one before."""
 
 
-def ground_meshes(terrain: TerrainRecord, show_forbidden: bool = False) -> tuple[Mesh, ...]:
+def ground_meshes(
+    terrain: TerrainRecord, show_forbidden: bool = False, prints: Prints | None = None
+) -> tuple[Mesh, ...]:
     """Return the terrain and its far field, with texture coordinates in metres.
 
     Args:
         terrain: the ground.
-        show_forbidden: whether its forbidden zones are tinted.
+        show_forbidden: whether its forbidden zones are hatched.
+        prints: what is pressed into it over the film.
     """
     near = Mesh(
         name="terrain",
@@ -36,6 +40,7 @@ def ground_meshes(terrain: TerrainRecord, show_forbidden: bool = False) -> tuple
         material=terrain.material,
         uv=terrain.vertices[:, [0, 2]].astype(np.float32),
         tinted=_tinted(terrain) if show_forbidden else None,
+        prints=prints,
     )
     vertices, faces = _far_field(terrain)
     far = Mesh(

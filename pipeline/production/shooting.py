@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from pipeline.production.camera import camera_poses, first_frames
 from pipeline.production.carried_lamps import CarriedLamps
+from pipeline.production.footprints import footprints
 from pipeline.production.landscape import ground_meshes
 from pipeline.production.mounting import mounts_of, sharp_nodes_of
 from pipeline.production.panning import Panning
+from pipeline.production.resting import rests
 from pipeline.production.skinning import Skin
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
@@ -41,8 +44,13 @@ class Shooting:
         self.poses = camera_poses(take, scene.camera, aspect, mounts, sharp)
         self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)
-        self._ground = ground_meshes(take.terrain, scene.terrain.show_forbidden)
+        words = scene.terrain
+        texture = self.materials[take.terrain.material].texture
+        self._prints = footprints(take, texture) if words.footprints else None
+        raster = self._prints.prints if self._prints else None
+        self._ground = ground_meshes(take.terrain, words.show_forbidden, raster)
         self._skin = Skin.of(take)
+        self._rests = rests(take, self.materials)
         self._lamps = CarriedLamps.of(scene, take)
 
     def shot(self, frame: int) -> Shot:
@@ -63,17 +71,26 @@ class Shooting:
         row = self.clock.row_of_frame(frame)
         at = row + part * self.clock.samples
         vertices = self._skin.posed(self.take, at)
-        meshes = list(self._ground)
+        meshes = list(self._trodden(at))
         for i, piece in enumerate(self.take.parts):
             mesh = self.take.meshes[piece.mesh]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
             if not piece.life[0] <= row < piece.life[1]:
                 # Hidden by collapsing: the topology of a build stays as it is.
                 placed = np.zeros_like(placed)
-            meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material))
+            rest = self._rests[i]
+            meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material, rest=rest))
         return Moment(
             tuple(meshes), self._panning.at(frame, part), self._lamps.placed(self.take, at)
         )
+
+    def _trodden(self, row: float) -> tuple[Mesh, ...]:
+        """Return the ground with the footprints that have been made by a row of the take."""
+        near, *others = self._ground
+        made = self._prints.made(row) if self._prints else 0
+        if near.printed != made:
+            self._ground = replace(near, printed=made), *others
+        return self._ground
 
 
 def _materials(scene: Scene, take: Take) -> Mapping[str, Material]:

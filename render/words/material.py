@@ -8,125 +8,60 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from render.words.base import Color, PresetWords, Unit, known_name
+from render.words.creature_materials import CREATURES
+from render.words.ground_materials import GROUNDS
+from render.words.thing_materials import THINGS
 
-Texture = Literal["none", "soil", "sand", "grass", "snow", "rock", "wood", "mottle"]
+Texture = Literal[
+    "none",
+    "soil",
+    "sand",
+    "grass",
+    "snow",
+    "rock",
+    "gravel",
+    "mud",
+    "asphalt",
+    "ice",
+    "tiles",
+    "checker",
+    "wood",
+    "planks",
+    "mottle",
+    "shell",
+    "fur",
+    "plumage",
+    "pores",
+    "weave",
+    "scratches",
+    "brushed",
+    "plaster",
+    "clay",
+    "marble",
+]
 
-_PRESETS: dict[str, dict[str, Any]] = {
-    # Creatures.
-    "green chitin": {"color": "#46691f", "roughness": 0.33, "clearcoat": 0.9, "metallic": 0.35},
-    "brown chitin": {"color": "#5a3217", "roughness": 0.4, "clearcoat": 0.8, "metallic": 0.15},
-    "black chitin": {"color": "#1b1a1d", "roughness": 0.35, "clearcoat": 1.0, "metallic": 0.2},
-    "red chitin": {"color": "#94201a", "roughness": 0.38, "clearcoat": 0.9, "metallic": 0.15},
-    "blue chitin": {"color": "#1f4a85", "roughness": 0.36, "clearcoat": 0.9, "metallic": 0.35},
-    "amber chitin": {"color": "#b8741c", "roughness": 0.38, "clearcoat": 0.8, "metallic": 0.15},
-    "bone": {"color": "#ddd0b4", "roughness": 0.45, "clearcoat": 0.2},
-    "skin": {"color": "#c98f73", "roughness": 0.5, "clearcoat": 0.1},
-    "fur": {"color": "#8a6542", "roughness": 0.9},
-    "chestnut fur": {"color": "#6e3a1c", "roughness": 0.62, "clearcoat": 0.1},
-    "sand fur": {"color": "#b88d58", "roughness": 0.85},
-    "grey fur": {"color": "#77716a", "roughness": 0.85},
-    "black fur": {"color": "#1d1917", "roughness": 0.7},
-    "feathers": {"color": "#2b2725", "roughness": 0.8},
-    "horn": {"color": "#3a322a", "roughness": 0.45, "clearcoat": 0.2},
-    "leather": {"color": "#4a2f1f", "roughness": 0.5, "clearcoat": 0.1},
-    "red cloth": {"color": "#9c2f2b", "roughness": 0.95},
-    "blue cloth": {"color": "#2c4a73", "roughness": 0.95},
-    "eye": {"color": "#08080a", "roughness": 0.08, "clearcoat": 1.0},
-    # Things.
-    "wood": {
-        "color": "#9a6b3f",
-        "color2": "#6e4526",
-        "roughness": 0.55,
-        "texture": "wood",
-        "texture_scale": 0.5,
-    },
-    "clay": {"color": "#b0643f", "roughness": 0.85},
-    "brick": {"color": "#98482f", "roughness": 0.9},
-    "brass": {"color": "#d9a94a", "roughness": 0.28, "metallic": 1.0},
-    "copper": {"color": "#c8744f", "roughness": 0.3, "metallic": 1.0},
-    "steel": {"color": "#b4b8bd", "roughness": 0.25, "metallic": 1.0},
-    "rubber": {"color": "#262628", "roughness": 0.75},
-    "red rubber": {"color": "#b2261f", "roughness": 0.5, "clearcoat": 0.15},
-    "white plaster": {"color": "#dcd9d2", "roughness": 0.9},
-    "grey plaster": {"color": "#8b8a87", "roughness": 0.9},
-    "red plastic": {"color": "#b3231c", "roughness": 0.3, "clearcoat": 0.5},
-    "blue plastic": {"color": "#22569c", "roughness": 0.3, "clearcoat": 0.5},
-    "yellow plastic": {"color": "#d9a818", "roughness": 0.3, "clearcoat": 0.5},
-    "flame": {"color": "#ff7417", "roughness": 1.0, "glow": 2.5},
-    "smoke": {"color": "#a3a19d", "roughness": 1.0},
-    "water": {"color": "#a9c4d4", "roughness": 0.08, "clearcoat": 1.0},
-    "leaf": {"color": "#637d2b", "roughness": 0.65, "clearcoat": 0.1},
-    # Ground.
-    "dry soil": {
-        "color": "#8c7156",
-        "color2": "#ab9678",
-        "roughness": 0.95,
-        "texture": "soil",
-        "texture_scale": 2.6,
-        "bump": 1.0,
-        "steep_color": "#85766a",
-    },
-    "grass": {
-        "color": "#5d6b3a",
-        "color2": "#87834e",
-        "roughness": 0.9,
-        "texture": "grass",
-        "texture_scale": 1.9,
-        "bump": 1.0,
-        "steep_color": "#7d7264",
-    },
-    "moss": {
-        "color": "#4d5f25",
-        "color2": "#6b7038",
-        "roughness": 0.95,
-        "texture": "grass",
-        "texture_scale": 1.1,
-        "bump": 0.8,
-        "steep_color": "#6d6a64",
-    },
-    "sand": {
-        "color": "#cfae7b",
-        "color2": "#dcc193",
-        "roughness": 0.9,
-        "texture": "sand",
-        "texture_scale": 2.2,
-        "bump": 0.8,
-        "steep_color": "#b78f5f",
-    },
-    "snow": {
-        "color": "#e9edf2",
-        "color2": "#dfe6ef",
-        "roughness": 0.7,
-        "texture": "snow",
-        "texture_scale": 2.4,
-        "bump": 0.6,
-        "steep_color": "#706d6c",
-        "steep_deg": 40,
-    },
-    "rock": {
-        "color": "#85796c",
-        "color2": "#9c9184",
-        "roughness": 0.85,
-        "texture": "rock",
-        "texture_scale": 2.9,
-        "bump": 1.2,
-    },
-}
+PALETTE: dict[str, dict[str, Any]] = {**CREATURES, **THINGS, **GROUNDS}
+"""All named materials."""
 
 
 class Material(PresetWords):
     """How a surface looks: the name of a preset, an adjusted preset, or all words.
 
-    A texture needs a surface with texture coordinates, such as terrain; elsewhere the
-    surface shows `color`.
+    On the ground a texture is laid from above, or from the side where it is steep; on
+    bodies and limbs it runs along them and goes with them.
     """
 
-    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = _PRESETS
+    presets: ClassVar[Mapping[str, Mapping[str, Any]]] = PALETTE
 
     color: Color = Field((0.5, 0.5, 0.5), description="Base colour, '#rrggbb' or [r, g, b] sRGB.")
     roughness: Unit = Field(0.5, description="0 is a mirror, 1 is chalk.")
     metallic: Unit = Field(0.0, description="0 is a dielectric, 1 is bare metal.")
     clearcoat: Unit = Field(0.0, description="Weight of a clear, glossy coat.")
+    sheen: Unit = Field(0.0, description="Weight of a soft gloss at the rim, as of velvet.")
+    transmission: Unit = Field(
+        0.0, description="Share of the light that goes through, as in glass."
+    )
+    ior: float = Field(1.5, ge=1.01, le=3, description="Index of refraction of what is clear.")
     glow: float = Field(
         0.0,
         ge=0,
@@ -145,9 +80,18 @@ class Material(PresetWords):
     steep_deg: float = Field(
         33.0, ge=1, le=89, description="Slope [degrees] about which the rock shows."
     )
+    crest_color: Color | None = Field(
+        None,
+        description="Colour of textured ground above `crest_height`, such as dry crests or snow.",
+    )
+    crest_height: float = Field(1.0, description="Height [m] from which crests show their colour.")
+    hollow_color: Color | None = Field(
+        None, description="Colour of textured ground below `hollow_height`, such as damp soil."
+    )
+    hollow_height: float = Field(0.0, description="Height [m] up to which hollows show theirs.")
 
 
-MATERIALS: dict[str, Material] = {name: Material.model_validate(name) for name in _PRESETS}
+MATERIALS: dict[str, Material] = {name: Material.model_validate(name) for name in PALETTE}
 
 
 def material(word: str | Mapping[str, Any] | Material) -> Material:

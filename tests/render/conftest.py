@@ -59,3 +59,8 @@ def make_shot() -> Callable[..., Shot]:
         return Shot(things, materials, light(lit), pose, film, seed)
 
     return make
+
+
+@pytest.fixture
+def make_ground() -> Callable[..., Mesh]:
+    return plane

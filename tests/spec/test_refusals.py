@@ -38,8 +38,8 @@ ONE_MISTAKE = [
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
-     "unknown key, known: at, cells, foot_radius, heading_deg, kind, material, polygons, "
-     "show_forbidden, size, unsteppable_slope_deg"),
+     "unknown key, known: at, cells, foot_radius, footprints, heading_deg, kind, material, "
+     "polygons, show_forbidden, size, unsteppable_slope_deg"),
     ("[2, 0.5], radius", "[2, 0.5], §radios", "figures.bug.nodes.foot_l.radios",
      "unknown key, did you mean 'radius'?"),
     ("terrain: hills", "film: {§sise: [320, 180]}", "film.sise",

@@ -110,13 +110,17 @@ def content_digest(file: str) -> str:
         return ""
 
 
+SHOWN = ("show_forbidden", "footprints")
+"""Words of a terrain that only its picture follows."""
+
+
 def simulated(words: dict[str, Any]) -> dict[str, Any]:
     """Return what the simulation reads of a terrain's words.
 
-    Of files that is what they hold, not what they are called; forbidden zones are there whether
-    they are shown or not.
+    Of files that is what they hold, not what they are called; forbidden zones and
+    footprints are there whether they are shown or not.
     """
-    words = {key: value for key, value in words.items() if key != "show_forbidden"}
+    words = {key: value for key, value in words.items() if key not in SHOWN}
     if "file" in words:
         words["file"] = content_digest(words["file"])
     if "of" in words:

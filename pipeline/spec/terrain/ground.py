@@ -55,7 +55,12 @@ class Ground(Words):
         "forbidden zone [m].",
     )
     show_forbidden: bool = Field(
-        False, strict=True, description="Whether forbidden zones are tinted in the picture."
+        False, strict=True, description="Whether forbidden zones are hatched in the picture."
+    )
+    footprints: bool = Field(
+        False,
+        strict=True,
+        description="Whether feet leave prints in soft ground: soil, sand, grass, mud or snow.",
     )
 
     @classmethod

@@ -1,0 +1,159 @@
+"""Patterns of the ground."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from render.textures.noise import TILE, cells, noise, pebbles
+
+Array = NDArray[np.floating]
+Drawn = tuple[Array, Array, Array, float]
+"""Shade, warmth, relief [m] and natural size [m] of a tile; see `render.textures.Tile`."""
+
+
+def soil(rng: np.random.Generator) -> Drawn:
+    """Draw clods, gravel and some stones."""
+    clods, grain = noise(rng, 1.7, first=6), noise(rng, 0.8, first=50)
+    gravel, gravel_tint = pebbles(rng, 90, 0.35)
+    stones, stone_tint = pebbles(rng, 26, 0.16)
+    relief = 0.008 * clods + 0.0002 * grain + 0.0035 * gravel + 0.013 * stones
+    shade = 1 + 0.13 * clods + 0.09 * grain
+    shade += np.where(gravel > 0, 0.22 * gravel_tint, 0) + np.where(
+        stones > 0, 0.15 + 0.22 * stone_tint, 0
+    )
+    warmth = 0.25 * noise(rng, 1.4, first=5) - 0.5 * (stones > 0) - 0.3 * (gravel > 0)
+    return shade.clip(0.3, 1.9), warmth.clip(-1, 1), relief, 2.6
+
+
+def sand(rng: np.random.Generator) -> Drawn:
+    """Draw wind ripples."""
+    bend, grain = noise(rng, 2.4, first=2), noise(rng, 0.3, first=90)
+    y, x = np.mgrid[0:TILE, 0:TILE] / TILE
+    phase = 2 * np.pi * (17 * y + 4 * x) + 1.9 * bend
+    # The lee side of a ripple is steeper than the windward one.
+    ripple = np.sin(phase + 0.45 * np.sin(phase))
+    height = 0.6 + 0.4 * np.tanh(noise(rng, 2.0, first=2))
+    relief = 0.0055 * ripple * height + 0.0028 * noise(rng, 1.6, first=5) + 0.0003 * grain
+    shade = 1 + 0.05 * ripple * height + 0.05 * grain + 0.03 * noise(rng, 1.2, first=6)
+    return shade.clip(0.5, 1.5), 0.2 * noise(rng, 1.3, first=5), relief, 2.2
+
+
+def grass(rng: np.random.Generator) -> Drawn:
+    """Draw blades from above."""
+    blades, points = 52_000, 30
+    along = np.linspace(0, 1, points)[None, :]
+    clump = noise(rng, 1.8, first=5)
+    root = rng.uniform(0, TILE, (2, blades, 1))
+    lean = 1.3 * noise(rng, 2.2, first=3)
+    at = root[:, :, 0].astype(np.intp)
+    heading = lean[at[0], at[1]][:, None] + rng.normal(0, 0.9, (blades, 1))
+    heading = heading + rng.normal(0, 0.5, (blades, 1)) * along
+    length = rng.uniform(14, 38, (blades, 1))
+    row = (root[0] + length * along * np.sin(heading)).astype(np.intp) % TILE
+    column = (root[1] + length * along * np.cos(heading)).astype(np.intp) % TILE
+    tall = rng.uniform(0.4, 1.0, (blades, 1)) * np.sin(np.pi * (0.15 + 0.75 * along))
+    height = np.zeros((TILE, TILE))
+    np.maximum.at(height, (row, column), tall)
+    np.maximum.at(height, (row, (column + 1) % TILE), tall * 0.97)
+    tint = np.zeros((TILE, TILE))
+    top = tall >= height[row, column]
+    tint[row[top], column[top]] = np.broadcast_to(rng.normal(0, 1, (blades, 1)), row.shape)[top]
+    relief = 0.006 * height + 0.01 * clump
+    shade = (0.35 + 0.85 * height) * (1 + 0.16 * tint) * (1 + 0.12 * clump)
+    warmth = 0.3 * tint + 0.25 * noise(rng, 1.5, first=4)
+    return shade.clip(0.15, 2.0), warmth.clip(-1, 1), relief, 1.9
+
+
+def snow(rng: np.random.Generator) -> Drawn:
+    """Draw drifts under a crust."""
+    drift, crust, grain = (
+        noise(rng, 2.4, first=3),
+        noise(rng, 1.2, first=20),
+        noise(rng, 0.2, first=120),
+    )
+    relief = 0.012 * drift + 0.0012 * crust + 0.0003 * grain
+    return 1 + 0.015 * crust + 0.02 * grain, 0.1 * drift, relief, 2.4
+
+
+def rock(rng: np.random.Generator) -> Drawn:
+    """Draw cracked and chipped facets."""
+    first, second, owner = cells(rng, 9, warp=0.35)
+    fine_first, fine_second, _ = cells(rng, 31, warp=0.3)
+    crack = np.exp(-(((second - first) / 0.035) ** 2))
+    chip = np.exp(-(((fine_second - fine_first) / 0.06) ** 2))
+    rough = noise(rng, 1.55, first=6)
+    facet = rng.uniform(-1, 1, 81)[owner]
+    relief = 0.018 * rough + 0.008 * facet - 0.009 * crack - 0.001 * chip
+    shade = 1 + 0.16 * rough + 0.08 * facet - 0.4 * crack - 0.1 * chip
+    shade += 0.07 * noise(rng, 0.5, first=60)
+    warmth = 0.45 * noise(rng, 1.5, first=4)
+    return shade.clip(0.25, 1.8), warmth.clip(-1, 1), relief, 2.9
+
+
+def gravel(rng: np.random.Generator) -> Drawn:
+    """Draw stones lying beside and over one another."""
+    large, large_tint = pebbles(rng, 34, 0.8)
+    small, small_tint = pebbles(rng, 80, 0.9)
+    over = large > 0
+    relief = np.where(over, 0.006 + 0.022 * large, 0.009 * small)
+    tint = np.where(over, large_tint, small_tint)
+    shade = 0.55 + 0.35 * tint + 0.55 * np.where(over, np.sqrt(large), 0.8 * np.sqrt(small))
+    shade += 0.06 * noise(rng, 0.4, first=80)
+    return shade.clip(0.15, 2.0), (0.6 * tint).clip(-1, 1), relief, 1.8
+
+
+def mud(rng: np.random.Generator) -> Drawn:
+    """Draw what was stirred and has settled."""
+    swirl, lumps = noise(rng, 2.0, first=5), noise(rng, 1.5, first=14)
+    hollow = np.tanh(1.4 * swirl)
+    relief = 0.016 * hollow + 0.003 * lumps
+    shade = 1 + 0.2 * hollow + 0.08 * lumps + 0.03 * noise(rng, 0.6, first=60)
+    return shade.clip(0.4, 1.7), 0.3 * noise(rng, 1.6, first=5).clip(-2, 2), relief, 2.2
+
+
+def asphalt(rng: np.random.Generator) -> Drawn:
+    """Draw chips of stone in tar."""
+    chips, tint = pebbles(rng, 128, 0.85)
+    shade = 0.75 + 0.5 * chips * (0.6 + 0.7 * tint) + 0.07 * noise(rng, 1.0, first=8)
+    return shade.clip(0.2, 2.0), 0.25 * tint, 0.0022 * chips, 1.0
+
+
+def ice(rng: np.random.Generator) -> Drawn:
+    """Draw cracks of some depth, and clouds of air below the surface."""
+    first, second, _ = cells(rng, 5, warp=0.3)
+    fine_first, fine_second, _ = cells(rng, 17, warp=0.5)
+    crack = np.exp(-(((second - first) / 0.02) ** 2))
+    hair = np.exp(-(((fine_second - fine_first) / 0.02) ** 2)) * (noise(rng, 2.0, first=4) > 0.2)
+    cloud = np.tanh(noise(rng, 1.9, first=4))
+    shade = 0.9 + 0.18 * cloud + 0.5 * crack + 0.3 * hair
+    return (
+        shade.clip(0.4, 1.9),
+        -0.3 * cloud,
+        0.0012 * noise(rng, 2.0, first=6) - 0.001 * crack,
+        2.5,
+    )
+
+
+def tiles(rng: np.random.Generator) -> Drawn:
+    """Draw six by six floor tiles, each of its own tone, with grout between them."""
+    return _slabs(rng, 6, np.zeros((6, 6)), 2.4)
+
+
+def checker(rng: np.random.Generator) -> Drawn:
+    """Draw six by six floor tiles, light and dark."""
+    row, column = np.indices((6, 6))
+    return _slabs(rng, 6, 0.72 * ((row + column) % 2 * 2.0 - 1.0), 2.4)
+
+
+def _slabs(rng: np.random.Generator, across: int, tones: Array, size: float) -> Drawn:
+    y, x = np.mgrid[0:TILE, 0:TILE] * (across / TILE)
+    row, column = y.astype(int), x.astype(int)
+    edge = np.minimum(np.minimum(x - column, 1 - x + column), np.minimum(y - row, 1 - y + row))
+    # The edges of a slab are rounded over a few millimetres.
+    rise = np.clip((edge - 0.012) / 0.018, 0, 1)
+    slab = rise * rise * (3 - 2 * rise)
+    tone = (tones + rng.normal(0, 0.06, (across, across)))[row, column]
+    shade = np.where(slab > 0.02, 1.0 + tone, 0.6) + 0.05 * noise(rng, 1.2, first=6)
+    relief = 0.004 * slab + 0.00015 * noise(rng, 1.4, first=12)
+    return shade.clip(0.12, 2.0), 0.15 * noise(rng, 1.6, first=4).clip(-2, 2), relief, size

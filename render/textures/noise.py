@@ -1,0 +1,73 @@
+"""Noise, cells and pebbles that continue over the edges of a tile."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Plane = NDArray[np.float32]
+
+TILE = 1024
+"""Width and height of a tile [pixels]."""
+
+
+def noise(
+    rng: np.random.Generator,
+    slope: float,
+    first: float = 4,
+    last: float = 1e9,
+    size: int = TILE,
+    stretch: float = 1.0,
+) -> Plane:
+    """Return tiling noise of unit deviation with power falling as frequency^(-2 slope).
+
+    Args:
+        rng: source of the noise.
+        slope: 1 is rough, 2 is smooth.
+        first: lowest frequency [cycles a tile]; below it the power fades.
+        last: highest frequency [cycles a tile].
+        size: width and height [pixels].
+        stretch: above 1 draws the noise out along the rows.
+    """
+    white = np.fft.rfft2(rng.standard_normal((size, size)))
+    fy = np.fft.fftfreq(size, 1 / size)[:, None]
+    fx = np.fft.rfftfreq(size, 1 / size)[None, :] * stretch
+    f = np.hypot(fx, fy)
+    gain = np.maximum(f, first) ** -slope * (f / first).clip(0, 1) ** 2 * (f <= last)
+    field = np.fft.irfft2(white * gain, s=(size, size))
+    return np.asarray(field / field.std(), np.float32)
+
+
+def cells(
+    rng: np.random.Generator, across: int, warp: float = 0.0
+) -> tuple[Plane, Plane, NDArray[np.intp]]:
+    """Return distances to the nearest and second nearest seed [cells], and whose cell it is."""
+    seed_y, seed_x = rng.uniform(0.05, 0.95, (2, across * across)).astype(np.float32)
+    y, x = np.mgrid[0:TILE, 0:TILE].astype(np.float32) * np.float32(across / TILE)
+    if warp:
+        x = x + np.float32(warp) * noise(rng, 1.6, first=across / 2)
+        y = y + np.float32(warp) * noise(rng, 1.6, first=across / 2)
+    row, column = np.floor(y).astype(np.int32), np.floor(x).astype(np.int32)
+    y, x = y - row, x - column
+    first = np.full((TILE, TILE), 81.0, np.float32)
+    second = first.copy()
+    owner = np.zeros((TILE, TILE), np.intp)
+    for dy in (-1, 0, 1):
+        for dx in (-1, 0, 1):
+            cell = (row + dy) % across * across + (column + dx) % across
+            d = (seed_y[cell] + dy - y) ** 2 + (seed_x[cell] + dx - x) ** 2
+            nearer = d < first
+            second = np.where(nearer, first, np.minimum(second, d))
+            owner = np.where(nearer, cell, owner)
+            first = np.where(nearer, d, first)
+    return np.sqrt(first), np.sqrt(second), owner
+
+
+def pebbles(rng: np.random.Generator, across: int, share: float) -> tuple[Plane, Plane]:
+    """Return domes 0 to 1 on a share of the cells, and a random value for each stone."""
+    first, second, owner = cells(rng, across, warp=0.12)
+    size = rng.uniform(0.25, 0.85, across * across) * (rng.random(across * across) < share)
+    edge = (second - first) / np.maximum(size[owner], 1e-3)
+    dome = np.sqrt(np.clip(edge, 0, 1)) * (size[owner] > 0) * (first < 0.6 * size[owner] + 0.1)
+    stone = rng.uniform(-1, 1, across * across)[owner]
+    return np.asarray(dome * size[owner], np.float32), np.asarray(stone, np.float32)

@@ -1,0 +1,86 @@
+"""Tiles continue over their edges, and what is packed is what was drawn."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from render.backend import Backend
+from render.textures import TILE, patches, patterns, tile
+from render.words import MATERIALS
+
+PATTERNS = sorted(patterns())
+
+
+def test_every_pattern_that_a_material_may_name_is_drawn() -> None:
+    from typing import get_args
+
+    from render.words.material import Texture
+
+    assert {*PATTERNS, "none"} == set(get_args(Texture))
+    assert {words.texture for words in MATERIALS.values()} <= {*PATTERNS, "none"}
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+def test_a_tile_has_no_seam(name: str) -> None:
+    drawn = tile(name)
+    for plane in (drawn.shade, drawn.warmth, drawn.relief):
+        assert plane.shape == (TILE, TILE)
+        assert np.isfinite(plane).all()
+        for axis in (0, 1):
+            steps = np.abs(np.diff(plane, axis=axis)).mean(axis=1 - axis)
+            first, last = (np.take(plane, i, axis=axis) for i in (0, -1))
+            # A seam would be a step that is nowhere else between two rows.
+            assert np.abs(first - last).mean() <= 1.1 * steps.max() + 1e-6
+
+
+@pytest.mark.parametrize("name", PATTERNS)
+def test_a_tile_keeps_the_base_colour_on_average(name: str) -> None:
+    drawn = tile(name)
+    assert drawn.shade.mean() == pytest.approx(1.0, abs=1e-3)
+    assert drawn.shade.min() > 0
+    assert np.abs(drawn.warmth).max() <= 1.0
+
+
+def test_patches_are_halves() -> None:
+    assert patches().mean() == pytest.approx(0.5, abs=0.03)
+
+
+def test_what_a_kernel_reads_is_what_was_drawn(backend: Backend) -> None:
+    """At the middles of texels, and straight between them, over the border as well."""
+    if backend.variant.startswith("scalar"):
+        pytest.skip("the scalar variant reads no packed tiles")
+    backend.activate()
+    import mitsuba as mi
+
+    from render.packed import read, texels
+
+    drawn, of = tile("soil"), texels("soil")
+    rng = np.random.default_rng(1)
+    j, i = rng.integers(0, TILE, (2, 400))
+    i[:4] = TILE - 1
+    at = (i + 1.0) / TILE, (j + 0.5) / TILE
+    found = read(mi.UInt32(of.words), of, mi.Float(at[0]), mi.Float(at[1]), None)
+    right = (i + 1) % TILE
+    shade = 0.5 * (drawn.shade[j, i] + drawn.shade[j, right])
+    np.testing.assert_allclose(np.array(found.shade), shade.clip(0, 2), atol=1.5 / 255)
+    slope = (np.roll(drawn.relief, -1, 1) - np.roll(drawn.relief, 1, 1)) * (TILE / drawn.size / 2)
+    expected = 0.5 * (slope[j, i] + slope[j, right])
+    np.testing.assert_allclose(np.array(found.slope_u), expected, atol=1.5 * of.steepest / 255)
+
+
+def test_coarser_copies_have_the_same_mean(backend: Backend) -> None:
+    if backend.variant.startswith("scalar"):
+        pytest.skip("the scalar variant reads no packed tiles")
+    backend.activate()
+    import mitsuba as mi
+
+    from render.packed import LEVELS, read, texels
+
+    of = texels("rock")
+    u, v = (mi.Float(a) for a in np.random.default_rng(2).random((2, 200_000)))
+    means = []
+    for level in range(LEVELS):
+        found = read(mi.UInt32(of.words), of, u, v, mi.UInt32(level))
+        means.append(float(np.array(found.shade).mean()))
+    assert means == pytest.approx([means[0]] * LEVELS, abs=0.01)

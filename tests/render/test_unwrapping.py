@@ -1,0 +1,81 @@
+"""Patterns on bodies: no stretch, no seam in the shading, no swimming."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import trimesh
+
+from render.renderer import Renderer
+from render.shot import CameraPose, Mesh, Shot
+from render.unwrapping import unwrapped
+from render.words import Film, light, material
+
+Make = Callable[..., Shot]
+
+
+def ball() -> trimesh.Trimesh:
+    return trimesh.creation.icosphere(subdivisions=3, radius=0.5)
+
+
+def test_no_triangle_is_stretched() -> None:
+    """The singular values of the map from triangle to pattern lie between 1 / sqrt 3 and 1."""
+    solid = ball()
+    rest, faces = solid.vertices.astype(np.float32), solid.faces.astype(np.uint32)
+    laid = unwrapped(rest, faces)
+    assert (laid.source[laid.faces] == faces).all()
+    corners, uv = rest[faces].astype(float), laid.uv[laid.faces].astype(float)
+    along = corners[:, 1] - corners[:, 0]
+    length = np.linalg.norm(along, axis=1, keepdims=True)
+    along = along / length
+    across = np.cross(solid.face_normals, along)
+    edges = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
+    flat = np.stack([along, across], axis=1) @ edges
+    shown = np.stack([uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]], axis=2)
+    stretch = np.linalg.svd(shown @ np.linalg.inv(flat), compute_uv=False)
+    assert stretch.max() <= 1 + 1e-4
+    assert stretch.min() >= 1 / np.sqrt(3) - 1e-3
+
+
+def test_doubled_vertices_only_stand_on_seams() -> None:
+    solid = ball()
+    laid = unwrapped(solid.vertices.astype(np.float32), solid.faces.astype(np.uint32))
+    counts = np.bincount(laid.source)
+    assert counts.min() == 1
+    assert counts.max() <= 3
+    assert len(laid.source) < 1.4 * len(solid.vertices)
+
+
+def test_a_pattern_goes_with_the_body(renderer: Renderer) -> None:
+    """Body and camera moved together show the same picture, under a sky without a sun."""
+    solid = ball()
+    rest = solid.vertices.astype(np.float32)
+    faces = solid.faces.astype(np.uint32)
+    materials = {"m": material({"preset": "walnut", "roughness": 1.0, "clearcoat": 0.0})}
+    film = Film(size=(48, 48), samples=16, depth=2, denoise="off")
+
+    def seen(x: float) -> np.ndarray:
+        mesh = Mesh("ball", rest + np.float32([x, 0, 0]), faces, "m", rest=rest)
+        pose = CameraPose((x, 0.4, 2.0), (x, 0.0, 0.0), fov_deg=30)
+        return renderer.render(Shot((mesh,), materials, light("overcast"), pose, film)).light
+
+    here, there = seen(0.0), seen(8.0)
+    inside = slice(16, 32)
+    here, there = here[inside, inside], there[inside, inside]
+    # Samples of single rays may fall to either side of a vein; the veins are where they were.
+    assert np.abs(here - there).mean() < 0.05 * here.std(axis=(0, 1)).mean()
+
+
+def test_bodies_without_a_pattern_are_not_unwrapped(renderer: Renderer, make_shot: Make) -> None:
+    del renderer
+    from render.meshes import groups
+
+    shot = make_shot(look="red plastic")
+    body = replace(shot.meshes[1], rest=shot.meshes[1].vertices)
+    plain, patterned = (
+        groups([body], {"bone": material(name)})[0] for name in ("red plastic", "walnut")
+    )
+    assert plain.unwrapped is None
+    assert patterned.unwrapped is not None

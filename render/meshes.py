@@ -36,10 +36,6 @@ ALONE = 20_000
 """A mesh of this many vertices is not merged: it is likely to stand still (terrain)."""
 
 
-_CACHE_LINE = 64
-"""Bytes."""
-
-
 @dataclass(frozen=True)
 class Group:
     """Meshes that make up one mesh of Mitsuba.
@@ -208,20 +204,7 @@ def _at_vertices(tinted: NDArray[np.bool_], faces: NDArray[np.uint32]) -> NDArra
 
 def _write(values: Any, name: str, array: NDArray[Any]) -> None:
     # The type of a buffer differs between the variants of Mitsuba.
-    values[name] = type(values[name])(_aligned(array))
-
-
-def _aligned(array: NDArray[Any]) -> NDArray[Any]:
-    """Return the values in a row, at an address that the widest vectors can be read from.
-
-    Dr.Jit takes arrays as they lie, and what it has recorded for one that lies well does not
-    serve for one that does not.
-    """
-    raw = np.empty(array.nbytes + _CACHE_LINE, np.uint8)
-    begin = -raw.ctypes.data % _CACHE_LINE
-    placed = raw[begin : begin + array.nbytes].view(array.dtype)
-    placed[:] = array.ravel()
-    return placed
+    values[name] = type(values[name])(np.ascontiguousarray(array.ravel()))
 
 
 def moved(group: Group, before: Sequence[Mesh], now: Sequence[Mesh]) -> bool:

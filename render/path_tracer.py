@@ -39,6 +39,9 @@ class PathTracer:
         color = self._rendered(self._color, sensor, seed, len(passes))[..., -3:].clip(0.0, 1.0)
         return Exposure(np.zeros_like(light), color, light, color)
 
+    def moved(self) -> None:
+        """Take note that the scene was changed in place: it keeps nothing of it."""
+
     def _rendered(self, integrator: Any, sensor: Any, seed: int, samples: int) -> Image:
         image = integrator.render(self._scene, sensor, seed=seed, spp=samples)
         # Reading the pixels waits for Mitsuba, so that times taken outside are honest.

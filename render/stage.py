@@ -76,6 +76,7 @@ class Stage:
         _aim(self._values, moment.camera, self._film)
         set_pixel(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
+        self._tracer.moved()
 
     def expose(self, seed: int, passes: range, of: int) -> Exposure:
         """Return what the camera sees; see `tracer.Tracer`."""

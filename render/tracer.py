@@ -28,6 +28,10 @@ class Tracer(Protocol):
         """
         ...
 
+    def moved(self) -> None:
+        """Take note that the scene was changed in place."""
+        ...
+
 
 def tracer(scene: Any, size: tuple[int, int], depth: int) -> tuple[Tracer, str]:
     """Return the tracer for a scene, and why it is not ours, or nothing.

@@ -7,7 +7,7 @@ in how the work is laid out, which decides the speed on a CPU:
   end in the sky; a loop inside one kernel drags the others along in half-empty vectors.
 - Samples are stratified pass by pass (`strata`), so that rays that lie beside each other in
   memory, those of a small square of the picture, go into the same part of the sphere.
-- A pass is traced in Python once and then played back, whatever has moved.
+- A pass is traced in Python once and then played back, until something moves.
 - What lamps do for the surfaces that are seen, and these surfaces' colours, is sharp and cheap;
   what comes from the sky and from surface to surface is soft and dear. So the first has samples
   of its own, several for each path of the second, and the two are handed on apart.
@@ -49,8 +49,12 @@ costs half of a path, and makes edges, textures and shadows clean, where the res
 RECORDINGS = 8
 """Most recordings that are kept of one stage of the work."""
 
-TOGETHER = 1
-"""The pair, along the surface, of which all pixels have the same cell in the same pass."""
+ON_LAMP, ALONG = 0, 1
+"""The pairs that a step draws: a point on a lamp and a direction along the surface. At the eye
+they are a place in the pixel and one on the lens."""
+
+ROUNDS = 8
+"""Of the hash; with fewer, numbers of neighbouring keys have been seen to hang together."""
 
 
 @dataclass
@@ -62,12 +66,15 @@ class Draws:
         base: of those that they keep over all passes.
         k: number of the pass.
         grid: columns and rows of cells in each pair of dimensions, one for every pass.
+        together: whether all pixels have the same cell along the surface in the same pass. Only
+            one step may: two would have the same cell together, always.
     """
 
     key: mi.UInt32
     base: mi.UInt32
     k: mi.UInt32
     grid: tuple[int, int]
+    together: mi.Bool
 
 
 @dataclass
@@ -118,6 +125,7 @@ class Chance:
             mi.UInt32(key & 0xFFFFFFFF),
             mi.UInt32(self.k),
             self.grid,
+            mi.Bool(step == 1),
         )
         # Numbers that a kernel had to be compiled for would cost more than they say.
         dr.make_opaque(drawn)
@@ -176,6 +184,15 @@ class Wavefront:
                 for parts, count in zip(zip(*found, strict=True), counts, strict=True)
             )
         )
+
+    def moved(self) -> None:
+        """Forget what was recorded before the scene was changed.
+
+        Played back, it would go on with some of what was there before: Dr.Jit 1.5 finds the
+        buffers of a scene again that it replaced itself, but not always Embree's.
+        """
+        for stage in (self._looked, self._begun, self._shaded, self._shining, self._ended):
+            stage.clear()
 
     def _look(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> None:
         """Add one look through every pixel to the sums."""
@@ -242,7 +259,7 @@ def _looked(
     emitter = si.emitter(scene)
     light = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     lamp, arriving = scene.sample_emitter_direction(
-        si, _pair(pixels, draws[1], 0), False, si.is_valid()
+        si, _pair(pixels, draws[1], ON_LAMP), False, si.is_valid()
     )
 
     def answer(surface: Any, si: Any, toward: Any) -> Any:
@@ -271,7 +288,7 @@ def _begun(
 
 
 def _ray(sensor: Any, pixels: Any, size: tuple[int, int], draws: Draws) -> Any:
-    place, lens = _pair(pixels, draws, 0), _pair(pixels, draws, 1)
+    place, lens = _pair(pixels, draws, ON_LAMP), _pair(pixels, draws, ALONG)
     column, row = pixels % size[0], pixels // size[0]
     film = mi.Point2f((mi.Float(column) + place.x) / size[0], (mi.Float(row) + place.y) / size[1])
     ray, _ = sensor.sample_ray(0.0, 0.5, film, lens)
@@ -291,7 +308,7 @@ def _shaded(
     What lamps do for the first surface is found by looks, and is left out here.
     """
     si = paths.met()
-    lamp, arriving = scene.sample_emitter_direction(si, _pair(paths.pixel, draws, 0), False)
+    lamp, arriving = scene.sample_emitter_direction(si, _pair(paths.pixel, draws, ON_LAMP), False)
 
     def answer(surface: Any, si: Any, toward: Any, u: Any, v: Any) -> Any:
         color = surface.eval_diffuse_reflectance(si)
@@ -303,7 +320,7 @@ def _shaded(
         si,
         si.to_local(lamp.d),
         _line(paths.pixel, draws),
-        _pair(paths.pixel, draws, 1),
+        _pair(paths.pixel, draws, ALONG),
     )
     light = _reached(scene, si, lamp, density, paths.weight * value * arriving, ~first)
     light += dr.select(first, 0.0, _finite(paths.weight * _glow(scene, si, paths)))
@@ -400,7 +417,9 @@ def _pair(pixel: Any, draws: Draws, i: int) -> Any:
     k: Any = draws.k
     u, v = _uniform(pixel, draws.key + i)
     shuffle, across = _hash(pixel, draws.base + (2 * i + 1) * 0x1000193)
-    cell: Any = k if i == TOGETHER else mi.permute_kensler(k, columns * rows, shuffle)
+    cell = mi.permute_kensler(k, columns * rows, shuffle)
+    if i == ALONG:
+        cell = dr.select(draws.together, k, cell)
     column, row = cell // rows, cell % rows
     down = _hash(pixel, draws.base + (2 * i + 2) * 0x1000193 + row)[0]
     # Within a column each row has a strip of its own, and within a row each column.
@@ -425,7 +444,7 @@ def _uniform(pixel: Any, key: Any) -> tuple[Any, Any]:
 
 
 def _hash(pixel: Any, key: Any) -> Any:
-    return mi.sample_tea_32(pixel, key)
+    return mi.sample_tea_32(pixel, key, ROUNDS)
 
 
 def _tiled(width: int, height: int) -> NDArray[np.uint32]:

@@ -7,18 +7,21 @@ constant and no property of the machine.
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from render.errors import DenoiseError
+from render.exposure import Exposure, Image
 from render.words.film import Denoise
 
 THREADS = 2
 """Threads of the denoiser; part of the key of a frame."""
 
 _QUALITY = {"fast": "Fast", "high": "High"}
+
+FLOOR = np.float32(0.05)
+"""Added to colours that light is divided by: what is black or bare metal has a gleam yet."""
 
 WITHOUT = "write `film: {denoise: off}` to do without"
 
@@ -52,29 +55,28 @@ class Denoiser:
         self._fault = f"the denoiser {what}: {reason}; {remedy}"
         self.key = "no denoiser"
 
-    def clean(
-        self, light: NDArray[np.float32], albedo: NDArray[np.float32], mode: Denoise
-    ) -> NDArray[np.float32]:
-        """Return the picture without its noise.
+    def clean(self, exposure: Exposure, mode: Denoise) -> Image:
+        """Return the light of an exposure without its noise, (H, W, 3), linear.
 
-        Args:
-            light: (H, W, 3) linear.
-            albedo: (H, W, 3), the colour of what is seen first; it keeps the grain of the
-                ground, which looks like noise otherwise.
-            mode: off, fast or high.
+        Light that came straight from a lamp is clean and keeps its sharp edges. The other is
+        divided by the colour of the surface, which leaves the soft light that fell on it;
+        that is cleaned, and coloured again by clean colours: no grain of the ground is taken
+        for noise, and none of it is lost.
 
         Raises:
             DenoiseError: the denoiser is missing or failed.
         """
         if mode == "off":
-            return light
+            return exposure.light
+        fallen = exposure.indirect / (exposure.dye + FLOOR)
+        return exposure.direct + (exposure.color + FLOOR) * self._cleaned(fallen, mode)
+
+    def _cleaned(self, light: Image, mode: Literal["fast", "high"]) -> Image:
         self.require()
         quality = getattr(self._oidn.Quality, _QUALITY[mode])
         try:
             return np.asarray(
-                self._oidn.denoise(
-                    light, albedo=albedo, hdr=True, quality=quality, device=self._device
-                )
+                self._oidn.denoise(light, hdr=True, quality=quality, device=self._device)
             )
         except (self._oidn.Error, RuntimeError) as error:
             raise DenoiseError(f"the denoiser failed: {error}; {WITHOUT}") from error

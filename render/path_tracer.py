@@ -9,9 +9,8 @@ from typing import Any
 
 import mitsuba as mi
 import numpy as np
-from numpy.typing import NDArray
 
-Image = NDArray[np.float32]
+from render.exposure import Exposure, Image
 
 STRIDE = 7919
 """Between the seeds of two passes."""
@@ -31,16 +30,14 @@ class PathTracer:
         # Around the path tracer it would double the time.
         self._color = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
 
-    def expose(
-        self, sensor: Any, seed: int, passes: range, of: int, colors: bool
-    ) -> tuple[Image, Image | None]:
-        """Return light and colour; see `tracer.Tracer`."""
+    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
+        """Return light and colour; see `tracer.Tracer`. It does not part direct from indirect."""
         # Each moment has samples of its own, or its noise would be that of one.
         seed = (seed + STRIDE * passes.start) & 0xFFFFFFFF
         light = self._rendered(self._light, sensor, seed, len(passes))
-        if not colors:
-            return light, None
-        return light, self._rendered(self._color, sensor, seed, len(passes))[..., -3:].clip(0, 1)
+        # The same seed leads through the same places of the pixels.
+        color = self._rendered(self._color, sensor, seed, len(passes))[..., -3:].clip(0.0, 1.0)
+        return Exposure(np.zeros_like(light), color, light, color)
 
     def _rendered(self, integrator: Any, sensor: Any, seed: int, samples: int) -> Image:
         image = integrator.render(self._scene, sensor, seed=seed, spp=samples)

@@ -11,19 +11,15 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from render.backend import Backend
 from render.device_memory import told_memory
+from render.exposure import Exposure
 from render.frame import Frame
 from render.shot import Shot
 from render.words import FullFilm
 
 if TYPE_CHECKING:
     from render.stage import Stage
-
-Image = NDArray[np.float32]
 
 
 @dataclass
@@ -100,9 +96,9 @@ class Renderer:
             # Before the work that would be in vain without it.
             self._denoiser.require()
         with told_memory():
-            light, albedo = self._exposed(shot, film)
+            exposure = self._exposed(shot, film)
         with self.split.timed("denoise"):
-            light = self._denoiser.clean(light, albedo, film.denoise)
+            light = self._denoiser.clean(exposure, film.denoise)
         frame = Frame(light, film.exposure)
         if film.format == "png":
             with self.split.timed("tone"):
@@ -110,22 +106,20 @@ class Renderer:
         self.split.frames += 1
         return frame
 
-    def _exposed(self, shot: Shot, film: FullFilm) -> tuple[Image, Image]:
-        """Return light and albedo, each the mean of all moments that the shutter is open."""
+    def _exposed(self, shot: Shot, film: FullFilm) -> Exposure:
+        """Return the mean of all moments that the shutter is open."""
         stage = self._staged(shot)
         count = len(shot.moments)
         each = max(round(film.samples / count), 1)
-        lights, albedos = [], []
+        exposures = []
         for k, moment in enumerate(shot.moments):
             if k:
                 with self.split.timed("update"):
                     stage.move(moment)
             passes = range(k * each, (k + 1) * each)
             with self.split.timed("trace"):
-                light, albedo = stage.expose(shot.seed, passes, count * each, film.denoise != "off")
-            lights.append(light)
-            albedos.append(light if albedo is None else albedo)
-        return _mean(lights), _mean(albedos)
+                exposures.append(stage.expose(shot.seed, passes, count * each))
+        return Exposure.mean(exposures)
 
     def _staged(self, shot: Shot) -> Stage:
         from render.stage import Stage
@@ -141,12 +135,6 @@ class Renderer:
                 stage.move(shot.moments[0])
         self._stage = stage
         return stage
-
-
-def _mean(images: list[Image]) -> Image:
-    if len(images) == 1:
-        return images[0]
-    return np.asarray(sum(images[1:], images[0]) / np.float32(len(images)))
 
 
 @cache

@@ -14,13 +14,14 @@ import numpy as np
 
 from render.color import linear
 from render.errors import ShotError
+from render.exposure import Exposure
 from render.lights import emitters
 from render.lights.lamps import lamp_emitters, move_lamps, standing
 from render.materials import light_paths
 from render.meshes import Group, built, groups, imprint, moved, update
 from render.rough import set_pixel
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
-from render.tracer import Image, tracer
+from render.tracer import tracer
 from render.words import FullFilm, Material
 
 _NEUTRAL_GROUND = (0.30, 0.26, 0.21)
@@ -76,9 +77,9 @@ class Stage:
         set_pixel(self._values, moment.camera.fov_deg, self._film.size[1])
         self._values.update()
 
-    def expose(self, seed: int, passes: range, of: int, colors: bool) -> tuple[Image, Image | None]:
-        """Return the light that the camera sees and its first colours; see `tracer.Tracer`."""
-        return self._tracer.expose(self._sensor, seed, passes, of, colors)
+    def expose(self, seed: int, passes: range, of: int) -> Exposure:
+        """Return what the camera sees; see `tracer.Tracer`."""
+        return self._tracer.expose(self._sensor, seed, passes, of)
 
 
 def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:

@@ -8,32 +8,23 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import mitsuba as mi
-import numpy as np
-from numpy.typing import NDArray
 
+from render.exposure import Exposure
 from render.path_tracer import PathTracer
 from render.wavefront import Wavefront
-
-Image = NDArray[np.float32]
 
 
 class Tracer(Protocol):
     """Traces one scene."""
 
-    def expose(
-        self, sensor: Any, seed: int, passes: range, of: int, colors: bool
-    ) -> tuple[Image, Image | None]:
-        """Return what the sensor sees, the mean of some passes of one sample a pixel each.
+    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
+        """Return what the sensor sees, the mean of some passes of one path a pixel each.
 
         Args:
             sensor: of the scene.
             seed: of all passes.
             passes: numbers of those to trace now, at some moment of the exposure.
             of: how many passes make up the picture, among which the samples are spread.
-            colors: whether the colour of what is seen first is wanted too.
-
-        Returns:
-            The light (H, W, 3), linear sRGB, and the colour (H, W, 3), 0 to 1.
         """
         ...
 

@@ -8,7 +8,9 @@ in how the work is laid out, which decides the speed on a CPU:
 - Samples are stratified pass by pass (`strata`), so that rays that lie beside each other in
   memory, those of a small square of the picture, go into the same part of the sphere.
 - A pass is traced in Python once and then played back, whatever has moved.
-- The colour of what is seen first comes along without rays of its own.
+- What lamps do for the surfaces that are seen, and these surfaces' colours, is sharp and cheap;
+  what comes from the sky and from surface to surface is soft and dear. So the first has samples
+  of its own, several for each path of the second, and the two are handed on apart.
 
 Sums are added up pass after pass and pixel by pixel, never by threads that meet, so that the
 same seed gives the same bits.
@@ -20,7 +22,8 @@ rays to lights and rays along the surface.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
@@ -28,6 +31,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from render.exposure import Exposure
 from render.strata import grid
 
 Image = NDArray[np.float32]
@@ -37,6 +41,13 @@ LANES = 1 << 19
 
 TILE = 4
 """Side of the squares of pixels whose paths lie beside each other."""
+
+LOOKS = 4
+"""Looks for each path. A look finds what is seen through a pixel and how lamps light it; that
+costs half of a path, and makes edges, textures and shadows clean, where the rest is smooth."""
+
+RECORDINGS = 8
+"""Most recordings that are kept of one stage of the work."""
 
 TOGETHER = 1
 """The pair, along the surface, of which all pixels have the same cell in the same pass."""
@@ -115,17 +126,19 @@ class Chance:
 
 @dataclass
 class Sums:
-    """What the paths of all passes have brought, lane by lane."""
+    """What all passes have brought, lane by lane; see `exposure.Exposure`."""
 
-    light: mi.Color3f
+    direct: mi.Color3f
     color: mi.Color3f
+    indirect: mi.Color3f
+    dye: mi.Color3f
 
 
 class Wavefront:
     """Traces one scene.
 
     Args:
-        scene: of Mitsuba; see `refusal` for what it must not have.
+        scene: of Mitsuba; see `tracer.refusal` for what it must not have.
         size: width and height of the picture [pixels].
         depth: longest path, in segments.
     """
@@ -135,131 +148,220 @@ class Wavefront:
         order = _tiled(*size)
         self._back = np.argsort(order)
         self._parts = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // LANES))]
+        sky = scene.environment()
+        self._sky_is_asked = sky is not None and sky.sampling_weight() > 0.0
         # Each scene has recordings of its own, which go when it goes.
-        self._seen: Any = dr.freeze(_seen)
-        self._colored: Any = dr.freeze(_colored)
-        self._shaded: Any = dr.freeze(_shaded)
-        self._lit: Any = dr.freeze(_lit)
-        self._ended: Any = dr.freeze(_ended)
+        self._looked = _played(_looked)
+        self._begun = _played(_begun)
+        self._shaded = _played(_shaded)
+        self._shining = _played(_shining)
+        self._ended = _played(_ended)
 
-    def expose(
-        self, sensor: Any, seed: int, passes: range, of: int, colors: bool
-    ) -> tuple[Image, Image | None]:
-        """Return the light and the colour of what is seen first; see `tracer.Tracer`."""
-        cells = grid(of)
-        lights, albedos = [], []
+    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
+        """Return what the sensor sees; see `tracer.Tracer`."""
+        looks = range(LOOKS * passes.start, LOOKS * passes.stop)
+        found: list[list[Image]] = []
         for pixels in self._parts:
-            sums = Sums(*(dr.opaque(mi.Color3f, 0.0, len(pixels)) for _ in range(2)))
-            for k in passes:
-                self._pass(sensor, pixels, Chance(seed, k, cells), sums, colors)
-            lights.append(np.array(sums.light))
-            albedos.append(np.array(sums.color))
-        light = self._picture(lights, len(passes))
-        return light, self._picture(albedos, len(passes)).clip(0.0, 1.0) if colors else None
+            sums = Sums(*(dr.opaque(mi.Color3f, 0.0, len(pixels)) for _ in range(4)))
+            for k in looks:
+                self._look(sensor, pixels, Chance(seed + 1, k, grid(LOOKS * of)), sums)
+            if self._depth > 1:
+                for k in passes:
+                    self._follow(sensor, pixels, Chance(seed, k, grid(of)), sums)
+            found.append([np.array(s) for s in (sums.direct, sums.color, sums.indirect, sums.dye)])
+        counts = (len(looks), len(looks), len(passes), len(passes))
+        return Exposure(
+            *(
+                self._picture(parts, count)
+                for parts, count in zip(zip(*found, strict=True), counts, strict=True)
+            )
+        )
 
-    def _pass(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums, colors: bool) -> None:
-        """Add one sample of every pixel to the sums."""
+    def _look(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> None:
+        """Add one look through every pixel to the sums."""
+        sums.direct, sums.color = self._looked(
+            self._scene,
+            sensor,
+            pixels,
+            self._size,
+            self._depth > 1,
+            (sums.direct, sums.color),
+            (chance.draws(0), chance.draws(1)),
+        )
+
+    def _follow(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> None:
+        """Add one path from every pixel to the sums."""
         count = dr.width(pixels)
         # Held in full, although all are equal, so that later steps have the kernel of the first.
         fresh = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        paths, sums.light = self._seen(
-            self._scene, sensor, pixels, self._size, fresh, sums.light, chance.draws(0)
-        )
+        paths = self._begun(self._scene, sensor, pixels, self._size, fresh, chance.draws(0))
         for step in range(1, self._depth):
             going = mi.UInt32(dr.compress(paths.hit.is_valid()))
             if dr.width(going) == 0:
-                break
+                return
             paths = dr.gather(Paths, paths, going)
-            if colors and step == 1:
-                sums.color = self._colored(paths, sums.color)
-            paths, sums.light = self._shaded(self._scene, paths, sums.light, chance.draws(step))
-        shining = mi.UInt32(dr.compress(self._lit(paths)))
+            first = dr.opaque(mi.Bool, step == 1)
+            paths, sums.indirect, sums.dye = self._shaded(
+                self._scene,
+                paths,
+                (sums.indirect, sums.dye),
+                chance.draws(step),
+                first,
+                self._sky_is_asked,
+            )
+        shining = mi.UInt32(dr.compress(self._shining(paths)))
         if dr.width(shining):
             paths = dr.gather(Paths, paths, shining)
-            sums.light = self._ended(self._scene, paths, sums.light)
+            sums.indirect = self._ended(self._scene, paths, sums.indirect)
 
-    def _picture(self, parts: list[Image], count: int) -> Image:
+    def _picture(self, parts: Sequence[Image], count: int) -> Image:
         width, height = self._size
         rows = np.concatenate(parts, axis=1)[:, self._back].T / np.float32(count)
         return np.ascontiguousarray(rows.reshape(height, width, 3), np.float32)
 
 
-def _seen(
+def _played(stage: Callable[..., Any]) -> Any:
+    """Return a stage of the work that is recorded once and then played back.
+
+    Few paths may be as many as something else by chance, which takes a recording of its own.
+    """
+    return dr.freeze(stage, limit=RECORDINGS, warn_after=1 << 30)
+
+
+def _looked(
+    scene: Any,
+    sensor: Any,
+    pixels: Any,
+    size: tuple[int, int],
+    lamps: bool,
+    sums: tuple[Any, Any],
+    draws: tuple[Draws, Draws],
+) -> tuple[Any, Any]:
+    """Add what is seen through every pixel, as lamps light it, and its colours."""
+    si = scene.ray_intersect(_ray(sensor, pixels, size, draws[0]), mi.RayFlags.All, True)
+    emitter = si.emitter(scene)
+    light = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
+    lamp, arriving = scene.sample_emitter_direction(
+        si, _pair(pixels, draws[1], 0), False, si.is_valid()
+    )
+
+    def answer(surface: Any, si: Any, toward: Any) -> Any:
+        # Asked for together, so that textures are read once.
+        return *surface.eval_pdf(mi.BSDFContext(), si, toward), surface.eval_diffuse_reflectance(si)
+
+    value, density, color = dr.dispatch(si.bsdf(), answer, si, si.to_local(lamp.d))
+    if lamps:
+        light += _reached(scene, si, lamp, density, value * arriving, si.is_valid())
+    return sums[0] + light, sums[1] + color
+
+
+def _begun(
     scene: Any,
     sensor: Any,
     pixels: Any,
     size: tuple[int, int],
     fresh: tuple[Any, Any],
-    light: Any,
     draws: Draws,
-) -> tuple[Paths, Any]:
-    """Send a ray through every pixel; return the paths, and the sums with the sky that they see."""
+) -> Paths:
+    """Begin a path in every pixel."""
+    ray = _ray(sensor, pixels, size, draws)
+    lanes = dr.arange(mi.UInt32, dr.width(pixels))
+    hit = scene.ray_intersect_preliminary(mi.Ray3f(ray.o, ray.d))
+    return Paths(lanes, pixels, ray.o, ray.d, hit, *fresh)
+
+
+def _ray(sensor: Any, pixels: Any, size: tuple[int, int], draws: Draws) -> Any:
     place, lens = _pair(pixels, draws, 0), _pair(pixels, draws, 1)
     column, row = pixels % size[0], pixels // size[0]
     film = mi.Point2f((mi.Float(column) + place.x) / size[0], (mi.Float(row) + place.y) / size[1])
     ray, _ = sensor.sample_ray(0.0, 0.5, film, lens)
-    lanes = dr.arange(mi.UInt32, dr.width(pixels))
-    none = dr.zeros(mi.PreliminaryIntersection3f)
-    paths, sky = _met(scene, Paths(lanes, pixels, ray.o, ray.d, none, *fresh))
-    return paths, light + sky
+    return mi.Ray3f(ray.o, ray.d)
 
 
-def _met(scene: Any, paths: Paths) -> tuple[Paths, Any]:
-    """Find what each ray meets, and the light of the sky where that is nothing."""
-    hit = scene.ray_intersect_preliminary(paths.ray)
-    sky = scene.environment()
-    shine = mi.Color3f(0.0)
-    if sky is not None:
-        nothing = dr.zeros(mi.SurfaceInteraction3f)
-        nothing.wi = -paths.toward
-        shine = dr.select(hit.is_valid(), 0.0, paths.weight * sky.eval(nothing))
-    # What carries nothing ends here.
-    hit.t = dr.select(dr.max(paths.weight) > 0.0, hit.t, dr.inf)
-    return replace(paths, hit=hit), shine
+def _shaded(
+    scene: Any,
+    paths: Paths,
+    sums: tuple[Any, Any],
+    draws: Draws,
+    first: Any,
+    sky_is_asked: bool,
+) -> tuple[Paths, Any, Any]:
+    """Light the surfaces that were met and send the paths on; return them and the sums.
 
-
-def _colored(paths: Paths, color: Any) -> Any:
-    """Return the sums of colours with those of the surfaces that were met."""
-    si = paths.met()
-    return _added(color, paths, si.bsdf().eval_diffuse_reflectance(si))
-
-
-def _shaded(scene: Any, paths: Paths, light: Any, draws: Draws) -> tuple[Paths, Any]:
-    """Light the surfaces that were met and send the paths on; return them and the sums."""
+    What lamps do for the first surface is found by looks, and is left out here.
+    """
     si = paths.met()
     lamp, arriving = scene.sample_emitter_direction(si, _pair(paths.pixel, draws, 0), False)
-    value: Any
-    share: Any
-    value, density, going, share = si.bsdf().eval_pdf_sample(
-        mi.BSDFContext(),
+
+    def answer(surface: Any, si: Any, toward: Any, u: Any, v: Any) -> Any:
+        color = surface.eval_diffuse_reflectance(si)
+        return *surface.eval_pdf_sample(mi.BSDFContext(), si, toward, u, v), color
+
+    value, density, going, share, color = dr.dispatch(
+        si.bsdf(),
+        answer,
         si,
         si.to_local(lamp.d),
         _line(paths.pixel, draws),
         _pair(paths.pixel, draws, 1),
     )
-    reached = paths.weight * value * arriving
-    reached *= dr.select(lamp.delta, 1.0, lamp.pdf / (lamp.pdf + density))
-    asked = (lamp.pdf > 0.0) & (dr.max(reached) > 0.0)
-    hidden = scene.ray_test(si.spawn_ray_to(lamp.p), asked)
-    gained = paths.weight * _glow(scene, si, paths) + dr.select(asked & ~hidden, reached, 0.0)
+    light = _reached(scene, si, lamp, density, paths.weight * value * arriving, ~first)
+    light += dr.select(first, 0.0, _finite(paths.weight * _glow(scene, si, paths)))
+    weight = _finite(paths.weight * share)
     free = mi.has_flag(going.sampled_type, mi.BSDFFlags.Delta)
     further = si.spawn_ray(si.to_world(going.wo))
-    onward, sky = _met(
-        scene,
-        Paths(
-            paths.lane,
-            paths.pixel,
-            further.o,
-            further.d,
-            paths.hit,
-            paths.weight * share,
-            mi.Float(dr.select(free, 0.0, going.pdf)),
-        ),
+    onward = Paths(
+        paths.lane,
+        paths.pixel,
+        further.o,
+        further.d,
+        scene.ray_intersect_preliminary(mi.Ray3f(further.o, further.d)),
+        mi.Color3f(weight),
+        mi.Float(dr.select(free, 0.0, going.pdf)),
     )
-    return onward, _added(light, paths, gained + sky)
+    # What carries nothing ends here.
+    onward.hit.t = dr.select(dr.max(weight) > 0.0, onward.hit.t, dr.inf)
+    light += dr.select(
+        onward.hit.is_valid(), 0.0, onward.weight * _sky(scene, onward, si, sky_is_asked)
+    )
+    dye = dr.select(first, color, 0.0)
+    return onward, _added(sums[0], paths, _finite(light)), _added(sums[1], paths, dye)
 
 
-def _lit(paths: Paths) -> Any:
+def _reached(scene: Any, si: Any, lamp: Any, density: Any, light: Any, asked: Any) -> Any:
+    """Return the light of a lamp, weighted against rays along the surface, if nothing hides it."""
+    light = _finite(light * dr.select(lamp.delta, 1.0, lamp.pdf / (lamp.pdf + density)))
+    asked = asked & (lamp.pdf > 0.0) & (dr.max(light) > 0.0)
+    hidden = scene.ray_test(si.spawn_ray_to(lamp.p), asked)
+    return dr.select(asked & ~hidden, light, 0.0)
+
+
+def _sky(scene: Any, paths: Paths, before: Any, is_asked: bool) -> Any:
+    """Return the light of the sky that rays along the surface meet."""
+    sky = scene.environment()
+    if sky is None:
+        return mi.Color3f(0.0)
+    nothing = dr.zeros(mi.SurfaceInteraction3f)
+    nothing.wi = -paths.toward
+    light = sky.eval(nothing)
+    if not is_asked:
+        return light
+    seen = dr.zeros(mi.DirectionSample3f, dr.width(paths.lane))
+    seen.d, seen.emitter = paths.toward, mi.EmitterPtr(sky)
+    return _weighed(paths, scene.pdf_emitter_direction(before, seen)) * light
+
+
+def _weighed(paths: Paths, density: Any) -> Any:
+    """Return the weight of a ray along the surface against one sent to the light it meets."""
+    return _finite(dr.select(paths.pdf > 0.0, paths.pdf / (paths.pdf + density), 1.0))
+
+
+def _finite(values: Any) -> Any:
+    """Return values without those of directions that could not be drawn."""
+    return dr.select(dr.isfinite(values), values, 0.0)
+
+
+def _shining(paths: Paths) -> Any:
     """Return which paths meet a surface that gives off light."""
     return paths.hit.is_valid() & paths.hit.shape.is_emitter()
 
@@ -267,7 +369,7 @@ def _lit(paths: Paths) -> Any:
 def _ended(scene: Any, paths: Paths, light: Any) -> Any:
     """Return the sums with the light of the surfaces at which paths end."""
     si = paths.met()
-    return _added(light, paths, paths.weight * _glow(scene, si, paths))
+    return _added(light, paths, _finite(paths.weight * _glow(scene, si, paths)))
 
 
 def _added(sums: Any, paths: Paths, more: Any) -> Any:
@@ -286,8 +388,7 @@ def _glow(scene: Any, si: Any, paths: Paths) -> Any:
     before = dr.zeros(mi.Interaction3f, dr.width(paths.lane))
     before.p = paths.begin
     density = scene.pdf_emitter_direction(before, seen, glows)
-    share = dr.select(paths.pdf > 0.0, paths.pdf / (paths.pdf + density), 1.0)
-    return share * emitter.eval(si, glows)
+    return _weighed(paths, density) * emitter.eval(si, glows)
 
 
 def _pair(pixel: Any, draws: Draws, i: int) -> Any:
@@ -296,9 +397,10 @@ def _pair(pixel: Any, draws: Draws, i: int) -> Any:
     Source: Kensler, Correlated Multi-Jittered Sampling, 2013.
     """
     columns, rows = draws.grid
+    k: Any = draws.k
     u, v = _uniform(pixel, draws.key + i)
     shuffle, across = _hash(pixel, draws.base + (2 * i + 1) * 0x1000193)
-    cell = draws.k if i == TOGETHER else mi.permute_kensler(draws.k, columns * rows, shuffle)
+    cell: Any = k if i == TOGETHER else mi.permute_kensler(k, columns * rows, shuffle)
     column, row = cell // rows, cell % rows
     down = _hash(pixel, draws.base + (2 * i + 2) * 0x1000193 + row)[0]
     # Within a column each row has a strip of its own, and within a row each column.
@@ -308,8 +410,10 @@ def _pair(pixel: Any, draws: Draws, i: int) -> Any:
 
 
 def _line(pixel: Any, draws: Draws) -> Any:
+    """Return the single number that a pixel draws, each pass in an interval of its own."""
     count = draws.grid[0] * draws.grid[1]
-    place = mi.permute_kensler(draws.k, count, _hash(pixel, draws.base)[0])
+    k: Any = draws.k
+    place = mi.permute_kensler(k, count, _hash(pixel, draws.base)[0])
     return (mi.Float(place) + _uniform(pixel, draws.key + 2)[0]) / count
 
 

@@ -274,6 +274,6 @@ def test_memory_stays_flat_over_many_stages(renderer: Renderer, make_shot: Make)
     for i in range(60):
         if i == 10:
             before = resident()
-        Stage(shot).expose(0, range(1), 1, False)
+        Stage(shot).expose(0, range(1), 1)
     # Building anew leaks some in Mitsuba itself; a stage that stayed alive would be far more.
     assert resident() - before < 60

@@ -158,6 +158,7 @@ class Wavefront:
         self._parts = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // LANES))]
         sky = scene.environment()
         self._sky_is_asked = sky is not None and sky.sampling_weight() > 0.0
+        self._of = 0
         # Each scene has recordings of its own, which go when it goes.
         self._looked = _played(_looked)
         self._begun = _played(_begun)
@@ -167,6 +168,10 @@ class Wavefront:
 
     def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
         """Return what the sensor sees; see `tracer.Tracer`."""
+        if of != self._of:
+            # Numbers of Python's in what is drawn by are not asked for by what plays back.
+            self.moved()
+            self._of = of
         looks = range(LOOKS * passes.start, LOOKS * passes.stop)
         found: list[list[Image]] = []
         for pixels in self._parts:
@@ -198,12 +203,11 @@ class Wavefront:
         """Add one look through every pixel to the sums."""
         sums.direct, sums.color = self._looked(
             self._scene,
-            sensor,
             pixels,
-            self._size,
+            _ray(sensor, pixels, self._size, chance.draws(0)),
             self._depth > 1,
             (sums.direct, sums.color),
-            (chance.draws(0), chance.draws(1)),
+            chance.draws(1),
         )
 
     def _follow(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> None:
@@ -211,7 +215,8 @@ class Wavefront:
         count = dr.width(pixels)
         # Held in full, although all are equal, so that later steps have the kernel of the first.
         fresh = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        paths = self._begun(self._scene, sensor, pixels, self._size, fresh, chance.draws(0))
+        ray = _ray(sensor, pixels, self._size, chance.draws(0))
+        paths = self._begun(self._scene, pixels, ray, fresh)
         for step in range(1, self._depth):
             going = mi.UInt32(dr.compress(paths.hit.is_valid()))
             if dr.width(going) == 0:
@@ -246,20 +251,14 @@ def _played(stage: Callable[..., Any]) -> Any:
 
 
 def _looked(
-    scene: Any,
-    sensor: Any,
-    pixels: Any,
-    size: tuple[int, int],
-    lamps: bool,
-    sums: tuple[Any, Any],
-    draws: tuple[Draws, Draws],
+    scene: Any, pixels: Any, ray: Any, lamps: bool, sums: tuple[Any, Any], draws: Draws
 ) -> tuple[Any, Any]:
     """Add what is seen through every pixel, as lamps light it, and its colours."""
-    si = scene.ray_intersect(_ray(sensor, pixels, size, draws[0]), mi.RayFlags.All, True)
+    si = scene.ray_intersect(ray, mi.RayFlags.All, True)
     emitter = si.emitter(scene)
     light = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     lamp, arriving = scene.sample_emitter_direction(
-        si, _pair(pixels, draws[1], ON_LAMP), False, si.is_valid()
+        si, _pair(pixels, draws, ON_LAMP), False, si.is_valid()
     )
 
     def answer(surface: Any, si: Any, toward: Any) -> Any:
@@ -272,22 +271,14 @@ def _looked(
     return sums[0] + light, sums[1] + color
 
 
-def _begun(
-    scene: Any,
-    sensor: Any,
-    pixels: Any,
-    size: tuple[int, int],
-    fresh: tuple[Any, Any],
-    draws: Draws,
-) -> Paths:
+def _begun(scene: Any, pixels: Any, ray: Any, fresh: tuple[Any, Any]) -> Paths:
     """Begin a path in every pixel."""
-    ray = _ray(sensor, pixels, size, draws)
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
-    hit = scene.ray_intersect_preliminary(mi.Ray3f(ray.o, ray.d))
-    return Paths(lanes, pixels, ray.o, ray.d, hit, *fresh)
+    return Paths(lanes, pixels, ray.o, ray.d, scene.ray_intersect_preliminary(ray), *fresh)
 
 
 def _ray(sensor: Any, pixels: Any, size: tuple[int, int], draws: Draws) -> Any:
+    """Return a ray through every pixel. This is not recorded: not every lens can be."""
     place, lens = _pair(pixels, draws, ON_LAMP), _pair(pixels, draws, ALONG)
     column, row = pixels % size[0], pixels // size[0]
     film = mi.Point2f((mi.Float(column) + place.x) / size[0], (mi.Float(row) + place.y) / size[1])

@@ -13,19 +13,20 @@ import pytest
 from render.backend import Backend
 from render.denoiser import Denoiser
 from render.errors import DenoiseError
+from render.exposure import Exposure
 from render.renderer import Renderer
 from render.shot import Shot
 from render.words import Film
 
-BLACK = np.zeros((4, 4, 3), np.float32)
+BLACK = Exposure(*(np.zeros((4, 4, 3), np.float32) for _ in range(4)))
 
 
 def test_a_missing_denoiser_names_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mitsuba_oidn", None)
     denoiser = Denoiser()
-    assert denoiser.clean(BLACK, BLACK, "off") is BLACK
+    np.testing.assert_array_equal(denoiser.clean(BLACK, "off"), BLACK.light)
     with pytest.raises(DenoiseError, match=r"is missing: .*install mitsuba-oidn.*denoise: off"):
-        denoiser.clean(BLACK, BLACK, "fast")
+        denoiser.clean(BLACK, "fast")
 
 
 def test_a_device_that_does_not_start_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -37,7 +38,7 @@ def test_a_device_that_does_not_start_is_told(monkeypatch: pytest.MonkeyPatch) -
     fake = types.SimpleNamespace(Device=device, DeviceType=real.DeviceType, Error=real.Error)
     monkeypatch.setitem(sys.modules, "mitsuba_oidn", fake)  # type: ignore[arg-type]
     with pytest.raises(DenoiseError, match=r"does not start: .*SSE4\.1.*denoise: off"):
-        Denoiser().clean(BLACK, BLACK, "high")
+        Denoiser().clean(BLACK, "high")
 
 
 def test_without_a_denoiser_nothing_is_traced_in_vain(
@@ -49,3 +50,19 @@ def test_without_a_denoiser_nothing_is_traced_in_vain(
         renderer.render(make_shot(film=Film(size=(64, 48), samples=1, denoise="fast")))
     assert renderer.split.build == 0
     assert np.isfinite(renderer.render(make_shot()).light).all()
+
+
+def test_sharp_colours_and_shadows_are_kept_and_soft_light_is_cleaned() -> None:
+    """Ground of two colours in one light: its noise goes, and the checks stay as they are."""
+    rng = np.random.default_rng(3)
+    y, x = np.mgrid[:64, :64]
+    color = np.where(((x + y) % 2 == 0)[..., None], 0.6, 0.1).astype(np.float32).repeat(3, axis=2)
+    shadow = np.where(x > 40, 0.0, 0.5).astype(np.float32)[..., None]
+    noise = rng.gamma(4.0, 0.25, (64, 64, 1)).astype(np.float32)
+    exposure = Exposure(color * shadow, color, color * noise, color)
+    truth = color * (shadow + 1.0)
+    cleaned = Denoiser().clean(exposure, "fast")
+    assert np.abs(cleaned - truth).mean() < 0.5 * np.abs(exposure.light - truth).mean()
+    # A check that were blurred would be of one colour with its neighbour.
+    lit, dark = cleaned[(x + y) % 2 == 0].mean(), cleaned[(x + y) % 2 == 1].mean()
+    assert lit / dark > 4.0

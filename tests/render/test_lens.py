@@ -37,7 +37,8 @@ def seen_through(lens: Lens | None, depth: float, half: float = 0.02) -> Shot:
 def coverage(renderer: Renderer, shot: Shot) -> NDArray[np.float64]:
     """Return how much of each pixel the plate covers: its colour, whatever lights it."""
     stage = renderer._staged(shot)
-    return stage.albedo(3, 256)[..., 0].astype(float)
+    # Four looks for each path make as many samples.
+    return stage.expose(3, range(256), 256).color[..., 0].astype(float)
 
 
 def spread(picture: NDArray[np.float64]) -> tuple[float, float, float]:
@@ -65,7 +66,7 @@ def test_a_circle_of_confusion_is_as_large_as_optics_say(renderer: Renderer, dep
     total, across, up = spread(picture)
     assert across == pytest.approx(expected, abs=0.15)
     assert up == pytest.approx(expected, abs=0.15)
-    assert total == pytest.approx(side**2 * _white(renderer), rel=0.03)
+    assert total == pytest.approx(side**2 * _white(renderer), rel=0.06)
 
 
 def _white(renderer: Renderer) -> float:
@@ -110,4 +111,6 @@ def test_moments_are_seen_through_lenses_of_their_own(
         ).light
         for pose, seed in ((shot.camera, 0), (other, 7919))
     ]
-    np.testing.assert_allclose(renderer.render(both).light, np.mean(alone, axis=0), rtol=1e-5)
+    seen = renderer.render(both).light
+    assert np.abs(seen - np.mean(alone, axis=0)).mean() < 0.002
+    assert min(np.abs(seen - one).max() for one in alone) > 0.02

@@ -22,12 +22,14 @@ class Golden(Words):
             tuple[Annotated[Whole, Field(ge=1)], ...], Field(min_length=1, max_length=MOST_FRAMES)
         ]
         | None
-    ) = Field(None, description="Frames to compare; the first, the middle and the last if left out.")
+    ) = Field(
+        None, description="Frames to compare; the first, the middle and the last if left out."
+    )
     size: tuple[Even, Even] | None = Field(
-        None, description="Width and height [pixels], even; 320 wide if left out."
+        None, description="Width and height [pixels], even; 256 wide if left out."
     )
     samples: Annotated[Whole, Field(ge=1, le=65536)] = Field(
-        32, description="Light paths a pixel: the more, the smaller is what can be told from noise."
+        16, description="Light paths a pixel: the more, the smaller is what can be told from noise."
     )
 
 

@@ -49,4 +49,4 @@ def _features(luminance: Plane, ppd: float) -> tuple[Plane, Plane]:
 def _balanced(kernel: Plane) -> Plane:
     """Return a kernel whose positive weights add up to one, and its negative ones to minus one."""
     above, below = kernel[kernel > 0].sum(), -kernel[kernel < 0].sum()
-    return np.where(kernel > 0, kernel / above, kernel / below)
+    return np.asarray(np.where(kernel > 0, kernel / above, kernel / below))

@@ -14,10 +14,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from render.color import linear
 from render.comparison.contrast import contrast_filtered
 from render.comparison.features import feature_difference
 from render.comparison.opponent import Plane, hunt_lab, hyab, opponent
-from render.color import linear
 
 PIXELS_PER_DEGREE: Final = 0.7 * 3840 / 0.7 * np.pi / 180
 """Of a picture on a screen 0.7 m wide of 3840 pixels, seen from 0.7 m; the paper's choice."""
@@ -44,7 +44,7 @@ def flip(reference: NDArray[np.uint8], test: NDArray[np.uint8]) -> Map:
 
 @cache
 def judge() -> str:
-    """Return the name of what computes FLIP here: the authors' own program where it is installed."""
+    """Return the name of what computes FLIP here: the authors' own program where it is."""
     try:
         import flip_evaluator  # noqa: F401 (only whether it is there)
     except ImportError:
@@ -69,7 +69,7 @@ def _color_difference(one: Plane, two: Plane) -> Plane:
     bend = _P_C * most
     low = power * (_P_T / bend)
     high = _P_T + (power - bend) / (most - bend) * (1.0 - _P_T)
-    return np.where(power < bend, low, high)
+    return np.asarray(np.where(power < bend, low, high))
 
 
 @cache

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -20,7 +20,7 @@ from pipeline.production.goldens.verdict import Layer
 from render.errors import FrameFileError
 from render.pictures import read_png
 
-FORMAT = 1
+FORMAT: Final = 1
 _POINTER = b"version https://git-lfs"
 
 _HEAD = """\

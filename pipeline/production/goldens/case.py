@@ -115,9 +115,7 @@ def _scene_of(golden: GoldenFolder) -> Path:
     return beside if beside.is_file() else find_scene(golden.path.name)
 
 
-def _case(
-    name: str, file: Path, goldens: Path | None, out: Path, sets: Sequence[str]
-) -> Case:
+def _case(name: str, file: Path, goldens: Path | None, out: Path, sets: Sequence[str]) -> Case:
     folder = goldens_of(file, goldens)
     options = [f"--goldens {goldens}"] if goldens is not None else []
     options += [f"--out {out}"] if out != Path("out") else []

@@ -1,4 +1,4 @@
-"""Cues: the camera's way and the notes of the score, for goldens."""
+"""Cues: what is seen, where the camera goes, and the notes of the score, for goldens."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from audio.note_list import NoteOn
 from pipeline.errors import StoreError
 from pipeline.production.goldens.card import AGAIN
 from pipeline.production.stills import spread
+from pipeline.simulation.take import Part
 from render.shot import CameraPose
 
 CAMERA: Final = 2e-3
@@ -40,11 +41,13 @@ class Cues:
         camera: frame -> place, what is looked at, up, field of view, as ten numbers.
         ticks: of the score, a frame; a fraction in words.
         notes: of the score.
+        parts: visible solid -> its material, in the order of the take.
     """
 
     camera: dict[int, tuple[float, ...]]
     ticks: str
     notes: tuple[NoteOn, ...]
+    parts: dict[str, str]
 
     def encoded(self) -> str:
         """Return them as JSON, a line for each pose and note."""
@@ -52,15 +55,19 @@ class Cues:
         rows = (json.dumps(astuple(note), ensure_ascii=False) for note in self.notes)
         notes = ",\n".join(f"  {row}" for row in rows)
         ticks = json.dumps(self.ticks)
-        return f'{{"ticks": {ticks},\n"camera": {{\n{poses}\n}},\n"notes": [\n{notes}\n]}}\n'
+        parts = json.dumps(self.parts, indent=1, ensure_ascii=False)
+        return f'{{"ticks": {ticks},\n"parts": {parts},\n"camera": {{\n{poses}\n}},\n"notes": [\n{notes}\n]}}\n'
 
 
-def cues_of(poses: Sequence[CameraPose], ticks: str, notes: tuple[NoteOn, ...]) -> Cues:
+def cues_of(
+    poses: Sequence[CameraPose], ticks: str, notes: tuple[NoteOn, ...], parts: Sequence[Part]
+) -> Cues:
     """Return the cues of a film whose camera stands at `poses`, by frame."""
     return Cues(
         {frame: _numbers(poses[frame - 1]) for frame in spread(len(poses), MOST_POSES)},
         ticks,
         notes,
+        {part.name: part.material for part in parts},
     )
 
 
@@ -78,7 +85,8 @@ def read_cues(path: Path) -> Cues:
     try:
         words: Any = json.loads(path.read_text(encoding="utf-8"))
         camera = {int(frame): tuple(map(float, pose)) for frame, pose in words["camera"].items()}
-        return Cues(camera, str(words["ticks"]), tuple(NoteOn(*row) for row in words["notes"]))
+        notes = tuple(NoteOn(*row) for row in words["notes"])
+        return Cues(camera, str(words["ticks"]), notes, dict(words["parts"]))
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise StoreError(f"{path}: the golden is damaged ({error}); {AGAIN}") from None
 
@@ -92,6 +100,7 @@ def differences(golden: Cues, new: Cues, exact: bool) -> Iterator[str]:
         exact: whether notes have to agree to the tick; elsewhere a cause may fall into the
             next frame.
     """
+    yield from _of_parts(golden.parts, new.parts)
     yield from _of_cameras(golden.camera, new.camera)
     if golden.ticks != new.ticks:
         yield f"the score has {new.ticks} ticks a frame, the golden {golden.ticks}"
@@ -101,7 +110,17 @@ def differences(golden: Cues, new: Cues, exact: bool) -> Iterator[str]:
         yield from _of_counts(golden.notes, new.notes)
 
 
-def _of_cameras(then: dict[int, tuple[float, ...]], now: dict[int, tuple[float, ...]]) -> Iterator[str]:
+def _of_parts(then: dict[str, str], now: dict[str, str]) -> Iterator[str]:
+    for name in then | now:
+        old, new = then.get(name), now.get(name)
+        if old != new:
+            told = "is gone" if new is None else f"is new, of {new}" if old is None else ""
+            yield f"part {name} {told or f'is of {new}, in the golden of {old}'}"
+
+
+def _of_cameras(
+    then: dict[int, tuple[float, ...]], now: dict[int, tuple[float, ...]]
+) -> Iterator[str]:
     bounds = (*(CAMERA,) * 6, *(_UP,) * 3, ANGLE)
     names = (*("stands",) * 3, *("looks",) * 3, *("is turned",) * 3, "sees")
     if then.keys() != now.keys():

@@ -55,7 +55,7 @@ def facts_of_film(path: Path) -> FilmFacts:
             shown = tuple(
                 (
                     number_on(frame.to_ndarray(format="gray")),
-                    str(Fraction(frame.pts or 0) * frame.time_base),
+                    str(Fraction(frame.pts or 0) * (frame.time_base or 0)),
                 )
                 for frame in container.decode(video=0)
             )

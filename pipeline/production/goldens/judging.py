@@ -120,9 +120,7 @@ def judge_frame(
     if spread is None:
         text = f"other environment, and the golden has no variances: calibrate it; {text}"
         boxes = _boxes(tiles, golden.shape)
-        return FrameVerdict(
-            number, Outcome.UNJUDGED, "none", text, mean, tile, ratio, None, boxes
-        )
+        return FrameVerdict(number, Outcome.UNJUDGED, "none", text, mean, tile, ratio, None, boxes)
     zs = distances(spread, new)
     z = float(zs.max())
     outcome = Outcome.WITHIN if z <= limits.z else Outcome.CHANGED

@@ -48,7 +48,8 @@ def junit_of(verdicts: Sequence[SceneVerdict]) -> bytes:
             )
             mark.text = _clean("\n".join(one.details))
     ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True) + b"\n"
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
 
 
 def _clean(text: str) -> str:

@@ -12,7 +12,8 @@ from pipeline.production.goldens.case import found_in
 
 def listed(folder: Path) -> tuple[str, list[dict[str, Any]]]:
     """Return the goldens of a folder, in words and as facts."""
-    lines, facts = [], []
+    lines: list[str] = []
+    facts: list[dict[str, Any]] = []
     for golden in found_in(folder):
         size = sum(path.stat().st_size for path in golden.path.iterdir())
         try:

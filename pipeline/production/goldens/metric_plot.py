@@ -44,7 +44,7 @@ def metric_plot(frames: Sequence[FrameVerdict]) -> str:
         f'<path class="axis" d="M{_LEFT} 8V{base}H{_WIDTH - 8}"/>'
         f'<text x="{_LEFT - 6}" y="14" text-anchor="end">{top:.2f}</text>'
         f'<text x="{_LEFT - 6}" y="{base}" text-anchor="end">0</text>'
-        f'{"".join(lines)}'
+        f"{''.join(lines)}"
         f'<text class="key" x="{_WIDTH - 8}" y="14" text-anchor="end">'
         f'<tspan class="tile">worst tile</tspan> <tspan class="mean">mean</tspan></text></svg>'
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -36,7 +36,7 @@ from render.film import Picture, write_film
 from render.renderer import Renderer
 from render.shot import Shot
 
-WIDTH = 320
+WIDTH = 256
 """Of a golden's frames unless the scene says otherwise [pixels]."""
 
 _SEEDS_APART = 104_729
@@ -49,9 +49,7 @@ def framing_of(scene: Scene) -> Framing:
     # Both sides even, and no side shorter than a tile.
     size = scene.golden.size or (WIDTH, max(2 * round(WIDTH * height / width / 2), 16))
     numbers = scene.golden.frames or spread(scene.n_frames, 3)
-    return Framing(
-        numbers=tuple(sorted(set(numbers))), size=size, samples=scene.golden.samples
-    )
+    return Framing(numbers=tuple(sorted(set(numbers))), size=size, samples=scene.golden.samples)
 
 
 class Proof:
@@ -86,7 +84,7 @@ class Proof:
         with _told():
             notes = note_list(midi_bytes(self.score))
             ticks = str(grid_of(self.score.rate).tick(2) - grid_of(self.score.rate).tick(1))
-        return cues_of(self._shooting.poses, ticks, notes)
+        return cues_of(self._shooting.poses, ticks, notes, self.take.parts)
 
     @cached_property
     def film(self) -> FilmFacts:
@@ -94,13 +92,21 @@ class Proof:
         codec = CODECS[self.scene.film.resolved().suffix]
         with _told(), tempfile.TemporaryDirectory(prefix="pronk-") as folder:
             wav = Path(folder, "sound.wav")
-            write_wav(self.score, wav)
+            self.write_sound(wav)
             path = Path(folder, f"film{self.scene.film.resolved().suffix}")
             write_film(path, self._slates(codec.bits), self.scene.rate, wav)
             return facts_of_film(path)
 
+    def write_sound(self, path: Path) -> None:
+        """Write the sound of the film."""
+        write_wav(self.score, path)
+
+    def order(self) -> Sequence[int]:
+        """Return the frames of the film in the order in which they are shown."""
+        return range(1, self.scene.n_frames + 1)
+
     def _slates(self, bits: int) -> Iterator[Picture]:
-        for number in range(1, self.scene.n_frames + 1):
+        for number in self.order():
             picture = slate(number)
             # 255 stays white: each value is repeated in the lower byte.
             yield picture.astype(np.uint16) * 257 if bits == 16 else picture
@@ -125,7 +131,12 @@ class Proof:
 
     def shots(self, framing: Framing) -> Iterator[tuple[int, Shot]]:
         """Yield the frames of a golden as the renderer is given them."""
-        words = {"size": framing.size, "samples": framing.samples, "denoise": "off", "format": "png"}
+        words = {
+            "size": framing.size,
+            "samples": framing.samples,
+            "denoise": "off",
+            "format": "png",
+        }
         film = self.scene.film.model_copy(update=words)
         shooting = Shooting(self.scene.model_copy(update={"film": film}), self.take)
         for number in framing.numbers:

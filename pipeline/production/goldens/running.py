@@ -36,10 +36,15 @@ def run_checks(
             verdict = check(case, lab, reporter, layers)
             verdicts.append(verdict)
             facts = asdict(verdict)
-            reporter.result(str(verdict), passed=verdict.passed, scene=verdict.scene, layers=[
-                {"layer": one["layer"], "outcome": one["outcome"].value, "text": one["text"]}
-                for one in facts["layers"]
-            ])
+            reporter.result(
+                str(verdict),
+                passed=verdict.passed,
+                scene=verdict.scene,
+                layers=[
+                    {"layer": one["layer"], "outcome": one["outcome"].value, "text": one["text"]}
+                    for one in facts["layers"]
+                ],
+            )
         facts = facts_of(cases, verdicts)
         (folder / "report.json").write_text(encoded(facts), encoding="utf-8", newline="\n")
         (folder / "junit.xml").write_bytes(junit_of(verdicts))

@@ -65,7 +65,7 @@ def _card(case: Case, layers: tuple[Layer, ...]) -> tuple[Card | None, SceneVerd
         card = read_card(case.golden.card)
         if card.scene != case.name:
             raise StoreError(
-                f"{case.golden.card}: is the golden of {card.scene!r}, not of {case.name!r}; {AGAIN}"
+                f"{case.golden.card}: is of {card.scene!r}, not of {case.name!r}; {AGAIN}"
             )
         return card, SceneVerdict(case.name, ())
     except GoldenMissing as error:
@@ -81,7 +81,7 @@ def _layer(
 ) -> tuple[LayerVerdict, Content]:
     """Return the verdict on a layer, and `made` with what was made for it."""
     if layer not in card.layers:
-        text = f"{case.golden.path}: has no layer of this kind; add it with pronk golden record --again"
+        text = f"{case.golden.path}: has no such layer; add it with pronk golden record --again"
         return LayerVerdict(layer, Outcome.MISSING, text), made
     try:
         golden = read_content(case.golden, card, (layer,))

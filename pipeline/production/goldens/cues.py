@@ -56,7 +56,8 @@ class Cues:
         notes = ",\n".join(f"  {row}" for row in rows)
         ticks = json.dumps(self.ticks)
         parts = json.dumps(self.parts, indent=1, ensure_ascii=False)
-        return f'{{"ticks": {ticks},\n"parts": {parts},\n"camera": {{\n{poses}\n}},\n"notes": [\n{notes}\n]}}\n'
+        head = f'{{"ticks": {ticks},\n"parts": {parts},'
+        return f'{head}\n"camera": {{\n{poses}\n}},\n"notes": [\n{notes}\n]}}\n'
 
 
 def cues_of(

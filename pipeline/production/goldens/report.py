@@ -103,7 +103,8 @@ def _scene(case: Case, verdict: SceneVerdict) -> str:
         )
     opened = "" if verdict.passed else " open"
     return f"""<details class="scene {fate}"{opened}>
-<summary><b>{html.escape(verdict.scene)}</b> <span class="fate">{verdict.outcome.value}</span></summary>
+<summary><b>{html.escape(verdict.scene)}</b>
+<span class="fate">{verdict.outcome.value}</span></summary>
 {approve}
 {layers}
 </details>"""
@@ -149,7 +150,8 @@ def _view(case: Case, frame: FrameVerdict) -> str:
     )
     return f"""<figure class="view" data-mode="side" data-width="{width}" data-height="{height}"
  id="{html.escape(case.name)}-{frame.frame}" style="--w:{width};--h:{height}">
-<figcaption>frame {frame.frame}: {html.escape(frame.text)} <small>({frame.rule})</small></figcaption>
+<figcaption>frame {frame.frame}: {html.escape(frame.text)}
+<small>({html.escape(frame.rule)})</small></figcaption>
 <div class="modes">{modes}<label><input type="checkbox" class="boxed" checked> worst tiles</label>
 <input type="range" class="edge" min="0" max="100" value="50" aria-label="edge of the swipe"></div>
 <div class="stage">

@@ -78,6 +78,7 @@ def golden_commands(flags: Flags) -> typer.Typer:
         out: Out = Path("out"),
         layers: Layers = None,
         sets: Sets = None,
+        jobs: Annotated[int, typer.Option(min=1, max=256, help="Scenes checked at once.")] = 1,
         backend: Backend = "auto",
         json_lines: Json = False,
         quiet: Quiet = False,
@@ -93,7 +94,7 @@ def golden_commands(flags: Flags) -> typer.Typer:
 
         reporter = flags(json_lines, quiet, verbose)
         cases = cases_of(scenes or [], goldens, out, sets or [])
-        code = run_checks(cases, out, layers_of(layers), backend, reporter)
+        code = run_checks(cases, out, layers_of(layers), backend, jobs, reporter)
         if code:
             raise typer.Exit(code)
 

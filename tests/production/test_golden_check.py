@@ -267,7 +267,9 @@ def test_elsewhere_variances_decide_and_without_them_nobody(pronk: Pronk, home: 
     code, _, err = pronk("golden", "calibrate", "tiny")
     assert code == 6
     assert "another environment (abacus)" in err
-    assert pronk("golden", "record", "tiny", "--again", "--seeds", "0", "--layers", "frames")[0] == 0
+    assert (
+        pronk("golden", "record", "tiny", "--again", "--seeds", "0", "--layers", "frames")[0] == 0
+    )
     _somewhere_else(home)
     code, out, _ = pronk("golden", "check", "tiny", *dark)
     assert code == 6
@@ -299,6 +301,22 @@ def test_goldens_are_listed(pronk: Pronk, home: Path) -> None:
     code, out, _ = pronk("golden", "list", "--json")
     (one,) = json.loads(out)["goldens"]
     assert (one["scene"], one["calibrated"], one["frames"]["numbers"]) == ("tiny", 3, [1, 6])
+
+
+def test_jobs_change_no_verdict(pronk: Pronk, home: Path) -> None:
+    shutil.copy(home / "tiny.yaml", home / "newer.yaml")
+    changed = ("tiny", "newer", "--layers", "motion", "--set", "camera.fov_deg=40")
+
+    def told() -> Any:
+        scenes = facts(home)["scenes"]
+        for layer in (layer for scene in scenes for layer in scene["layers"]):
+            del layer["seconds"]
+        return scenes
+
+    assert pronk("golden", "check", *changed)[0] == 1
+    one = told()
+    assert pronk("golden", "check", *changed, "--jobs", "2")[0] == 1
+    assert told() == one
 
 
 def test_the_gravest_outcome_decides_the_code(pronk: Pronk, home: Path) -> None:

@@ -147,7 +147,8 @@ def differences(golden: FilmFacts, new: FilmFacts, frame: float) -> Iterator[str
     if gone or added:
         late = best_shift(golden.onsets, new.onsets, frame)
         if late:
-            yield f"the sound is {abs(late)} frames too {'late' if late > 0 else 'early'}"
+            frames = "a frame" if abs(late) == 1 else f"{abs(late)} frames"
+            yield f"the sound is {frames} too {'late' if late > 0 else 'early'}"
         for fate, some in (("no longer", gone), ("newly", added)):
             if some:
                 times = ", ".join(f"{onset.time:.3f}" for onset in some[:6])

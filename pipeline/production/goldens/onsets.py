@@ -80,11 +80,12 @@ def _lonely(some: Sequence[Onset], others: Sequence[Onset], within: float) -> li
 
 
 def best_shift(then: Sequence[Onset], now: Sequence[Onset], frame: float) -> int:
-    """Return by how many frames the sound is late if that explains it better than anything."""
+    """Return by how many frames the sound is late if that explains nearly all, else 0."""
 
     def lonely(late: int) -> int:
         moved = [Onset(onset.time + late * frame, onset.rise) for onset in then]
         gone, new = unmatched(moved, now, 2 * _HOP)
         return len(gone) + len(new)
 
-    return min(range(-_REACH, _REACH + 1), key=lambda late: (lonely(late), abs(late)))
+    best = min(range(-_REACH, _REACH + 1), key=lambda late: (lonely(late), abs(late)))
+    return best if lonely(best) < lonely(0) / 4 else 0

@@ -5,10 +5,14 @@ A tenth of each list runs in the full tier, the whole at night.
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 import wave
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,10 +34,11 @@ from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import write_take
 from pipeline.spec import Scene, read_scene
-from render.backend import choose
+from render.backend import choose, libraries
 from render.pictures import read_png
 from render.shot import Shot
 
+ROOT = Path(__file__).parents[2]
 COUNT, TENTH = 200, 20
 FRAMES = 12
 
@@ -293,6 +298,56 @@ def other_jobs(base: Base, k: int, folder: Path) -> None:
     film_in_processes(share, 2, lambda done: None)
     frames = {number: read_png(outputs.frame(number)) for number in golden.frames}
     assert judged(base, frames) is Outcome.IDENTICAL
+
+
+SOMEWHERE_ELSE = """
+import sys
+import numpy as np
+from pipeline.production.goldens.card import Framing
+from pipeline.production.goldens.proof import Proof
+from pipeline.spec import read_scene
+from render.backend import Backend
+from render.renderer import Renderer
+
+text, variant, library, place = sys.argv[1:]
+framing = Framing(numbers=(8,), size=(96, 54), samples=16)
+renderer = Renderer(Backend(variant, library, "0", "asked for"))
+np.savez(place, **{str(n): p for n, p in Proof(read_scene(text)).frames(framing, renderer)})
+"""
+
+
+def rendered_by(variant: str, library: str, light: str, folder: Path) -> dict[int, Any] | None:
+    """Return the golden's frames as another backend renders them, None if it does not work."""
+    place = folder / "frames.npz"
+    words = [sys.executable, "-c", SOMEWHERE_ELSE, text_of(light), variant, library, str(place)]
+    paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    done = subprocess.run(words, env=environment, capture_output=True, check=False)
+    if done.returncode:
+        return None
+    with np.load(place) as frames:
+        return {int(number): frames[number] for number in frames}
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("k", range(len(LIGHTS)))
+def test_another_variant_is_let_pass_by_the_variances(
+    bases: list[Base], k: int, tmp_path: Path
+) -> None:
+    frames = rendered_by("scalar_rgb", "", LIGHTS[k], tmp_path)
+    assert frames is not None
+    assert not np.array_equal(frames[8], bases[k].golden.frames[8])
+    assert judged(bases[k], frames, "scalar_rgb") is Outcome.WITHIN
+
+
+@pytest.mark.nightly
+def test_another_llvm_changes_no_bit(bases: list[Base], tmp_path: Path) -> None:
+    for library in libraries()[1:]:
+        frames = rendered_by("llvm_ad_rgb", library, LIGHTS[0], tmp_path)
+        if frames is not None:
+            assert judged(bases[0], frames, "another") is Outcome.IDENTICAL
+            return
+    pytest.skip("there is no second LLVM that works on this machine")
 
 
 HARMLESS = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other_jobs,)

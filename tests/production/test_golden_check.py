@@ -1,4 +1,4 @@
-"""Golden checks by the command line: what passes, what does not, and that nothing is overwritten."""
+"""Golden checks by the command line: what passes, what does not; nothing is overwritten."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Comparison: our FLIP against the authors' own program, tiles and distances against closed forms."""
+"""Comparison: our FLIP against its authors' program, tiles and distances by their laws."""
 
 from __future__ import annotations
 

@@ -28,8 +28,14 @@ _LEVEL = 1
 _PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
 
 
-def write_png(path: Path, srgb8: NDArray[np.uint8], key: str) -> None:
+def write_png(path: Path, srgb8: NDArray[np.uint8], key: str, level: int = _LEVEL) -> None:
     """Write an 8-bit sRGB picture (H, W, 3) as PNG, whole or not at all.
+
+    Args:
+        path: where it goes.
+        srgb8: the picture.
+        key: kept in the file, for `read_key`.
+        level: of deflate, 9 for the smallest file.
 
     Raises:
         FrameFileError: it could not be written.
@@ -38,7 +44,7 @@ def write_png(path: Path, srgb8: NDArray[np.uint8], key: str) -> None:
     words.add(b"sRGB", b"\0")
     words.add_text(KEY, key)
     with beside(path) as temporary:
-        iio.imwrite(temporary, srgb8, plugin="pillow", compress_level=_LEVEL, pnginfo=words)
+        iio.imwrite(temporary, srgb8, plugin="pillow", compress_level=level, pnginfo=words)
 
 
 def read_png(path: Path) -> NDArray[np.uint8]:

@@ -79,9 +79,9 @@ def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) 
 
 def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], None]) -> None:
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(pieces)), context, _begin_work) as pool:
+    with ProcessPoolExecutor(min(jobs, len(pieces)), context, begin_work) as pool:
         try:
-            with _deaf_children():
+            with deaf_children():
                 parts = [pool.submit(_film_piece, piece) for piece in pieces]
             for future in as_completed(parts):
                 part = future.result()
@@ -102,7 +102,7 @@ def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], Non
 
 
 @contextmanager
-def _deaf_children() -> Iterator[None]:
+def deaf_children() -> Iterator[None]:
     """Let processes that are started inside ignore Ctrl-C from their first moment.
 
     What is ignored stays so in a new program; a handler of theirs would come too late for
@@ -121,7 +121,8 @@ _equipment: tuple[Shooting, Renderer] | None = None
 """What this worker renders with: made for its first piece and kept for the others."""
 
 
-def _begin_work() -> None:
+def begin_work() -> None:
+    """Prepare a worker's process."""
     # The parent answers Ctrl-C, and ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # What a library prints is no result of the command.

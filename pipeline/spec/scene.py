@@ -11,6 +11,7 @@ from pipeline.spec.cast import Creature, Member, called, names_of
 from pipeline.spec.detect import SceneSound
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
+from pipeline.spec.golden import Golden, faults_of_golden
 from pipeline.spec.mood import MOODS, Mood
 from pipeline.spec.places import Places
 from pipeline.spec.rate import Rate, rate_of
@@ -77,6 +78,7 @@ class Scene(Words):
     light: Light = Field(Light(), description="What lights the scene.")
     film: Film = Field(Film(), description="Size and quality of the frames.")
     sound: SceneSound = Field(SceneSound(), description="What the scene sounds like.")
+    golden: Golden = Field(Golden(), description="What golden checks render.")
     _places: Places = PrivateAttr(default_factory=Places)
 
     @field_validator("pronk", mode="before")
@@ -91,7 +93,9 @@ class Scene(Words):
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         given = {word: getattr(self, word) for word in self.model_fields_set}
-        refuse([*faults_of_timing(given), *faults_of_references(self)])
+        timing = faults_of_timing(given)
+        last = None if timing else self.n_frames
+        refuse([*timing, *faults_of_references(self), *faults_of_golden(self.golden, given, last)])
         return self
 
     @property

@@ -34,7 +34,7 @@ ONE_MISTAKE = [
     # Keys.
     ("speed:", "§sped:", "cast[0].walk.sped", "unknown key, did you mean 'speed'?"),
     ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, duration, "
-     "figures, film, fps, frames, light, materials, moods, pronk, samples, ..."),
+     "figures, film, fps, frames, golden, light, materials, moods, pronk, ..."),
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
@@ -54,9 +54,11 @@ ONE_MISTAKE = [
      "nobody in the cast is called 'bgu', did you mean 'bug'?"),
     ("terrain: hills", "sound: {voices: [{}, {when: {§caus: x}}]}", "sound.voices[1].when.caus",
      "unknown key, did you mean 'cause'?"),
+    ("duration: 2", "duration: 2\ngolden: {frames: [1, §400]}", "golden.frames[1]",
+     "the scene has frames 1-48, no 400"),
     ("terrain: hills", "§<<: {duration: 3}", "<<",
-     "unknown key, known: camera, cast, duration, figures, film, fps, frames, light, materials, "
-     "moods, pronk, samples, ..."),
+     "unknown key, known: camera, cast, duration, figures, film, fps, frames, golden, light, "
+     "materials, moods, pronk, ..."),
     ("duration: 2", "duration: 2\n§duration: 2", "duration",
      "the key is repeated, it stands already on line 2"),
     ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",

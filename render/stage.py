@@ -32,6 +32,8 @@ class Stage:
 
     Attributes:
         build: the digest of what it was built for.
+        scene: of Mitsuba.
+        sensor: the camera in it.
         handed_over: why Mitsuba's own path tracer is at work, or nothing.
     """
 
@@ -46,7 +48,7 @@ class Stage:
         self._lamps = shot.light.lamps
         # Moved there once more below, so that a fresh build equals one that was moved.
         self._shining: tuple[LampPlace, ...] = ()
-        self._scene = mi.load_dict(
+        self.scene = mi.load_dict(
             {
                 "type": "scene",
                 **parts,
@@ -55,10 +57,10 @@ class Stage:
                 "camera": _camera(self._film, shot.camera),
             }
         )
-        self._sensor = self._scene.sensors()[0]
+        self.sensor = self.scene.sensors()[0]
         depth = self._film.depth + light_paths(shot.materials.values())
-        self._tracer, self.handed_over = tracer(self._scene, self._film.size, depth)
-        self._values = mi.traverse(self._scene)
+        self._tracer, self.handed_over = tracer(self.scene, self._film.size, depth)
+        self._values = mi.traverse(self.scene)
         self._shown: tuple[Mesh, ...] = shot.meshes
         self.move(shot.moments[0])
 
@@ -80,7 +82,7 @@ class Stage:
 
     def expose(self, seed: int, passes: range, of: int) -> Exposure:
         """Return what the camera sees; see `tracer.Tracer`."""
-        return self._tracer.expose(self._sensor, seed, passes, of)
+        return self._tracer.expose(self.sensor, seed, passes, of)
 
 
 def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:

@@ -40,11 +40,11 @@ def light_of_both(
 
     stage = Stage(shot)
     assert stage.handed_over == ""
-    judge = PathTracer(stage._scene, shot.film.resolved().depth)
+    judge = PathTracer(stage.scene, shot.film.resolved().depth)
     ours, theirs = [], []
     for seed in range(rounds):
         ours.append(stage.expose(seed, range(samples), samples).light)
-        exposure = judge.expose(stage._sensor, 100_000 * seed, range(samples), samples)
+        exposure = judge.expose(stage.sensor, 100_000 * seed, range(samples), samples)
         theirs.append(exposure.light)
     return np.mean(ours, axis=0, dtype=float), np.mean(theirs, axis=0, dtype=float)
 

@@ -46,13 +46,13 @@ def test_what_stands_still_looks_as_without_blur(renderer: Renderer, make_shot: 
 
 def test_what_moves_is_seen_at_every_moment(renderer: Renderer, make_shot: Make) -> None:
     """Where the body is in one of two moments only, half of the picture is the ground's."""
-    shot = exposed(make_shot, 2, 512)
+    shot = exposed(make_shot, 2, 128)
     blurred = light_of(renderer, shot)
     alone = [
         light_of(renderer, replace(shot, meshes=moment.meshes, later=())) for moment in shot.moments
     ]
     assert np.abs(alone[0] - alone[1]).max() > 0.2
-    assert np.abs(blurred - np.mean(alone, axis=0)).mean() < 0.004
+    assert np.abs(blurred - np.mean(alone, axis=0)).mean() < 0.01
 
 
 @pytest.mark.nightly
@@ -66,7 +66,7 @@ def test_more_moments_come_nearer_to_the_whole_way(renderer: Renderer, make_shot
     assert all(after < 0.75 * before for before, after in pairwise(errors))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_what_stands_still_is_no_noisier(renderer: Renderer, make_shot: Make) -> None:
     """The moments share the samples of a frame; where nothing moves nothing is lost."""
 

@@ -110,7 +110,7 @@ def test_strength_is_a_factor_and_the_picture_is_exposed(
     assert 0.1 < float(luminance(once).mean()) < 0.6
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_taking_the_sun_out_lights_the_scene_as_the_whole_picture_does(
     renderer: Renderer, make_shot: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

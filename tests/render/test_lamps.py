@@ -81,6 +81,7 @@ def test_a_lamp_moved_in_place_equals_a_fresh_build(
     assert shot.build == moved.build
 
 
+@pytest.mark.nightly
 def test_a_lamp_moves_while_the_shutter_is_open(renderer: Renderer, make_shot: Make) -> None:
     film = Film(size=(48, 36), samples=256, depth=2, denoise="off")
     shot = make_shot(film=film, lit=light({"lamps": [{"at": [-1, 1.5, 1], "radius": 0}]}))

@@ -41,7 +41,7 @@ def at(hour: float, **words: float) -> Light:
     return light({"sun": {"hour": hour, "day": 172, "latitude_deg": 48, **words}})
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("clouds", [0.0, 0.5])
 def test_the_light_goes_on_from_day_to_night_without_a_jump(clouds: float) -> None:
     """Where it changes most, while the sun sets, half the time changes it half as much."""

@@ -29,6 +29,8 @@ LOOKS: dict[str, tuple[str | Light, str | Material]] = {
     "a body that gives off light": ("golden hour", material({"preset": "flame", "glow": 3})),
     "lamps by night": (LAMPS, "green chitin"),
 }
+DAILY = ("sun and sky", "a large light and a glossy body")
+"""The others are looked at by night."""
 
 
 def light_of_both(
@@ -50,7 +52,10 @@ def light_of_both(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", LOOKS)
+@pytest.mark.parametrize(
+    "name",
+    [name if name in DAILY else pytest.param(name, marks=pytest.mark.nightly) for name in LOOKS],
+)
 def test_the_mean_is_that_of_path(renderer: Renderer, make_shot: Make, name: str) -> None:
     lit, look = LOOKS[name]
     film = Film(size=(64, 48), samples=64, depth=5, denoise="off")

@@ -53,7 +53,9 @@ def spread(picture: NDArray[np.float64]) -> tuple[float, float, float]:
     )
 
 
-@pytest.mark.parametrize("depth", [1.0, 1.5, 2.0, 3.0, 6.0])
+@pytest.mark.parametrize(
+    "depth", [1.0, *(pytest.param(d, marks=pytest.mark.nightly) for d in (1.5, 2.0, 3.0)), 6.0]
+)
 def test_a_circle_of_confusion_is_as_large_as_optics_say(renderer: Renderer, depth: float) -> None:
     """Of a lens of radius A focused at f, a point at d has a disc of A·|d - f| / (d·f)."""
     half = 0.02

@@ -238,6 +238,7 @@ def _some(count: int) -> list[object]:
     ]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("k", _some(COUNT))
 def test_what_changes_a_film_is_noticed(bases: list[Base], k: int) -> None:
     mutate, layers = MUTATIONS[k % len(MUTATIONS)]
@@ -353,6 +354,7 @@ def test_another_llvm_changes_no_bit(bases: list[Base], tmp_path: Path) -> None:
 HARMLESS = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other_jobs,)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("k", _some(COUNT))
 def test_what_changes_no_film_is_let_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
     # Likewise mixed in every tenth of the list.

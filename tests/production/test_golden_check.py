@@ -32,7 +32,7 @@ golden: {frames: [1, 6], size: [64, 36], samples: 8}
 """
 CHEAP = ("--layers", "motion,film")
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.nightly
 
 
 @pytest.fixture(autouse=True)

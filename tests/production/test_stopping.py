@@ -128,7 +128,7 @@ def test_workers_end_with_a_run_that_is_killed(film: Studio, tmp_path: Path, sta
     assert seen < 100
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_worker_that_dies_ends_the_run(film: Studio, tmp_path: Path, start: Start) -> None:
     studio = _fresh(film, tmp_path / "studio")
     running = start("render", "tiny", "--set", "frames=200", "--jobs", "2", cwd=studio.folder)
@@ -204,7 +204,7 @@ def test_a_second_run_in_the_same_folder_is_refused(
     assert occupied.changes(before) == set()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_of_two_runs_at_once_one_makes_the_film(film: Studio, tmp_path: Path, start: Start) -> None:
     studio = _fresh(film, tmp_path / "studio")
     both = [start("render", "tiny", cwd=studio.folder) for _ in range(2)]

@@ -261,7 +261,7 @@ def test_a_print_is_seen_in_its_place_and_once_it_is_made(
     assert after[31:33, 31:33].mean() < 0.3 * before[31:33, 31:33].mean()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_memory_stays_flat_over_many_stages(renderer: Renderer, make_shot: Make) -> None:
     from render.stage import Stage
 

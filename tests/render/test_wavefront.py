@@ -143,6 +143,7 @@ def test_another_number_of_passes_is_recorded_anew(renderer: Renderer, make_shot
     )
 
 
+@pytest.mark.nightly
 def test_samples_are_spread_better_than_by_chance(renderer: Renderer, make_shot: Make) -> None:
     from render.stage import Stage
 

@@ -166,14 +166,14 @@ def test_steps_between_rows_do_not_matter_to_order(scene_of: Scenes) -> None:
     assert all(0 <= fraction < 1 for _, fraction in moments)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["block_pile", "kick"])
 def test_shipped_scene_gives_the_same_bytes_twice(name: str) -> None:
     scene = load_scene(find_scene(name), ["duration=2"])
     assert simulate(scene).digest == simulate(scene).digest
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_dominoes_all_fall_one_after_another() -> None:
     take = simulate(load_scene(find_scene("dominoes")))
     q = take.rotations[-1, : take.positions.shape[1] - 1]
@@ -183,7 +183,7 @@ def test_dominoes_all_fall_one_after_another() -> None:
     assert len(struck) >= 60
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_walker_leaves_a_gap_in_the_wall() -> None:
     take = simulate(load_scene(find_scene("through_the_wall")))
     names = [node.name for node in take.nodes]

@@ -68,7 +68,7 @@ def landings(scene: Scene) -> dict[str, list[float]]:
     return found
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "name",
     [
@@ -113,7 +113,7 @@ RESTING = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("what", RESTING)
 def test_who_rests_for_ten_seconds_is_silent(what: str) -> None:
     take = simulate(scene_of(RESTING[what], terrain="flat", duration=10))

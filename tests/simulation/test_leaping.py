@@ -171,7 +171,7 @@ def test_no_joint_turns_faster_than_those_of_who_walks(leap: Leap) -> None:
     assert rates.max() < QUICKEST
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_antelope_of_the_shipped_scene_gets_over_its_box() -> None:
     scene = load_scene(find_scene("over_the_box"))
     box = next(member for member in scene.cast if isinstance(member, Prop))
@@ -200,7 +200,7 @@ def test_the_antelope_of_the_shipped_scene_gets_over_its_box() -> None:
     np.testing.assert_allclose(take.positions[-1, 0, [0, 2]], [5, 0.3], atol=0.3)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_same_bytes_again() -> None:
     digests = set[str]()
     for _ in range(2):
@@ -248,7 +248,7 @@ def test_comes_to_a_box_beside_its_way_and_back_to_that() -> None:
     np.testing.assert_allclose(take.positions[-1, 0, [0, 2]], [12, 0], atol=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
     words = "{name: a, figure: antelope, walk: {}, pronk: {max_force: 4}}"
     more = (

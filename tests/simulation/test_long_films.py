@@ -72,7 +72,7 @@ def _crowd(scene_of: Callable[..., Scene], seconds: float) -> Scene:
 @pytest.mark.parametrize(
     ("seconds", "on_disk_from"),
     [
-        pytest.param(20, 2**16, marks=pytest.mark.slow),
+        pytest.param(20, 2**16, marks=pytest.mark.nightly),
         pytest.param(300, 4 * 2**20, marks=pytest.mark.nightly),
     ],
 )

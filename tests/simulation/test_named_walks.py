@@ -69,7 +69,7 @@ def keeps_its_promises(walk: Walk) -> None:
     assert np.abs(np.diff(recorder.positions[:, 0], 2, axis=0)).max() < 2.0 * GRAVITY * dt**2
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(("figure", "gait"), PAIRS)
 def test_every_gait_can_be_walked_by_who_has_it(figure: str, gait: str) -> None:
     keeps_its_promises(walked(figure, gait))

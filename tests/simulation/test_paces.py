@@ -48,7 +48,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("figure", CHANGES)
 def test_gaits_go_over_into_one_another_without_a_pop(figure: str) -> None:
     walk = walked(figure, *CHANGES[figure], duration=9)

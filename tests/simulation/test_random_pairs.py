@@ -42,7 +42,7 @@ def _pairs(seed: int, tenth: pytest.MarkDecorator) -> list[object]:
     return found
 
 
-@pytest.mark.parametrize("number", _pairs(SEED, pytest.mark.slow))
+@pytest.mark.parametrize("number", _pairs(SEED, pytest.mark.nightly))
 def test_what_must_hold_holds(number: int, tmp_path: Path) -> None:
     _all_holds(number, SEED, tmp_path)
 

@@ -41,7 +41,7 @@ def holds(number: int, folder: Path) -> None:
     assert (q <= skeleton.upper[joints] + slack).all()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize("number", SOME)
 def test_what_must_hold_holds(number: int, tmp_path: Path) -> None:
     holds(number, tmp_path)

@@ -30,7 +30,7 @@ BY_DAY = ("pass_by", "squeaky_robot", "kangaroo_hills", "tuned_walk", "dice", "r
 def _tier(name: str) -> list[pytest.MarkDecorator]:
     if name == "first_steps":
         return []
-    return [pytest.mark.nightly if name in BY_DAY else pytest.mark.nightly]
+    return [pytest.mark.slow if name in BY_DAY else pytest.mark.nightly]
 
 
 SCENES = [pytest.param(name, marks=_tier(name)) for name in shipped_scenes()]

@@ -19,7 +19,7 @@ from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
 
-SLOW = {"squeaky_robot": pytest.mark.nightly, "pass_by": pytest.mark.nightly, "toy": pytest.mark.nightly}
+SLOW = {"squeaky_robot": pytest.mark.slow, "pass_by": pytest.mark.slow, "toy": pytest.mark.slow}
 SCENES = [
     pytest.param(name, marks=() if name == "first_steps" else SLOW.get(name, pytest.mark.nightly))
     for name in shipped_scenes()

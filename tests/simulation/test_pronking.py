@@ -244,7 +244,7 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     [
         pytest.param("kangaroo", marks=pytest.mark.nightly),
         pytest.param("antelope", marks=pytest.mark.nightly),
-        pytest.param("hopper", marks=pytest.mark.nightly),
+        pytest.param("hopper", marks=pytest.mark.slow),
     ],
 )
 def test_landing_points_on_smooth_hills_converge_with_the_step(figure, words):
@@ -254,7 +254,7 @@ def test_landing_points_on_smooth_hills_converge_with_the_step(figure, words):
     assert coarse > 8.0 * fine
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "figure",
     [
@@ -284,7 +284,7 @@ OFTEN = ("kangaroo", "hopper")
 CASES = [
     pytest.param(
         (figure, terrain),
-        marks=pytest.mark.nightly if figure in OFTEN else pytest.mark.nightly,
+        marks=pytest.mark.slow if figure in OFTEN else pytest.mark.nightly,
         id=f"{figure}-{where}",
     )
     for figure in LIBRARY
@@ -353,7 +353,7 @@ def test_a_fall_is_the_same_bytes_twice():
     assert one.digest == two.digest
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
 def test_the_tripping_scene_trips_falls_and_is_the_same_bytes_twice():
     scene = load_scene(find_scene("tripping"))
     one, two = (simulate(scene) for _ in range(2))
@@ -434,7 +434,7 @@ def test_jumps_land_at_their_spots(figure):
 DITCHES = "{preset: ditches, size: [30, 6], start: -8, width: 0.5, spacing: 1.4, foot_radius: 0.05}"
 
 
-@pytest.mark.nightly
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", ["hopper", "kangaroo"])
 def test_landings_are_chosen_outside_of_forbidden_zones(figure):
     at = ", at: [-9, 0], scale: 0.7"

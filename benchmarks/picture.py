@@ -91,7 +91,7 @@ def reference(shot: Shot, samples: int) -> Picture:
     if place.exists():
         return np.asarray(np.load(place), np.float32)
     stage = Stage(shot)
-    tracer = PathTracer(stage.scene, DEPTH)
+    tracer = PathTracer(stage.scene, stage.depth)
     part = min(64, samples)
     rounds = max(samples // part, 1)
     total = np.zeros((*shot.film.resolved().size[::-1], 3))
@@ -133,7 +133,9 @@ def _loop(shot: Shot, count: int) -> Callable[[int], Picture]:
     def render(seed: int) -> Picture:
         stage = Stage(shot)
         sensor = mi.load_dict(_plain_sensor(stage.sensor, shot, count))
-        plain = mi.load_dict({"type": "path", "max_depth": DEPTH, "rr_depth": DEPTH + 1})
+        plain = mi.load_dict(
+            {"type": "path", "max_depth": stage.depth, "rr_depth": stage.depth + 1}
+        )
         image = plain.render(stage.scene, sensor, seed=seed, spp=count)
         return np.array(image, np.float32)
 
@@ -170,7 +172,7 @@ def _path(shot: Shot, count: int) -> Callable[[int], Picture]:
     from render.stage import Stage
 
     stage, oidn = Stage(shot), _Albedo()
-    tracer = PathTracer(stage.scene, DEPTH)
+    tracer = PathTracer(stage.scene, stage.depth)
     return lambda seed: oidn.clean(
         tracer.expose(stage.sensor, 7919 * 65 * seed, range(count), count)
     )

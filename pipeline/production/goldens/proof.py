@@ -134,6 +134,7 @@ class Proof:
         words = {
             "size": framing.size,
             "samples": framing.samples,
+            "soft_light": "full",
             "denoise": "off",
             "format": "png",
         }

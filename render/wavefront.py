@@ -152,13 +152,15 @@ class Raster:
     def __init__(self, size: tuple[int, int]) -> None:
         self.size = size
         order = _tiled(*size)
-        self._back = np.argsort(order)
         self.parts = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // LANES))]
 
-    def picture(self, parts: Sequence[Image], count: int) -> Image:
-        """Return the mean, (H, W, 3), of as many samples as are in the sums, (3, n) each part."""
-        rows = np.concatenate(parts, axis=1)[:, self._back].T / np.float32(count)
-        return np.ascontiguousarray(rows.reshape(*self.size[::-1], 3), np.float32)
+    def picture(self, parts: Sequence[Any], count: int) -> Image:
+        """Return the mean, (H, W, 3), of as many samples as are in the sums of each part."""
+        width, height = self.size
+        values = dr.empty(mi.Float, 3 * width * height)
+        for pixels, sums in zip(self.parts, parts, strict=True):
+            dr.scatter(values, sums / dr.opaque(mi.Float, count), pixels)
+        return np.array(values, np.float32).reshape(height, width, 3)
 
 
 class Wavefront:
@@ -196,18 +198,18 @@ class Wavefront:
             self._of = of
         looks = range(self._looks * passes.start, self._looks * passes.stop)
         cells = grid(self._looks * of), grid(of)
-        sharp: list[tuple[Image, Image]] = []
+        sharp: list[Sums] = []
         for pixels in self._sharp.parts:
             sums = _nothing(pixels)
             for k in looks:
                 sums = self._look(sensor, pixels, Chance(seed + 1, k, cells[0]), sums)
-            sharp.append((np.array(sums[0]), np.array(sums[1])))
-        soft: list[tuple[Image, Image]] = []
+            sharp.append(sums)
+        soft: list[Sums] = []
         for pixels in self._soft.parts:
             sums = _nothing(pixels)
             for k in passes if self._depth > 1 else ():
                 sums = self._follow(sensor, pixels, Chance(seed, k, cells[1]), sums)
-            soft.append((np.array(sums[0]), np.array(sums[1])))
+            soft.append(sums)
         direct, color = (self._sharp.picture(p, len(looks)) for p in zip(*sharp, strict=True))
         indirect, dye = (self._soft.picture(p, len(passes)) for p in zip(*soft, strict=True))
         return Exposure(direct, color, indirect, dye)
@@ -266,7 +268,7 @@ def _looked(
     scene: Any, pixels: Any, ray: Any, lamps: bool, sums: tuple[Any, Any], draws: Draws
 ) -> tuple[Any, Any]:
     """Add what is seen through every pixel, as lamps light it, and its colours."""
-    si = scene.ray_intersect(ray, mi.RayFlags.All, True)
+    si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
     emitter = si.emitter(scene)
     light = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     lamp, arriving = scene.sample_emitter_direction(
@@ -279,14 +281,15 @@ def _looked(
 
     value, density, color = dr.dispatch(si.bsdf(), answer, si, si.to_local(lamp.d))
     if lamps:
-        light += _reached(scene, si, lamp, density, value * arriving, si.is_valid())
+        light += _reached(scene, si, lamp, density, value * arriving, si.is_valid(), coherent=True)
     return sums[0] + light, sums[1] + color
 
 
 def _begun(scene: Any, pixels: Any, ray: Any, fresh: tuple[Any, Any]) -> Paths:
     """Begin a path in every pixel."""
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
-    return Paths(lanes, pixels, ray.o, ray.d, scene.ray_intersect_preliminary(ray), *fresh)
+    hit = scene.ray_intersect_preliminary(ray, coherent=True)
+    return Paths(lanes, pixels, ray.o, ray.d, hit, *fresh)
 
 
 def _ray(sensor: Any, pixels: Any, size: tuple[int, int], draws: Draws) -> Any:
@@ -348,11 +351,20 @@ def _shaded(
     return onward, _added(sums[0], paths, _finite(light)), _added(sums[1], paths, dye)
 
 
-def _reached(scene: Any, si: Any, lamp: Any, density: Any, light: Any, asked: Any) -> Any:
+def _reached(
+    scene: Any,
+    si: Any,
+    lamp: Any,
+    density: Any,
+    light: Any,
+    asked: Any,
+    *,
+    coherent: bool = False,
+) -> Any:
     """Return the light of a lamp, weighted against rays along the surface, if nothing hides it."""
     light = _finite(light * dr.select(lamp.delta, 1.0, lamp.pdf / (lamp.pdf + density)))
     asked = asked & (lamp.pdf > 0.0) & (dr.max(light) > 0.0)
-    hidden = scene.ray_test(si.spawn_ray_to(lamp.p), asked)
+    hidden = scene.ray_test(si.spawn_ray_to(lamp.p), coherent, asked)
     return dr.select(asked & ~hidden, light, 0.0)
 
 

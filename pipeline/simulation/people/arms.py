@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.people.build import Build
-from pipeline.simulation.people.fields import Field, cone, half_space, stack, united, within
+from pipeline.simulation.people.fields import Field, cone, grown, half_space, stack, united, within
 from pipeline.simulation.people.patches import Patch, Surface, both, joined, polygonised, ramp
 from pipeline.simulation.people.tubes import tube
+from pipeline.simulation.spatial import Array
 
 ARM = (
     (0.470, 0.003, 0.0160, 0.0160, 0.0110),
@@ -39,20 +40,20 @@ CURL = (0.10, 0.45, 0.75)
 def sleeves(build: Build, short: bool) -> Patch:
     """Return both sleeves, each beginning as a ball around its shoulder."""
     girth, z = build.girth, build.shoulders
-    top = float(build.level(0.818))
-    arm = _grown(stack(build.outline(ARM), z), SLEEVE * girth)
+    top = build.level(0.818)
+    arm = grown(stack(build.outline(ARM), z), SLEEVE * girth)
     shoulder = cone(
         (0.0, top - 0.007 * girth, z - 0.003 * girth),
         (0.002 * girth, top - 0.065 * girth, z),
         0.0250 * girth,
         0.0280 * girth,
     )
-    end = float(build.level(0.715 if short else 0.500))
+    end = build.level(0.715 if short else 0.500)
     field = united([arm, shoulder], 0.02 * girth)
     field = within(field, half_space((0.0, end, 0.0), (0.0, -1.0, 0.0)), 0.005 * girth)
     wide = 0.045 * girth
     low, high = (-wide, end - 0.02 * girth, z - wide), (wide, top + 0.045 * girth, z + wide)
-    net = polygonised(field, low, high, 0.0140 * girth, stretch=1.0 if short else 1.5, hem=end)
+    net = polygonised(field, low, high, 0.0150 * girth, stretch=1.0 if short else 1.5, hem=end)
     return both(net.follow("upper_arm_r", "forearm_r", _below_elbow(build, net)))
 
 
@@ -64,11 +65,11 @@ def arms(build: Build, short: bool) -> Patch:
     field = united([limb, *_palm(build)], 0.012 * girth)
     wide = 0.042 * girth
     low, high = (
-        (-wide, float(build.level(0.395)), z - wide),
-        (wide, float(build.level(0.80)), z + wide),
+        (-wide, build.level(0.395), z - wide),
+        (wide, build.level(0.80), z + wide),
     )
-    net = polygonised(field, low, high, 0.0098 * girth, stretch=1.7)
-    y, wrist = net.vertices[:, 1], float(build.level(0.486))
+    net = polygonised(field, low, high, 0.0112 * girth, stretch=1.7)
+    y, wrist = net.vertices[:, 1], build.level(0.486)
     elbow = _below_elbow(build, net)
     hand = 1.0 - ramp(y, wrist - 0.012 * girth, wrist + 0.012 * girth)
     by_elbow = net.follow("upper_arm_r", "forearm_r", elbow)
@@ -79,12 +80,8 @@ def arms(build: Build, short: bool) -> Patch:
     return both(joined([arm, *_fingers(build)]))
 
 
-def _grown(field: Field, by: float) -> Field:
-    return lambda places: field(places) - by
-
-
-def _below_elbow(build: Build, net: Surface) -> np.ndarray:
-    elbow, reach = float(build.level(0.632)), 0.022 * build.girth
+def _below_elbow(build: Build, net: Surface) -> Array:
+    elbow, reach = build.level(0.632), 0.022 * build.girth
     return 1.0 - ramp(net.vertices[:, 1], elbow - reach, elbow + reach)
 
 
@@ -93,15 +90,15 @@ def _palm(build: Build) -> list[Field]:
     g, z = build.girth, build.shoulders
     level = build.level
     palm = cone(
-        (0.003 * g, float(level(0.468)), z),
-        (0.002 * g, float(level(0.436)), z),
+        (0.003 * g, level(0.468), z),
+        (0.002 * g, level(0.436), z),
         0.0150 * g,
         0.0185 * g,
         (1.35, 1.0, 0.62),
     )
     root, tip = (
-        (0.014 * g, float(level(0.466)), z - 0.004 * g),
-        (0.034 * g, float(level(0.432)), z - 0.010 * g),
+        (0.014 * g, level(0.466), z - 0.004 * g),
+        (0.034 * g, level(0.432), z - 0.010 * g),
     )
     return [palm, cone(root, tip, 0.0098 * g, 0.0072 * g)]
 
@@ -110,7 +107,7 @@ def _fingers(build: Build) -> list[Patch]:
     g, z = build.girth, build.shoulders
     made = []
     for ahead, knuckle, length, radius in FINGERS:
-        place = np.array([ahead * g, float(build.level(knuckle)) + 0.006 * g, z])
+        place = np.array([ahead * g, build.level(knuckle) + 0.006 * g, z])
         points = [place]
         # Three phalanges of falling length.
         for part, angle in zip((0.46, 0.31, 0.23), np.cumsum(CURL), strict=True):

@@ -6,10 +6,12 @@ X forward, Y up, Z to the right. A child's eyes are larger and lower, its jaw an
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.simulation.figures.solids import lofted
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import Field, ball, cone, cut, united
 from pipeline.simulation.people.patches import Patch, Surface, both, joined, polygonised, ramp
@@ -57,10 +59,10 @@ def skin(head: Head) -> Patch:
     """Return head, neck and ears, turning between chest and head along the neck."""
     s, build = head.size, head.build
     centre = head.centre
-    base = float(build.level(0.826))
+    base = build.level(0.826)
     low = (centre[0] - 0.55 * s, base - 0.20 * s, -0.52 * s)
     high = (centre[0] + 0.66 * s, centre[1] + 0.56 * s, 0.52 * s)
-    net = polygonised(_flesh(head), low, high, 0.057 * s, symmetric=True)
+    net = polygonised(_flesh(head), low, high, 0.063 * s, symmetric=True)
     y = net.vertices[:, 1]
     chin = float(head.at(0.0, -0.42, 0.0)[1])
     share = ramp(y, base + 0.15 * (chin - base), chin)
@@ -121,13 +123,13 @@ def _flesh(head: Head) -> Field:
 def _neck(head: Head) -> Field:
     build = head.build
     g = build.girth
-    base = (-0.010 * g, float(build.level(0.838)), 0.0)
+    base = (-0.010 * g, build.level(0.838), 0.0)
     top = head.at(-0.115, -0.22, 0.0)
     return cone(base, top, 0.0340 * g, 0.0315 * g)
 
 
-def _pair(made: object) -> list[Field]:
-    return [made(1.0), made(-1.0)]  # type: ignore[operator]
+def _pair(made: Callable[[float], Field]) -> list[Field]:
+    return [made(1.0), made(-1.0)]
 
 
 def whites(head: Head) -> Patch:
@@ -140,7 +142,7 @@ def pupils(head: Head) -> Patch:
     """Return the dark of both eyes: lenses on the balls, where they look."""
     centre, radius = head.eye
     along = normalized(GLANCE)
-    return both(_lens(centre + 0.50 * radius * along, along, 0.60 * radius).follow("head"))
+    return both(_lens(centre + 0.54 * radius * along, along, 0.62 * radius).follow("head"))
 
 
 def _lens(centre: Array, along: Array, radius: float) -> Surface:
@@ -170,21 +172,19 @@ def _cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
         edge: how far the plane is above the centre, in radii.
     """
     begin = np.arcsin(edge)
-    angle = np.linspace(begin, np.pi / 2, 6)[:-1]
-    turn = np.arange(12) * (2.0 * np.pi / 12)
+    angle = np.linspace(begin, np.pi / 2, 5)[:-1]
+    turn = np.arange(10) * (2.0 * np.pi / 10)
     sizes, rises = np.cos(angle), np.sin(angle)
     # The rim has a thickness, and is closed inside of the ball.
     sizes, rises = np.concatenate([[0.90 * sizes[0]], sizes]), np.concatenate([[edge], rises])
     ring = np.stack(
         [
             sizes[:, None] * np.sin(turn),
-            np.repeat(rises[:, None], 12, axis=1),
+            np.repeat(rises[:, None], 10, axis=1),
             sizes[:, None] * np.cos(turn),
         ],
         axis=-1,
     )
-    from pipeline.simulation.figures.solids import lofted
-
     solid = lofted(ring, np.array([[0.0, edge, 0.0], [0.0, 1.0, 0.0]]))
     c, s = np.cos(tilt), np.sin(tilt)
     x, y, z = solid.vertices.T
@@ -210,8 +210,8 @@ def lips(head: Head) -> Patch:
     """Return both lips."""
     s, child = head.size, head.build.childish
     wide, up = 0.088 - 0.012 * child, 0.01 * child
-    upper = [(0.338, -0.272, wide), (0.383, -0.258, 0.4 * wide), (0.390, -0.263, 0.0)]
-    lower = [(0.338, -0.274, wide), (0.372, -0.294, 0.4 * wide), (0.378, -0.297, 0.0)]
+    upper = [(0.346, -0.268, wide), (0.391, -0.256, 0.4 * wide), (0.400, -0.262, 0.0)]
+    lower = [(0.346, -0.272, wide), (0.381, -0.293, 0.4 * wide), (0.389, -0.297, 0.0)]
     made = []
     for half, thick in ((upper, 0.019), (lower, 0.023)):
         line = half + [(x, y, -z) for x, y, z in half[-2::-1]]

@@ -175,9 +175,10 @@ def _least_turned(along: Array, spread: Array) -> Array:
 
 
 def _swung(a: Array, b: Array, v: Array) -> Array:
-    """Return `v` turned by the smallest rotation that takes `a` to `b`, all (..., 3), |a| = |b| = 1.
+    """Return `v` turned by the smallest rotation that takes `a` to `b`, all (..., 3).
 
-    With c = a · b and w = a × b it is v + w × v + w × (w × v) / (1 + c).
+    `a` and `b` have length one. With c = a · b and w = a × b it is
+    v + w × v + w × (w × v) / (1 + c).
     """
     a, b, v = np.broadcast_arrays(a, b, v)
     w = cross(a, b)

@@ -23,7 +23,7 @@ def _cap(head: Head, thick: float) -> Field:
 
 def _short(head: Head) -> Field:
     s, at = head.size, head.at
-    tuft = cone(at(0.20, 0.42, -0.14), at(0.22, 0.42, 0.10), 0.085 * s, 0.095 * s)
+    tuft = cone(at(0.21, 0.42, -0.12), at(0.21, 0.42, 0.12), 0.088 * s, 0.088 * s)
     nape = ball(at(-0.27, -0.12, 0.0), s * np.array([0.20, 0.26, 0.26]))
     return united([_cap(head, 0.034), tuft, nape], 0.07 * s)
 
@@ -63,6 +63,6 @@ def hair(head: Head, style: str) -> Patch:
     s, c = head.size, head.centre
     low = (c[0] - 0.80 * s, c[1] - (0.95 if style == "long" else 0.62) * s, -0.54 * s)
     high = (c[0] + 0.50 * s, c[1] + 0.62 * s, 0.54 * s)
-    net = polygonised(STYLES[style](head), low, high, 0.078 * s, symmetric=True)
+    net = polygonised(STYLES[style](head), low, high, 0.084 * s, symmetric=True)
     share = ramp(net.vertices[:, 1], float(c[1] - 0.85 * s), float(c[1] - 0.30 * s))
     return net.follow("chest", "head", share)

@@ -8,7 +8,6 @@ from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import (
     Field,
     cone,
-    cut,
     half_space,
     stack,
     united,
@@ -66,7 +65,7 @@ def trousers(build: Build, short: bool) -> Patch:
     pelvis = stack(build.outline(SEAT, build.hip_breadth))
     leg = stack(build.outline(LEG), build.hips)
     if short:
-        hem = half_space((0.0, float(build.level(end)), 0.0), (0.0, -1.0, 0.0))
+        hem = half_space((0.0, build.level(end), 0.0), (0.0, -1.0, 0.0))
         leg = within(leg, hem, 0.006 * girth)
     whole = united([pelvis, leg], 0.030 * girth)
 
@@ -74,11 +73,11 @@ def trousers(build: Build, short: bool) -> Patch:
         y, z = places[:, 1], np.abs(places[:, 2])
         return whole(np.stack([places[:, 0], y, z - _spread(build, y)], axis=-1))
 
-    wide = build.hips + 0.075 * girth + float(_spread(build, build.level(end)))
-    low = (-0.1 * girth, float(build.level(end)) - 0.02 * girth, -wide)
-    high = (0.1 * girth, float(build.level(0.64)), wide)
+    wide = build.hips + 0.075 * girth + float(_spread(build, np.array([build.level(end)]))[0])
+    low = (-0.1 * girth, build.level(end) - 0.02 * girth, -wide)
+    high = (0.1 * girth, build.level(0.64), wide)
     net = polygonised(
-        spread, low, high, 0.0165 * girth, stretch=1.4, symmetric=True, hem=float(build.level(end))
+        spread, low, high, 0.0165 * girth, stretch=1.1, symmetric=True, hem=build.level(end)
     )
     places = net.vertices.copy()
     places[:, 2] -= np.sign(places[:, 2]) * _spread(build, places[:, 1])
@@ -98,9 +97,9 @@ def _hung(build: Build, places: Array, net: Surface) -> Patch:
     right = z > 0.0
     # The groin runs upward to the outside, and lies lower behind than before.
     groin = build.level(0.475) + 0.8 * np.abs(z) + 0.3 * x
-    thigh = 1.0 - ramp(y, groin - 0.045 * girth, groin + 0.040 * girth)
+    thigh = 1.0 - ramp(y, groin - 0.060 * girth, groin + 0.048 * girth)
     knee = build.level(0.285)
-    shin = 1.0 - ramp(y, knee - 0.030 * girth, knee + 0.030 * girth)
+    shin = 1.0 - ramp(y, knee - 0.038 * girth, knee + 0.038 * girth)
     lower = y < 0.5 * (knee + build.level(CROTCH))
     sides = [
         np.where(right, FRAMES.index(f"{n}_r"), FRAMES.index(f"{n}_l")) for n in ("thigh", "shin")
@@ -116,9 +115,9 @@ def shins(build: Build) -> Patch:
     girth, z = build.girth, build.hips
     field = stack(build.outline(SHIN), z)
     wide = 0.045 * girth
-    low = (-wide - 0.01 * girth, float(build.level(0.02)), z - wide)
-    high = (wide + 0.01 * girth, float(build.level(0.39)), z + wide)
-    net = polygonised(field, low, high, 0.015 * girth, stretch=1.8)
+    low = (-wide - 0.01 * girth, build.level(0.02), z - wide)
+    high = (wide + 0.01 * girth, build.level(0.39), z + wide)
+    net = polygonised(field, low, high, 0.017 * girth, stretch=1.7)
     knee = build.level(0.285)
     share = 1.0 - ramp(net.vertices[:, 1], knee - 0.028 * girth, knee + 0.028 * girth)
     return both(net.follow("thigh_r", "shin_r", share))
@@ -127,9 +126,9 @@ def shins(build: Build) -> Patch:
 def shoes(build: Build) -> Patch:
     """Return both shoes."""
     size, z = build.proportions.foot * build.proportions.height, build.hips
-    field = _shoe(size, z, float(build.level(0.050)))
+    field = _shoe(size, z, build.level(0.050))
     low = (-0.40 * size, -0.06 * size, z - 0.30 * size)
-    high = (0.85 * size, float(build.level(0.075)), z + 0.30 * size)
+    high = (0.85 * size, build.level(0.075), z + 0.30 * size)
     return both(polygonised(field, low, high, 0.080 * size).follow("foot_r"))
 
 
@@ -151,6 +150,3 @@ def _shoe(size: float, z: float, top: float) -> Field:
     upper = united([heel, shaft, vamp, ball], 0.08 * size)
     upper = within(upper, half_space((0.0, top, 0.0), (0.0, 1.0, 0.0)), 0.03 * size)
     return within(upper, half_space((0.0, 0.0, 0.0), (0.0, -1.0, 0.0)), 0.05 * size)
-
-
-__all__ = ["cut", "shins", "shoes", "trousers"]

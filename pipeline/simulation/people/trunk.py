@@ -39,17 +39,17 @@ def shirt(build: Build) -> Patch:
     """Return the body of a shirt, between pelvis and chest."""
     girth = build.girth
     torso = stack(build.outline(TORSO, _breadths(build)))
-    neck = np.array([-0.008 * girth, float(build.level(0.832)), 0.02 * girth])
-    tip = np.array([0.0, float(build.level(0.811)), build.shoulders - 0.006 * girth])
+    neck = np.array([-0.008 * girth, build.level(0.832), 0.02 * girth])
+    tip = np.array([0.0, build.level(0.811), build.shoulders - 0.006 * girth])
     right, left = (cone(neck * m, tip * m, 0.030 * girth, YOKE * girth) for m in (1.0, MIRROR))
     field = united([torso, right, left], 0.035 * girth)
     wide = build.shoulders + 0.05 * girth
-    low = (-0.1 * girth, float(build.level(0.49)), -wide)
-    high = (0.1 * girth, float(build.level(0.87)), wide)
+    low = (-0.1 * girth, build.level(0.49), -wide)
+    high = (0.1 * girth, build.level(0.87), wide)
     net = polygonised(
-        field, low, high, 0.0180 * girth, stretch=1.2, symmetric=True, hem=float(build.level(HEM))
+        field, low, high, 0.0180 * girth, stretch=1.2, symmetric=True, hem=build.level(HEM)
     )
-    share = ramp(net.vertices[:, 1], float(build.level(0.585)), float(build.level(0.70)))
+    share = ramp(net.vertices[:, 1], build.level(0.585), build.level(0.70))
     return net.follow("pelvis", "chest", share)
 
 

@@ -55,6 +55,7 @@ class Inventory:
         meshes: that follow its nodes.
         parts: what is seen.
         scaled: its nodes that have a scale.
+        looks: meshes that are seen in place of others; the looks of parts are their numbers.
     """
 
     nodes: tuple[Node, ...]
@@ -62,6 +63,7 @@ class Inventory:
     meshes: tuple[Mesh, ...]
     parts: tuple[Part, ...]
     scaled: tuple[int, ...] = ()
+    looks: tuple[Mesh, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -124,7 +124,7 @@ def test_places_and_orientations_together(shipped: Figure) -> None:
     solution = reach(batch, start, there.tips, there.R_BF, restarts=8, rng=chance)
     assert solution.turn is not None
     met = (solution.residual <= 1e-4 * batch.lengths) & (solution.turn <= 1e-3)
-    print(f"{name}: {met.mean():.1%} with orientation")  # noqa: T201
+    print(f"{shipped.name}: {met.mean():.1%} with orientation")  # noqa: T201
     assert met.mean() >= 0.9
     turned = solution.pose.R_BF[met].transpose(0, 2, 1) @ there.R_BF[met]
     assert np.allclose(turned, np.eye(3), atol=2e-3)

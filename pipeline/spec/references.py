@@ -195,6 +195,8 @@ def _scripted(scene: object) -> Iterator[Fault]:
                 yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
             elif (group := _get(member, "group")) is not None:
                 yield from _directed(group, name, instruction, ("script", i), place)
+            elif _thing(member) == "dancer":
+                yield Fault(("script", i, *place), f"'{name}' dances, and follows no script")
             elif not _walks(member) and not _hops(member):
                 message = f"'{name}' neither walks nor hops; give it walk: {{}} or pronk: {{}}"
                 yield Fault(("script", i, *place), message)
@@ -320,7 +322,7 @@ def _is_meant(who: str, scene: object) -> bool:
 
 def _thing(member: object) -> str | None:
     """Return what a member is that is no creature."""
-    things = {"prop": "prop", "body": "body", "group": "group", "many": "body"}
+    things = {"prop": "prop", "body": "body", "group": "group", "many": "body", "dancer": "dancer"}
     return next((things[word] for word in things if _get(member, word) is not None), None)
 
 

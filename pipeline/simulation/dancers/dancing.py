@@ -1,0 +1,164 @@
+"""Dancing: one dancer in motion, sub-step by sub-step, in the frame that it stands in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.simulation.dancers.arms import Arm
+from pipeline.simulation.dancers.carriage import Carriage
+from pipeline.simulation.dancers.fields import RATE
+from pipeline.simulation.dancers.goals import Choreography, rest_posture
+from pipeline.simulation.dancers.moves import Move
+from pipeline.simulation.dancers.rehearsal import postures_of
+from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
+from pipeline.simulation.dancers.touching import Strike, Touching
+from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.spec.cast import Dancer
+from pipeline.spec.dance import Controller
+from pipeline.spec.dancer import Arms, Gains
+
+TICKS = 250
+"""How often a second controllers look at least: more often than the world steps."""
+
+HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
+
+
+class Dancing:
+    """A dancer in motion.
+
+    Args:
+        words: of the dancer.
+        choreography: its dance, on its torso.
+        moves: of each hand, in the order of time.
+        beat: duration of a beat [s].
+        dt: that it is advanced by at once [s].
+    """
+
+    def __init__(
+        self,
+        words: Dancer,
+        choreography: Choreography,
+        moves: Mapping[str, Sequence[Move]],
+        beat: float,
+        dt: float,
+    ) -> None:
+        self.words, self.goals = words, choreography.goals
+        self.torso = tuned(choreography.torso, words.gains)
+        self.ticks = max(math.ceil(dt * TICKS - 1e-9), 1)
+        self.tick = dt / self.ticks
+        self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
+        self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
+        self.postures = postures_of(choreography) if self._needs_postures() else ()
+        self._stand()
+        rate = RATE * words.gains.rate
+        self.arms = [
+            Arm(side, self.torso, self.moving, rate, words.combine == "winner") for side in HANDS
+        ]
+        self.moves = [list(moves[side]) for side in HANDS]
+        self._next = [0] * len(HANDS)
+        self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
+        self.touching = Touching(self.moving)
+        self.count = 0
+        for arm in self.arms:
+            arm.drive(self._controller(arm.side, None) == "force-field")
+            if not arm.by_fields:
+                self.moving.targets[arm.all] = self.moving.q[arm.all]
+        self.looks_at: int | None = None
+
+    @property
+    def now(self) -> float:
+        """The time since it began [s]."""
+        return self.count * self.tick
+
+    def advance(self) -> list[Strike]:
+        """Go on by one step of the world; return what its hands have touched."""
+        found = list[Strike]()
+        for _ in range(self.ticks):
+            now = self.count * self.tick
+            self._set_out(now)
+            self._control(now)
+            self.moving.advance(self.substeps)
+            self.count += 1
+            step = self.tick / self.substeps
+            found += self.touching.look(now + self.tick, step, now)
+        return found
+
+    def _control(self, now: float) -> None:
+        for arm in self.arms:
+            arm.control(now)
+        moving = self.moving
+        hand = None if self.looks_at is None else moving.places[self.looks_at]
+        eyes, R = moving.place_of(HEAD), moving.turned(CHEST)
+        moving.targets[:6] = self.carriage.control(now, self.tick, eyes, R, hand)
+
+    def _set_out(self, now: float) -> None:
+        """Begin the moves whose time has come."""
+        for k, arm in enumerate(self.arms):
+            rows, i = self.moves[k], self._next[k]
+            while i < len(rows) and rows[i].begin <= now + 1e-9:
+                self._begin(arm, rows[i], now)
+                i += 1
+            self._next[k] = i
+
+    def _begin(self, arm: Arm, move: Move, now: float) -> None:
+        goal = self.goals[move.subtask]
+        by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
+        arm.drive(by_fields)
+        self.looks_at = arm.palm
+        self.carriage.given.update(goal.trunk)
+        if by_fields:
+            if goal.is_for_fields:
+                arm.pull(goal, now, move.land)
+            return
+        postures = self.postures[move.subtask]
+        if goal.words.is_of_joints:
+            postures = (np.where(goal.given, goal.held, arm.desired(now)),)
+        arm.turn(postures, now, move.land)
+
+    def _controller(self, side: str, own: Controller | None) -> Controller:
+        given = self.words.controller
+        if own is not None:
+            return own
+        if isinstance(given, Arms):
+            return given.r if side == "r" else given.l
+        return given
+
+    def _needs_postures(self) -> bool:
+        """Tell whether any subtask is done by torques."""
+        return any(
+            self._controller(goal.words.hand, goal.words.controller) == "joint-torque"
+            for goal in self.goals
+        )
+
+    def _stand(self) -> None:
+        for side in HANDS:
+            arm = self.torso.arm(side)
+            self.moving.q[arm.start : self.torso.wrist(side).stop] = rest_posture(side, self.torso)
+        self.moving.targets[:] = self.moving.q
+        self.moving.settle()
+
+
+def tuned(torso: Torso, gains: Gains) -> Torso:
+    """Return a torso whose servos and fields work as hard as the author says."""
+    if gains == Gains():
+        return torso
+    links = tuple(
+        replace(
+            link,
+            hinges=tuple(
+                replace(
+                    hinge,
+                    stiffness=hinge.stiffness * gains.stiffness,
+                    damping=hinge.damping * gains.damping,
+                )
+                for hinge in link.hinges
+            ),
+        )
+        for link in torso.linkage.links
+    )
+    linkage = replace(torso.linkage, links=links, drag=torso.linkage.drag * gains.drag)
+    return replace(torso, linkage=linkage)

@@ -1,0 +1,69 @@
+"""Rehearsal: the key postures of places, found by letting a field bring the hand there once.
+
+Joint torques need angles for everything. What a dance says by places is therefore danced once
+by fields, slowly and alone, and the angles in which the arm comes to rest at each place are
+kept as its postures, as an animator would find them by hand. No inverse kinematics are solved.
+Solids do not meet meanwhile, so that a hand which is to touch comes to press.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pipeline.simulation.dancers.arms import Arm
+from pipeline.simulation.dancers.fields import RATE
+from pipeline.simulation.dancers.goals import Choreography, Goal, rest_posture
+from pipeline.simulation.dancers.torso import ARM, HANDS
+from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.spatial import Array
+
+STEP, TICK = 0.002, 2
+"""Step [s], and how many of them a control lasts."""
+
+WAY, REST = 0.45, 0.35
+"""How long a hand takes to a place, and rests there until it is still [s]."""
+
+
+def postures_of(choreography: Choreography) -> tuple[tuple[Array, ...], ...]:
+    """Return the postures (7,) of every subtask: one at each of its places, or of its angles."""
+    torso, goals = choreography.torso, choreography.goals
+    moving = Moving(torso.linkage, STEP)
+    moving.meet(False)
+    arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
+    for arm in arms.values():
+        moving.q[arm.all] = rest_posture(arm.side, torso)
+        moving.targets[arm.all] = moving.q[arm.all]
+    moving.settle()
+    found, now = list[tuple[Array, ...]](), 0.0
+    for goal in goals:
+        arm = arms[goal.words.hand]
+        if goal.words.is_of_joints:
+            before = moving.q[arm.all].copy()
+            posture = np.where(goal.given, goal.held, before)
+            arm.drive(False)
+            moving.targets[arm.all] = moving.q[arm.all] = posture
+            moving.v[arm.all] = 0.0
+            moving.settle()
+            found.append((posture,))
+            continue
+        rows = list[Array]()
+        for spot in goal.spots:
+            now = _visit(arm, moving, goal, spot, now)
+            rows.append(moving.q[arm.all].copy())
+        # The last is where it stays: hints alone turn a wrist.
+        found.append(tuple(rows))
+    return tuple(found)
+
+
+def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
+    """Bring the hand to one place; return the time then."""
+    arm.drive(True)
+    arm.ease = goal.held[: len(ARM)]
+    arm.traced = None
+    arm.fields.go([spot], now, now + WAY, moving.places)
+    arm.turn_wrist(goal.held[len(ARM) :], now, now + WAY)
+    for _ in range(round((WAY + REST) / (STEP * TICK))):
+        arm.control(now)
+        moving.advance(TICK)
+        now += STEP * TICK
+    return now

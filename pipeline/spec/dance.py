@@ -16,8 +16,9 @@ from pipeline.spec.nearest import hint
 from pipeline.spec.values import Length, LengthOrZero, Name, Number, Words
 
 BODY_PLACES = (
-    *("shoulder_l", "shoulder_r", "head_back", "head_top", "nape", "chest", "belly"),
-    *("ribs_l", "ribs_r", "hip_l", "hip_r"),
+    *("shoulder_l", "shoulder_r", "head_back", "head_back_l", "head_back_r", "head_top"),
+    *("nape", "chest", "belly"),
+    *("ribs_l", "ribs_r", "low_ribs_l", "low_ribs_r", "hip_l", "hip_r"),
 )
 """Places on one's own body that a hand can touch."""
 

@@ -38,10 +38,13 @@ def body_places(who: Proportions) -> dict[str, Surface]:
     ribs = 0.5 * (who.spine + who.shoulder)
     found = dict[str, tuple[str, Array, float, tuple[float, float, float]]]()
     for side, z in (("r", 1.0), ("l", -1.0)):
-        top = rest[f"shoulder_{side}"] + [0.0, -0.006, -0.022 * z]
+        top = rest[f"shoulder_{side}"] + [0.0, -0.006, -0.05 * z]
         found[f"shoulder_{side}"] = ("chest", top, 0.030, (0.35, 1.0, 0.0))
-        middle = np.array([0.0, ribs, 0.032 * z])
-        found[f"ribs_{side}"] = ("chest", middle, 0.061, (0.8, 0.0, 0.6 * z))
+        for name, up in (("ribs", 0.012), ("low_ribs", -0.030)):
+            middle = np.array([0.0, ribs + up, 0.030 * z])
+            found[f"{name}_{side}"] = ("chest", middle, 0.061, (1.0, 0.0, 0.3 * z))
+        head = np.array([0.004, 0.938, 0.0])
+        found[f"head_back_{side}"] = ("head", head, 0.050, (-1.0, 0.0, 0.62 * z))
         hip = np.array([0.0, who.hip + 0.015, 0.038 * z])
         found[f"hip_{side}"] = ("pelvis", hip, 0.060, (0.35, 0.35, z))
     head = np.array([0.004, 0.94, 0.0])

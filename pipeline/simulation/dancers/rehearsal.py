@@ -3,7 +3,8 @@
 Joint torques need angles for everything. What a dance says by places is therefore danced once
 by fields, slowly and alone, and the angles in which the arm comes to rest at each place are
 kept as its postures, as an animator would find them by hand. No inverse kinematics are solved.
-Solids do not meet meanwhile, so that a hand which is to touch comes to press.
+A hand that touches presses; servos do so as well when they aim beyond the posture by the torque
+that the field had there, over their stiffness.
 """
 
 from __future__ import annotations
@@ -28,12 +29,12 @@ def postures_of(choreography: Choreography) -> tuple[tuple[Array, ...], ...]:
     """Return the postures (7,) of every subtask: one at each of its places, or of its angles."""
     torso, goals = choreography.torso, choreography.goals
     moving = Moving(torso.linkage, STEP)
-    moving.meet(False)
     arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
     for arm in arms.values():
         moving.q[arm.all] = rest_posture(arm.side, torso)
         moving.targets[arm.all] = moving.q[arm.all]
     moving.settle()
+    stiffness = np.array([hinge.stiffness for hinge in torso.linkage.hinges])
     found, now = list[tuple[Array, ...]](), 0.0
     for goal in goals:
         arm = arms[goal.words.hand]
@@ -49,7 +50,7 @@ def postures_of(choreography: Choreography) -> tuple[tuple[Array, ...], ...]:
         rows = list[Array]()
         for spot in goal.spots:
             now = _visit(arm, moving, goal, spot, now)
-            rows.append(moving.q[arm.all].copy())
+            rows.append(moving.q[arm.all] + moving.given()[arm.all] / stiffness[arm.all])
         # The last is where it stays: hints alone turn a wrist.
         found.append(tuple(rows))
     return tuple(found)

@@ -115,14 +115,6 @@ class Moving:
             model.actuator_gainprm[rows] = weight * self._gain[rows]
             model.actuator_biasprm[rows] = weight * self._bias[rows]
 
-    def meet(self, meets: bool) -> None:
-        """Say whether solids meet one another."""
-        bit = int(self._mujoco.mjtDisableBit.mjDSBL_CONTACT)
-        if meets:
-            self.model.opt.disableflags &= ~bit
-        else:
-            self.model.opt.disableflags |= bit
-
     def jacobian(self, pulled: int) -> Array:
         """Return (3, n) how fast a pulled spot moves by each hinge; overwritten by the next."""
         spot = self.pulled[pulled] + 1
@@ -143,6 +135,11 @@ class Moving:
         """Return rotations (L, 3, 3) and places (L, 3) of the links, as copies."""
         R = self.data.xmat[self._bodies].reshape(-1, 3, 3)
         return R, self.data.xpos[self._bodies]
+
+    def given(self) -> Array:
+        """Return (n,) what servos and forces give the hinges [N m]."""
+        result: Array = self.data.qfrc_actuator.copy()
+        return result
 
     def torques(self) -> Array:
         """Return (n,) what drives the hinges in all: servos, forces, compensation [N m]."""

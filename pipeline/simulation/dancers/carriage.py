@@ -52,7 +52,7 @@ class Carriage:
             R: (9,) rotation of the chest.
             hand: (3,) at which it looks, None for nowhere [m].
         """
-        wanted = list(self.given.values())
+        wanted = [*self.given.values()]
         if self.sway and now >= self.start:
             phase = math.pi * (now - self.start) / self.beat
             fade = min((now - self.start) / self.beat, 1.0)
@@ -62,12 +62,13 @@ class Carriage:
             yaw, nod = _look(eyes.tolist(), R.tolist(), hand.tolist())
             wanted[3] += yaw
             wanted[4] += nod
-        for k, goal in enumerate(wanted):
-            # Two lags in a row begin and end softly.
-            share = h / ((TRUNK_LAG if k < 3 else LAG) + h)
-            self._soon[k] += share * (goal - self._soon[k])
-            self._now[k] += share * (self._soon[k] - self._now[k])
-        return self._now
+        waist, neck = h / (TRUNK_LAG + h), h / (LAG + h)
+        soon, angles = self._soon, self._now
+        # Two lags in a row begin and end softly.
+        for k, share in enumerate((waist, waist, waist, neck, neck, neck)):
+            soon[k] += share * (wanted[k] - soon[k])
+            angles[k] += share * (soon[k] - angles[k])
+        return angles
 
 
 def _look(eyes: list[float], R: list[float], hand: list[float]) -> tuple[float, float]:

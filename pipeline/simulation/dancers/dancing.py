@@ -21,8 +21,8 @@ from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Controller
 from pipeline.spec.dancer import Arms, Gains
 
-TICKS = 250
-"""How often a second controllers look at least: more often than the world steps."""
+TICKS = 96
+"""How often a second controllers look at least; what depends on speeds alone acts at every step."""
 
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
@@ -81,10 +81,18 @@ class Dancing:
             now = self.count * self.tick
             self._set_out(now)
             self._control(now)
-            self.moving.advance(self.substeps)
+            found += self._go(now)
             self.count += 1
-            step = self.tick / self.substeps
-            found += self.touching.look(now + self.tick, step, now)
+        return found
+
+    def _go(self, now: float) -> list[Strike]:
+        """Go on by one tick; return what hands have touched in it."""
+        found, done, step = list[Strike](), 0, self.tick / self.substeps
+        while done < self.substeps:
+            before = now + done * step
+            done += self.moving.advance(self.substeps - done)
+            if done < self.substeps or self.moving.is_touching:
+                found += self.touching.look(now + done * step, step, before)
         return found
 
     def _control(self, now: float) -> None:

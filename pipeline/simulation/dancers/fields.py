@@ -24,16 +24,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
+from itertools import pairwise
 
 from pipeline.simulation.spatial import Array
+
+# Numbers, not arrays: there are three of each, many thousand times a second.
+Point = tuple[float, float, float]
+
+STILL: Point = (0.0, 0.0, 0.0)
 
 RATE = 18.0
 """k: speed by distance to the point [1/s]."""
 
 FASTEST = 4.0
 """Speed that no desired velocity exceeds [m/s]."""
+
+SLOWER = 0.4
+"""Part of the rate with which the strongest field acts alone: its point jumps."""
 
 OVERLAP = 0.55
 """Part of a leg after which the next may begin."""
@@ -45,20 +52,34 @@ SHORTEST = 0.12
 """Least time that a leg takes [s]."""
 
 
-def combined(points: Array, weights: Array, x: Array, rate: float, winner: bool) -> Array:
-    """Return the velocity (3,) that fields with points (n, 3) and weights (n,) ask for at x [m/s]."""
-    if winner:
-        velocity = rate * (points[int(np.argmax(weights))] - x)
-    else:
-        velocity = (weights[:, None] * (rate * (points - x))).sum(axis=0)
-    return bounded_speed(velocity)
+def combined(points: Sequence[Point], weights: Sequence[float]) -> Point:
+    """Return the point of a weighted sum of fields, in the hull of their points [m]."""
+    x = y = z = 0.0
+    for (a, b, c), w in zip(points, weights, strict=True):
+        x, y, z = x + w * a, y + w * b, z + w * c
+    return x, y, z
 
 
-def bounded_speed(velocity: Array) -> Array:
-    """Return a velocity (3,) that is never faster than `FASTEST`, in the same direction."""
-    x, y, z = velocity.tolist()
-    result: Array = velocity / math.sqrt(1.0 + (x * x + y * y + z * z) / FASTEST**2)
-    return result
+def strongest(points: Sequence[Point], weights: Sequence[float]) -> Point:
+    """Return the point of the field that acts alone where the winner takes all [m]."""
+    return points[max(range(len(weights)), key=lambda i: weights[i])]
+
+
+def desired_velocity(point: Point, x: Point, rate: float, own: Point = STILL) -> Point:
+    """Return the velocity that a field asks of a hand [m/s].
+
+    Args:
+        point: of the field [m].
+        x: of the hand [m].
+        rate: k [1/s].
+        own: velocity of the point [m/s].
+    """
+    u = rate * (point[0] - x[0]) + own[0]
+    v = rate * (point[1] - x[1]) + own[1]
+    w = rate * (point[2] - x[2]) + own[2]
+    # Never faster than the fastest, in the same direction.
+    share = 1.0 / math.sqrt(1.0 + (u * u + v * v + w * w) / FASTEST**2)
+    return u * share, v * share, w * share
 
 
 def smooth(s: float) -> tuple[float, float]:
@@ -83,59 +104,64 @@ class Fields:
     """The fields of one hand.
 
     Args:
-        anchor: (3,) where it begins [m].
+        anchor: where it begins [m].
         rate: k [1/s].
         winner: whether the strongest acts alone.
+
+    Attributes:
+        point: of all that act together, as it was last asked for [m].
     """
 
     def __init__(self, anchor: Array, rate: float, winner: bool) -> None:
         self.rate, self.winner = rate, winner
-        self.anchor = anchor.copy()
         self.spots: list[int] = []
         self.legs: list[Leg] = []
         self.land = 0.0
-        self.point = anchor.copy()
+        self.stay(anchor)
+
+    def stay(self, anchor: Array) -> None:
+        """Stay at a place (3,) [m]."""
+        self.point = self.anchor = as_point(anchor)
+        self.spots, self.legs = [], []
 
     def go(self, spots: Sequence[int], now: float, land: float, places: Array) -> None:
         """Go from where the point is now through `spots`, to be at the last one at `land`."""
-        self.anchor = self.point.copy()
+        self.anchor = self.point
         self.spots, self.land, self.legs = list(spots), land, []
         self._begin(now, places)
 
-    def hold(self, spot: int) -> None:
-        """Stay at a spot, wherever it goes."""
-        self.spots, self.legs = [spot], [Leg(spot, -1.0, 1.0)]
-
-    def desired(self, x: Array, now: float, places: Array) -> Array:
-        """Return the velocity (3,) that the hand at `x` is to have [m/s]."""
-        if self.spots and len(self.legs) < len(self.spots):
+    def desired(self, hand: Array, now: float, places: Array) -> Point:
+        """Return the velocity that the `hand` (3,) is to have [m/s]."""
+        x = as_point(hand)
+        if len(self.legs) < len(self.spots):
             self._switch(x, now, places)
-        weights, points, velocity = [1.0], [self.anchor], np.zeros(3)
-        before, last = self.anchor, 1.0
+        weights, points, before, last = [1.0], [self.anchor], self.anchor, 1.0
+        u = v = w = 0.0
         for leg in self.legs:
             s, slope = smooth((now - leg.begin) / leg.time)
             if s > last:
                 # No weight is less than none.
                 s, slope = last, 0.0
-            last = s
-            here = places[leg.spot]
-            velocity += (slope / leg.time) * (here - before)
+            here = as_point(places[leg.spot])
+            slope /= leg.time
+            u += slope * (here[0] - before[0])
+            v += slope * (here[1] - before[1])
+            w += slope * (here[2] - before[2])
             # What the next has is taken from the one before.
             weights[-1] -= s
             weights.append(s)
             points.append(here)
-            before = here
-        stack, shares = np.array(points), np.array(weights)
-        self.point = (shares[:, None] * stack).sum(axis=0)
+            before, last = here, s
+        self.point = combined(points, weights)
         if self.winner:
-            return combined(stack, shares, x, self.rate, True)
-        return bounded_speed(self.rate * (self.point - x) + velocity)
+            return desired_velocity(strongest(points, weights), x, SLOWER * self.rate)
+        return desired_velocity(self.point, x, self.rate, (u, v, w))
 
-    def _switch(self, x: Array, now: float, places: Array) -> None:
+    def _switch(self, x: Point, now: float, places: Array) -> None:
         leg = self.legs[-1]
-        goal = places[leg.spot]
-        before = places[self.legs[-2].spot] if len(self.legs) > 1 else self.anchor
-        near = float(np.linalg.norm(x - goal)) < NEAR * float(np.linalg.norm(goal - before))
+        goal = as_point(places[leg.spot])
+        before = as_point(places[self.legs[-2].spot]) if len(self.legs) > 1 else self.anchor
+        near = math.dist(x, goal) < NEAR * math.dist(before, goal)
         since = (now - leg.begin) / leg.time
         if since >= 1.0 or (near and since >= OVERLAP):
             self._begin(now, places)
@@ -143,10 +169,15 @@ class Fields:
     def _begin(self, now: float, places: Array) -> None:
         """Begin the next leg; what time is left is shared by the roots of the lengths."""
         done = len(self.legs)
-        ways = [self.point if not done else places[self.spots[done - 1]]]
-        ways += [places[spot] for spot in self.spots[done:]]
-        lengths = np.linalg.norm(np.diff(np.array(ways), axis=0), axis=1)
-        shares = np.sqrt(np.maximum(lengths, 1e-4))
-        whole = OVERLAP * float(shares[:-1].sum()) + float(shares[-1])
-        time = max((self.land - now) * float(shares[0]) / whole, SHORTEST)
+        ways = [self.point if not done else as_point(places[self.spots[done - 1]])]
+        ways += [as_point(places[spot]) for spot in self.spots[done:]]
+        shares = [math.sqrt(max(math.dist(a, b), 1e-4)) for a, b in pairwise(ways)]
+        whole = OVERLAP * sum(shares[:-1]) + shares[-1]
+        time = max((self.land - now) * shares[0] / whole, SHORTEST)
         self.legs.append(Leg(self.spots[done], now, time))
+
+
+def as_point(place: Array) -> Point:
+    """Return a place (3,) as numbers."""
+    x, y, z = place.tolist()
+    return x, y, z

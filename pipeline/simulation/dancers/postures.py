@@ -8,6 +8,7 @@ Source: Matarić et al. 1998, section 6.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Sequence
 
 import numpy as np
@@ -30,21 +31,35 @@ class Passage:
         self.begin, self.time = begin, max(land - begin, 1e-3)
         apart = np.sqrt(np.maximum(np.abs(np.diff(self.keys, axis=0)).max(axis=1), 1e-3))
         knots = np.concatenate([[0.0], np.cumsum(apart)])
-        self.knots = knots / knots[-1]
-        self.bends = natural_bends(self.knots, self.keys)
+        knots /= knots[-1]
+        self.knots: list[float] = knots.tolist()
+        self._powers = _cubics(knots, self.keys)
+        self._still = np.zeros(self.keys.shape[1])
+
+    def is_over(self, now: float) -> bool:
+        """Tell whether the last posture is reached."""
+        return now >= self.begin + self.time
 
     def at(self, now: float) -> tuple[Array, Array]:
         """Return angles (n,) and their speeds (n,) [rad], [rad/s]."""
+        if self.is_over(now):
+            return self.keys[-1], self._still
         u, slope = smooth((now - self.begin) / self.time)
-        i = min(int(np.searchsorted(self.knots, u, side="right")) - 1, len(self.knots) - 2)
-        h = self.knots[i + 1] - self.knots[i]
-        a, b = (self.knots[i + 1] - u) / h, (u - self.knots[i]) / h
-        y, m = self.keys, self.bends
-        q = a * y[i] + b * y[i + 1]
-        q += ((a * a * a - a) * m[i] + (b * b * b - b) * m[i + 1]) * (h * h / 6.0)
-        rate = (y[i + 1] - y[i]) / h
-        rate = rate + ((3.0 * b * b - 1.0) * m[i + 1] - (3.0 * a * a - 1.0) * m[i]) * (h / 6.0)
-        return q, rate * (slope / self.time)
+        i = min(bisect_right(self.knots, u), len(self._powers)) - 1
+        a, b, c, d = self._powers[i]
+        x = u - self.knots[i]
+        cx, dx = c * x, d * (x * x)
+        q = a + (b + cx + dx) * x
+        speed = (b + 2.0 * cx + 3.0 * dx) * (slope / self.time)
+        return q, speed
+
+
+def _cubics(knots: Array, keys: Array) -> list[tuple[Array, Array, Array, Array]]:
+    """Return the natural cubic spline, piece by piece, as powers of the way from its knot."""
+    m, h = natural_bends(knots, keys), np.diff(knots)[:, None]
+    slope = np.diff(keys, axis=0) / h - h * (2.0 * m[:-1] + m[1:]) / 6.0
+    cube = np.diff(m, axis=0) / (6.0 * h)
+    return list(zip(keys[:-1], slope, 0.5 * m[:-1], cube, strict=True))
 
 
 def natural_bends(knots: Array, keys: Array) -> Array:

@@ -59,12 +59,14 @@ def postures_of(choreography: Choreography) -> tuple[tuple[Array, ...], ...]:
 def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
     """Bring the hand to one place; return the time then."""
     arm.drive(True)
-    arm.ease = goal.held[: len(ARM)]
+    arm.ease = goal.held[: len(ARM)].tolist()
     arm.traced = None
     arm.fields.go([spot], now, now + WAY, moving.places)
     arm.turn_wrist(goal.held[len(ARM) :], now, now + WAY)
     for _ in range(round((WAY + REST) / (STEP * TICK))):
         arm.control(now)
-        moving.advance(TICK)
+        done = 0
+        while done < TICK:
+            done += moving.advance(TICK - done)
         now += STEP * TICK
     return now

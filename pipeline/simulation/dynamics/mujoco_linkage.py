@@ -31,6 +31,9 @@ ARMATURE = 0.004
 FRICTION = 0.5
 """Of skin on skin."""
 
+STRIDE = 3
+"""Steps after which it is looked whether something has come into contact."""
+
 LIMB, TRUNK = 1, 2
 """Bits of what meets what."""
 
@@ -90,17 +93,36 @@ class Moving:
         self.solids = [model.geom(i).name for i in range(model.ngeom)]
         self._gain, self._bias = model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
         self._jacobian = np.zeros((3, n))
+        self._touching = 0
         self.settle()
 
     def settle(self) -> None:
         """Work out where everything is after `q` was written."""
         self._mujoco.mj_forward(self.model, self.data)
 
-    def advance(self, count: int) -> None:
-        """Go on by `count` steps, with the targets, velocities and torques as they are."""
-        self._mujoco.mj_step(self.model, self.data, count)
+    def advance(self, count: int) -> int:
+        """Go on with the targets, velocities and torques as they are.
 
-    def share(self, first: int, last: int, pulled: int, servo: float) -> None:
+        Args:
+            count: steps at most; it stops where something has come into contact.
+
+        Returns:
+            Steps that were done.
+        """
+        model, data, step = self.model, self.data, self._mujoco.mj_step
+        done = 0
+        while done < count:
+            stride = min(STRIDE, count - done)
+            step(model, data, stride)
+            done += stride
+            touching = data.ncon
+            if touching > self._touching:
+                self._touching = touching
+                return done
+            self._touching = touching
+        return done
+
+    def share(self, first: int, last: int, pulled: int, servo: float, calm: float) -> None:
         """Let the hinges `first` to `last` be driven by servos, and a spot be pulled.
 
         Args:
@@ -108,12 +130,15 @@ class Moving:
             last: number of the hinge after the last.
             pulled: number of the pulled spot that they carry.
             servo: weight of the servos, 0 to 1; the force has the rest.
+            calm: damping that the hinges have at least [N m s/rad].
         """
         model, n = self.model, len(self.linkage.hinges)
         own = slice(n + 3 * pulled, n + 3 * pulled + 3)
         for rows, weight in ((slice(first, last), servo), (own, 1.0 - servo)):
             model.actuator_gainprm[rows] = weight * self._gain[rows]
             model.actuator_biasprm[rows] = weight * self._bias[rows]
+        hinges = model.actuator_biasprm[first:last, 2]
+        hinges[:] = np.minimum(hinges, -calm)
 
     def jacobian(self, pulled: int) -> Array:
         """Return (3, n) how fast a pulled spot moves by each hinge; overwritten by the next."""

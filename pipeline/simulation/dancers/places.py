@@ -44,7 +44,7 @@ def body_places(who: Proportions) -> dict[str, Surface]:
             middle = np.array([0.0, ribs + up, 0.030 * z])
             found[f"{name}_{side}"] = ("chest", middle, 0.061, (1.0, 0.0, 0.3 * z))
         head = np.array([0.004, 0.938, 0.0])
-        found[f"head_back_{side}"] = ("head", head, 0.050, (-1.0, 0.0, 0.9 * z))
+        found[f"head_back_{side}"] = ("head", head, 0.050, (-1.0, 0.0, 0.75 * z))
         hip = np.array([0.0, who.hip + 0.015, 0.038 * z])
         found[f"hip_{side}"] = ("pelvis", hip, 0.060, (0.35, 0.35, z))
     head = np.array([0.004, 0.94, 0.0])

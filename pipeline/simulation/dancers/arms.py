@@ -52,7 +52,8 @@ class Arm:
         self.passage: Passage | None = None
         self.traced: Passage | None = None
         hinges = torso.linkage.hinges[self.all]
-        self.lead = np.array([hinge.damping / hinge.stiffness for hinge in hinges])
+        self.stiffness = np.array([hinge.stiffness for hinge in hinges])
+        self.lead = np.array([hinge.damping for hinge in hinges]) / self.stiffness
         moving.share(arm.start, arm.stop, self.number, 1.0, CALM)
 
     def drive(self, by_fields: bool) -> None:
@@ -76,11 +77,17 @@ class Arm:
             keys = [np.array(self.fields.point), *self.moving.places[list(goal.spots)]]
             self.traced = Passage(keys, now, land)
         elif goal.spots:
-            self.fields.go(goal.spots, now, land, self.moving.places)
+            self.fields.go(goal.spots, now, land, self.moving.places, goal.press)
 
-    def turn(self, postures: Sequence[Array], now: float, land: float) -> None:
-        """Send the joints through postures (7,) [rad]."""
-        self.passage = Passage([self.desired(now), *postures], now, land)
+    def turn(
+        self,
+        postures: Sequence[Array],
+        now: float,
+        land: float,
+        meets: Array | None = None,
+    ) -> None:
+        """Send the joints through postures (7,), in `meets` of which a hand touches [rad]."""
+        self.passage = Passage([self.desired(now), *postures], now, land, meets)
 
     def desired(self, now: float) -> Array:
         """Return (7,) where the joints are to be now [rad]."""

@@ -122,10 +122,12 @@ class Dancing:
             if goal.is_for_fields:
                 arm.pull(goal, now, move.land)
             return
-        postures = self.postures[move.subtask]
         if goal.words.is_of_joints:
-            postures = (np.where(goal.given, goal.held, arm.desired(now)),)
-        arm.turn(postures, now, move.land)
+            posture = np.where(goal.given, goal.held, arm.desired(now))
+            arm.turn((posture,), now, move.land)
+        else:
+            rehearsed = self.postures[move.subtask]
+            arm.turn(rehearsed.keys, now, move.land, rehearsed.meets)
 
     def _controller(self, side: str, own: Controller | None) -> Controller:
         given = self.words.controller
@@ -145,7 +147,7 @@ class Dancing:
     def _stand(self) -> None:
         for side in HANDS:
             arm = self.torso.arm(side)
-            self.moving.q[arm.start : self.torso.wrist(side).stop] = rest_posture(side, self.torso)
+            self.moving.q[arm.start : self.torso.wrist(side).stop] = rest_posture()
         self.moving.targets[:] = self.moving.q
         self.moving.settle()
 

@@ -48,6 +48,9 @@ OVERLAP = 0.55
 NEAR = 0.6
 """The next begins when the hand is as near to a sub-goal as this, in lengths of the leg to it."""
 
+MOST_UNDER = 0.6
+"""Most of a leg that may lie under a surface."""
+
 SHORTEST = 0.12
 """Least time that a leg takes [s]."""
 
@@ -91,6 +94,15 @@ def smooth(s: float) -> tuple[float, float]:
     return s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * s * s * (1.0 - s) * (1.0 - s)
 
 
+def phase_of(s: float) -> float:
+    """Return where the smooth step has come to `s`, between 0 and 1."""
+    low, high = 0.0, 1.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if smooth(middle)[0] < s else (low, middle)
+    return high
+
+
 @dataclass(slots=True)
 class Leg:
     """Weights that go over to one sub-goal: its spot, its begin and its time [s]."""
@@ -116,7 +128,7 @@ class Fields:
         self.rate, self.winner = rate, winner
         self.spots: list[int] = []
         self.legs: list[Leg] = []
-        self.land = 0.0
+        self.land = self.press = 0.0
         self.stay(anchor)
 
     def stay(self, anchor: Array) -> None:
@@ -124,10 +136,21 @@ class Fields:
         self.point = self.anchor = as_point(anchor)
         self.spots, self.legs = [], []
 
-    def go(self, spots: Sequence[int], now: float, land: float, places: Array) -> None:
-        """Go from where the point is now through `spots`, to be at the last one at `land`."""
+    def go(
+        self, spots: Sequence[int], now: float, land: float, places: Array, press: float = 0.0
+    ) -> None:
+        """Go from where the point is now through `spots`, to be at the last one at `land`.
+
+        Args:
+            spots: numbers of places.
+            now: the time [s].
+            land: the time when it is to be there [s].
+            places: (S, 3) of all spots [m].
+            press: how far the last lies under a surface, which is to be touched at `land` [m].
+        """
         self.anchor = self.point
         self.spots, self.land, self.legs = list(spots), land, []
+        self.press = press
         self._begin(now, places)
 
     def desired(self, hand: Array, now: float, places: Array) -> Point:
@@ -174,6 +197,10 @@ class Fields:
         shares = [math.sqrt(max(math.dist(a, b), 1e-4)) for a, b in pairwise(ways)]
         whole = OVERLAP * sum(shares[:-1]) + shares[-1]
         time = max((self.land - now) * shares[0] / whole, SHORTEST)
+        if done == len(self.spots) - 1 and self.press:
+            # The surface is met before the point below it is reached.
+            under = min(self.press / max(math.dist(*ways), self.press), MOST_UNDER)
+            time /= phase_of(1.0 - under)
         self.legs.append(Leg(self.spots[done], now, time))
 
 

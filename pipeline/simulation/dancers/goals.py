@@ -21,7 +21,7 @@ from pipeline.simulation.dancers.places import (
     in_proportion,
     link_number,
 )
-from pipeline.simulation.dancers.torso import ARM, LINKS, PALM, WRIST, Torso, sided, torso_of
+from pipeline.simulation.dancers.torso import ARM, HAND_RADIUS, LINKS, PALM, WRIST, Torso, sided, torso_of
 from pipeline.simulation.dynamics.linkage import Disc, Spot
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.people.proportions import JOINTS, Proportions
@@ -57,6 +57,7 @@ class Goal:
         given: (7,) which of these the author gave.
         trunk: joint -> angle of waist and neck that the author gave [rad].
         surface: what is touched.
+        press: how far under it the last place is [m].
     """
 
     words: Subtask
@@ -65,6 +66,7 @@ class Goal:
     given: Array
     trunk: dict[str, float]
     surface: Surface | None
+    press: float
 
     @property
     def is_for_fields(self) -> bool:
@@ -112,26 +114,31 @@ def choreography_of(
     )
     torso = torso_of(who, tuple(spots), discs, compensated)
     goals = tuple(
-        _goal(one, tuple(torso.spot(spot) for spot in row), surfaces)
+        _goal(who, one, tuple(torso.spot(spot) for spot in row), surfaces)
         for one, row in zip(dance.subtasks, rows, strict=True)
     )
     return Choreography(torso, goals)
 
 
-def rest_posture(side: str, torso: Torso) -> Array:
+def rest_posture() -> Array:
     """Return (7,) how an arm hangs [rad]."""
-    del side, torso
     return np.radians([REST.get(joint, 0.0) for joint in (*ARM, *WRIST)])
 
 
-def _goal(one: Subtask, spots: tuple[int, ...], surfaces: dict[str, Surface]) -> Goal:
+def _goal(
+    who: Proportions, one: Subtask, spots: tuple[int, ...], surfaces: dict[str, Surface]
+) -> Goal:
     names = (*ARM, *WRIST)
     angles = {word.removesuffix("_deg"): math.radians(a) for word, a in one.joints.items()}
     easy = np.radians([EASY.get(joint, 0.0) for joint in names])
     held = np.array([angles.get(joint, easy[k]) for k, joint in enumerate(names)])
     given = np.array([joint in angles for joint in names])
     trunk = {joint: angle for joint, angle in angles.items() if joint not in names}
-    return Goal(one, spots, held, given, trunk, surfaces.get(one.touch or ""))
+    surface = surfaces.get(one.touch or "")
+    # How far its middle is from the surface when a hand touches.
+    radius = HAND_RADIUS * who.height
+    press = 0.0 if surface is None else radius - float((surface.aim - surface.place) @ surface.normal)
+    return Goal(one, spots, held, given, trunk, surface, press)
 
 
 def _spots(

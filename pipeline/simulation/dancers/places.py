@@ -68,10 +68,14 @@ def _surface(
     return Surface(link, who.height * place, normal, who.height * aim)
 
 
+STRIKE = 0.012
+"""Likewise of a hand that strikes a drum."""
+
+
 def drum_place(who: Proportions, drum: Drum) -> Surface:
     """Return the middle of a drum's top."""
     place, up = np.array(drum.at), np.array([0.0, 1.0, 0.0])
-    return Surface("", place, up, place + who.height * (HAND_RADIUS - PRESS) * up)
+    return Surface("", place, up, place + who.height * (HAND_RADIUS - STRIKE) * up)
 
 
 def in_proportion(who: Proportions, place: tuple[float, float, float]) -> Array:

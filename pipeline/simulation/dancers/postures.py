@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.dancers.fields import smooth
+from pipeline.simulation.dancers.fields import MOST_UNDER, phase_of, smooth
 from pipeline.simulation.spatial import Array
 
 
@@ -23,10 +23,17 @@ class Passage:
     Args:
         postures: (m, n) the first of them where they are now [rad].
         begin: when they leave it [s].
-        land: when they are at the last [s].
+        land: when they are at the last [s]; or at `meets`, if that is given.
+        meets: (n,) a posture shortly before the last, in which a hand touches.
     """
 
-    def __init__(self, postures: Sequence[Array], begin: float, land: float) -> None:
+    def __init__(
+        self,
+        postures: Sequence[Array],
+        begin: float,
+        land: float,
+        meets: Array | None = None,
+    ) -> None:
         self.keys = np.array(postures)
         self.begin, self.time = begin, max(land - begin, 1e-3)
         apart = np.sqrt(np.maximum(np.abs(np.diff(self.keys, axis=0)).max(axis=1), 1e-3))
@@ -34,6 +41,12 @@ class Passage:
         knots /= knots[-1]
         self.knots: list[float] = knots.tolist()
         self._powers = _cubics(knots, self.keys)
+        if meets is not None:
+            # In the last piece, by how far the shoulder and the elbow have come of it.
+            left, whole = (np.abs(self.keys[-1] - one)[:4].max() for one in (meets, self.keys[-2]))
+            left = float(left / max(whole, 1e-3))
+            under = min(left, MOST_UNDER) * (1.0 - self.knots[-2])
+            self.time /= phase_of(1.0 - under)
         self._still = np.zeros(self.keys.shape[1])
 
     def is_over(self, now: float) -> bool:

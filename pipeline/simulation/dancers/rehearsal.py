@@ -9,6 +9,8 @@ that the field had there, over their stiffness.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from pipeline.simulation.dancers.arms import Arm
@@ -25,35 +27,50 @@ WAY, REST = 0.45, 0.35
 """How long a hand takes to a place, and rests there until it is still [s]."""
 
 
-def postures_of(choreography: Choreography) -> tuple[tuple[Array, ...], ...]:
-    """Return the postures (7,) of every subtask: one at each of its places, or of its angles."""
-    torso, goals = choreography.torso, choreography.goals
+@dataclass(frozen=True, eq=False)
+class Rehearsed:
+    """The postures of one subtask.
+
+    Attributes:
+        keys: (7,) each, one at each of its places, or of its angles [rad].
+        meets: (7,) in which the hand touches, before the last; None where it touches nothing.
+    """
+
+    keys: tuple[Array, ...]
+    meets: Array | None = None
+
+
+def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
+    """Return the postures of every subtask."""
+    torso = choreography.torso
     moving = Moving(torso.linkage, STEP)
     arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
     for arm in arms.values():
-        moving.q[arm.all] = rest_posture(arm.side, torso)
-        moving.targets[arm.all] = moving.q[arm.all]
+        moving.q[arm.all] = moving.targets[arm.all] = rest_posture()
     moving.settle()
-    stiffness = np.array([hinge.stiffness for hinge in torso.linkage.hinges])
-    found, now = list[tuple[Array, ...]](), 0.0
-    for goal in goals:
+    found, now = list[Rehearsed](), 0.0
+    for goal in choreography.goals:
         arm = arms[goal.words.hand]
         if goal.words.is_of_joints:
-            before = moving.q[arm.all].copy()
-            posture = np.where(goal.given, goal.held, before)
-            arm.drive(False)
-            moving.targets[arm.all] = moving.q[arm.all] = posture
-            moving.v[arm.all] = 0.0
-            moving.settle()
-            found.append((posture,))
+            found.append(_taken_up(arm, moving, goal))
             continue
-        rows = list[Array]()
+        keys, met = list[Array](), moving.q[arm.all]
         for spot in goal.spots:
             now = _visit(arm, moving, goal, spot, now)
-            rows.append(moving.q[arm.all] + moving.given()[arm.all] / stiffness[arm.all])
-        # The last is where it stays: hints alone turn a wrist.
-        found.append(tuple(rows))
+            met = moving.q[arm.all].copy()
+            keys.append(met + moving.given()[arm.all] / arm.stiffness)
+        found.append(Rehearsed(tuple(keys), met if goal.surface is not None else None))
     return tuple(found)
+
+
+def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
+    """Put an arm into angles that are given."""
+    posture = np.where(goal.given, goal.held, moving.q[arm.all])
+    arm.drive(False)
+    moving.targets[arm.all] = moving.q[arm.all] = posture
+    moving.v[arm.all] = 0.0
+    moving.settle()
+    return Rehearsed((posture,))
 
 
 def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:

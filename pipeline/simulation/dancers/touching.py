@@ -9,7 +9,10 @@ from pipeline.simulation.dynamics.mujoco_linkage import Moving, Touch
 from pipeline.simulation.spatial import Array
 
 AGAIN = 0.09
-"""How long a hand has to be clear of everything to be felt again [s]."""
+"""How long a hand has to be clear of a solid to feel it again [s]."""
+
+TOGETHER = 0.03
+"""What a hand touches so soon after something else is felt as one [s]."""
 
 LEAST = 0.03
 """Least speed of approach that is felt [m/s]."""
@@ -41,8 +44,8 @@ class Touching:
 
     def __init__(self, moving: Moving) -> None:
         self.moving = moving
-        self._last: dict[str, float] = {}
-        self._fast: dict[str, float] = {}
+        self._last: dict[tuple[str, str], float] = {}
+        self._felt: dict[str, float] = {}
 
     def look(self, now: float, step: float, since: float) -> list[Strike]:
         """Return what hands have begun to touch.
@@ -67,13 +70,12 @@ class Touching:
             hand, other, normal = other, hand, touch.normal
         if not hand.startswith("hand") or touch.depth < 0.0:
             return None
-        quiet = then - self._last.get(hand, -math.inf) > AGAIN
-        self._last[hand] = then
-        if other.startswith("hand"):
-            # A clap is one sound of two hands.
-            self._last[other] = then
+        quiet = then - self._last.get((hand, other), -math.inf) > AGAIN
+        quiet = quiet and then - self._felt.get(hand, -math.inf) > TOGETHER
+        self._last[hand, other] = then
         if not quiet or touch.speed < LEAST:
             return None
+        self._felt[hand] = then
         # It touched when it was less deep, at the speed it came with.
         time = max(then - touch.depth / touch.speed, since)
         return Strike(time, hand, other, touch.place, normal, touch.speed)

@@ -11,27 +11,20 @@ from dataclasses import replace
 
 import numpy as np
 
+from pipeline.simulation.dancers.build import is_child, proportions_of
 from pipeline.simulation.dancers.dancing import Dancing
 from pipeline.simulation.dancers.goals import choreography_of
 from pipeline.simulation.dancers.looks import Look, inventory_of, links_of_frames
 from pipeline.simulation.dancers.moves import beat_of, moves_of
 from pipeline.simulation.dancers.touching import Strike
 from pipeline.simulation.people.clothes import clothes_of
-from pipeline.simulation.people.proportions import (
-    ADULT,
-    CHILD,
-    SEGMENT_MASSES,
-    Proportions,
-)
+from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance
-from pipeline.spec.dancer import Build
-
-BUILDS = {"torso": ADULT, "adult": ADULT, "child": CHILD}
 
 
 class Dancers:
@@ -140,22 +133,8 @@ class Dancers:
         )
 
 
-def proportions_of(member: Dancer) -> Proportions:
-    """Return how a dancer is made."""
-    words = member.dancer
-    if not isinstance(words, Build):
-        return BUILDS[words]
-    own = BUILDS[words.build]
-    height = words.height or own.height
-    # Who is taller of the same build weighs more by the square of it.
-    mass = words.mass or own.mass * (height / own.height) ** 2
-    return replace(own, height=height, mass=mass)
-
-
 def _look(member: Dancer, who: Proportions, dance: Dance, seed: int) -> Look:
-    words = member.dancer
-    child = words == "child" or (isinstance(words, Build) and words.build == "child")
-    clothes = clothes_of(member.name, seed, child)
+    clothes = clothes_of(member.name, seed, is_child(member))
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
     return Look(member.name, who, clothes, dict(dance.drums))

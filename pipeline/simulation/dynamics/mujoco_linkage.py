@@ -31,7 +31,7 @@ ARMATURE = 0.004
 FRICTION = 0.5
 """Of skin on skin."""
 
-STRIDE = 3
+STRIDE = 2
 """Steps after which it is looked whether something has come into contact."""
 
 LIMB, TRUNK = 1, 2

@@ -90,8 +90,8 @@ def _speeds(canvas: Canvas, box: Panel, ways: dict[str, tuple[Array, Array]]) ->
         _line(canvas, x, y, COLORS[by], 2.0)
         time = float(t[-1]) - 0.25
         s = np.linspace(0.0, 1.0, 41)
-        way = float(np.trapezoid(speed, t))
-        smooth = np.gradient(ease(s), s) * way / time
+        length = float(np.trapezoid(speed, t))
+        smooth = np.gradient(ease(s), s) * length / time
         least = bottom - box.height * np.minimum(smooth / fastest, 1.0)
         _line(canvas, box.x + box.width * s * time / longest, least, COLORS[by], 0.8)
     canvas.say(f"{fastest:.1f} m/s", (box.x, box.y + 10), 11, FAINT)

@@ -36,6 +36,12 @@ from pipeline.spec import Dance
 APART = 4
 """Ranks that are so far apart are told, with what is known of the movement."""
 
+MEASURES = (
+    *("T_s", "D_m", "C_m2_s5", "mean_m2_s6", "dimensionless", "least_m2_s5"),
+    *("same_way_m2_s5", "energy_J", "largest_torque_Nm"),
+)
+"""What is told of a movement, with units."""
+
 METHOD = (
     f"jerk: third derivative of the middle of the palm, at {RATE:g} Hz after a low-pass of "
     f"{CUTOFF:g} Hz\n"
@@ -99,13 +105,12 @@ def table_csv(dance: Dance, trials: Sequence[Trial]) -> str:
 
 def _measures_of(one: Measured | None) -> dict[str, float]:
     """Return what is told of a movement; only the names without one."""
-    names = ("T_s", "D_m", "C_m2_s5", "mean_m2_s6", "dimensionless", "least_m2_s5")
-    names += ("same_way_m2_s5", "energy_J", "largest_torque_Nm")
     if one is None:
-        return dict.fromkeys(names, 0.0)
+        return dict.fromkeys(MEASURES, 0.0)
     j = one.jerk
     values = (j.time, j.distance, j.integral, j.mean, j.dimensionless, one.floor)
-    return dict(zip(names, (*values, one.same_way.integral, one.energy, one.torque), strict=True))
+    rest = (one.same_way.integral, one.energy, one.torque)
+    return dict(zip(MEASURES, (*values, *rest), strict=True))
 
 
 def _text(

@@ -300,7 +300,11 @@ class Dancer(Performer, DancerWords):
 
 
 BLOCKS = {
-    **{"figure": "Creature", "prop": "Prop", "body": "Body", "group": "Group", "many": "Many"},
+    "figure": "Creature",
+    "prop": "Prop",
+    "body": "Body",
+    "group": "Group",
+    "many": "Many",
     "dancer": "Dancer",
 }
 """What a member is, by the block that it has."""

@@ -113,12 +113,12 @@ class DancerWords(Words):
     gaze: bool = Field(True, description="Whether its head turns to where its hand goes.")
     combine: Literal["sum", "winner"] = Field(
         "sum",
-        description="How fields that act at once combine: the weighted sum, or the strongest alone.",
+        description="How fields that act at once combine: their weighted sum, or the strongest.",
     )
     compensate_gravity: bool = Field(
         True,
-        description="Whether the weight of the arms is held up; a field is zero at its point, where "
-        "arms would sag without it.",
+        description="Whether the weight of the arms is held up; a field is zero at its point, "
+        "where arms would sag without it.",
     )
     gains: Gains = Field(Gains(), description="How hard the controllers work.")
     steps_a_second: Annotated[Whole, Field(ge=240, le=10_000)] = Field(

@@ -14,7 +14,7 @@ from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array
 
-EASE, CALM = 12.0, 0.6
+EASE, CALM = 20.0, 0.6
 """Stiffness [N m/rad] and damping [N m s/rad] that hold the elbow of an arm whose hand is pulled:
 without them the arm swings about the line from shoulder to hand like a marionette's."""
 
@@ -37,9 +37,7 @@ class Arm:
         fields: of its hand.
     """
 
-    def __init__(
-        self, side: str, torso: Torso, moving: Moving, rate: float, winner: bool
-    ) -> None:
+    def __init__(self, side: str, torso: Torso, moving: Moving, rate: float, winner: bool) -> None:
         self.side, self.moving, self.number = side, moving, HANDS.index(side)
         self.palm = moving.pulled[self.number]
         arm, wrist = torso.arm(side), torso.wrist(side)
@@ -61,7 +59,9 @@ class Arm:
         if by_fields == self.by_fields:
             return
         self.by_fields = by_fields
-        self.moving.share(self.own.start, self.own.stop, self.number, 0.0 if by_fields else 1.0, CALM)
+        self.moving.share(
+            self.own.start, self.own.stop, self.number, 0.0 if by_fields else 1.0, CALM
+        )
         if by_fields:
             self.fields.stay(self.moving.places[self.palm])
         else:
@@ -91,9 +91,8 @@ class Arm:
 
     def desired(self, now: float) -> Array:
         """Return (7,) where the joints are to be now [rad]."""
-        if self.passage is None or self.by_fields:
-            return self.moving.q[self.all].copy()
-        return self.passage.at(now)[0]
+        q: Array = self.moving.q[self.all].copy()
+        return q if self.passage is None or self.by_fields else self.passage.at(now)[0]
 
     def control(self, now: float) -> None:
         """Write what the arm is to do from now on."""

@@ -42,7 +42,9 @@ class Carriage:
         self._now = [0.0] * len(TRUNK)
         self._soon = [0.0] * len(TRUNK)
 
-    def control(self, now: float, h: float, eyes: Array, R: Array, hand: Array | None) -> list[float]:
+    def control(
+        self, now: float, h: float, eyes: Array, R: Array, hand: Array | None
+    ) -> list[float]:
         """Return the angles of the six joints from now on.
 
         Args:

@@ -34,9 +34,7 @@ class Dancers:
         SceneError: a place is out of reach, or tempo and durations contradict one another.
     """
 
-    def __init__(
-        self, cast: Sequence[tuple[int, Dancer, Dance]], world: World
-    ) -> None:
+    def __init__(self, cast: Sequence[tuple[int, Dancer, Dance]], world: World) -> None:
         self.world, clock = world, world.clock
         self.members = [member for _, member, _ in cast]
         until = float(clock.time_of(clock.last_step))

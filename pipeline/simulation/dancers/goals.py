@@ -21,7 +21,16 @@ from pipeline.simulation.dancers.places import (
     in_proportion,
     link_number,
 )
-from pipeline.simulation.dancers.torso import ARM, HAND_RADIUS, LINKS, PALM, WRIST, Torso, sided, torso_of
+from pipeline.simulation.dancers.torso import (
+    ARM,
+    HAND_RADIUS,
+    LINKS,
+    PALM,
+    WRIST,
+    Torso,
+    sided,
+    torso_of,
+)
 from pipeline.simulation.dynamics.linkage import Disc, Spot
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.people.proportions import JOINTS, Proportions
@@ -82,9 +91,7 @@ class Choreography:
     goals: tuple[Goal, ...]
 
 
-def choreography_of(
-    who: Proportions, dance: Dance, name: str, compensated: bool
-) -> Choreography:
+def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool) -> Choreography:
     """Return a dance on one person.
 
     Args:
@@ -137,7 +144,9 @@ def _goal(
     surface = surfaces.get(one.touch or "")
     # How far its middle is from the surface when a hand touches.
     radius = HAND_RADIUS * who.height
-    press = 0.0 if surface is None else radius - float((surface.aim - surface.place) @ surface.normal)
+    press = (
+        0.0 if surface is None else radius - float((surface.aim - surface.place) @ surface.normal)
+    )
     return Goal(one, spots, held, given, trunk, surface, press)
 
 
@@ -179,7 +188,8 @@ def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
         plain.q[names.index(sided(joint, one.hand))] = math.radians(angle)
     plain.settle()
     spots = [spot.name for spot in plain.linkage.spots]
-    return plain.places[spots.index(f"palm_{one.hand}")].copy()
+    place: Array = plain.places[spots.index(f"palm_{one.hand}")].copy()
+    return place
 
 
 def _too_far(

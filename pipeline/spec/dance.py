@@ -143,6 +143,11 @@ class Dance(Words):
         None, description="How many beats one time through it takes; as its subtasks need."
     )
     drums: dict[Name, Drum] = Field({}, description="What stands before the dancer, by name.")
+    ready: dict[Hand, Position] = Field(
+        {},
+        description="Where hands are before the first beat, {r: [forward, up, right], l: [...]}; "
+        "they hang if left out [m].",
+    )
     subtasks: Annotated[tuple[Subtask, ...], Field(min_length=1, max_length=2000)] = Field(
         description="What hands do, in this order."
     )

@@ -124,8 +124,8 @@ def test_a_free_reach_has_one_peak_of_speed_and_the_shape_of_least_jerk(place, t
     assert np.linalg.norm(way[-1] - place) < 0.005
     speed = np.linalg.norm(np.diff(way, axis=0), axis=1) / TICK
     top = int(np.argmax(speed))
-    # Up to the peak it never falls, after it never rises, but for one hundredth of the peak.
-    little = 0.01 * speed[top]
+    # Up to the peak it never falls, after it never rises, but for some hundredths of the peak.
+    little = 0.03 * speed[top]
     assert (np.maximum.accumulate(speed[: top + 1]) - speed[: top + 1]).max() < little
     assert (speed[top:] - np.minimum.accumulate(speed[top:])).max() < little
     t = (np.arange(len(speed)) + 0.5) * TICK / time

@@ -13,16 +13,24 @@ from pipeline.simulation.dancers.carriage import Carriage
 from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, rest_posture
 from pipeline.simulation.dancers.moves import Move
-from pipeline.simulation.dancers.rehearsal import postures_of
+from pipeline.simulation.dancers.rehearsal import postures_of, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dancers.touching import Strike, Touching
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Controller
 from pipeline.spec.dancer import Arms, Gains
 
 TICKS = 96
 """How often a second controllers look at least; what depends on speeds alone acts at every step."""
+
+EARLY = 0.008
+"""How long before its beat a hand aims to touch [s]: what comes a moment late is seen a frame late."""
+
+EXPECTED, LEARNS, MOST_LATE = 0.12, 0.6, 0.06
+"""How far from its time a touch is taken for the one that was meant [s]; how much of an error is
+made up for the next time, and how much in all [s]."""
 
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
@@ -53,13 +61,15 @@ class Dancing:
         self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
         self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
         self.postures = postures_of(choreography) if self._needs_postures() else ()
-        self._stand()
+        self._stand(ready_postures(choreography) if choreography.ready else {})
         rate = RATE * words.gains.rate
         self.arms = [
             Arm(side, self.torso, self.moving, rate, words.combine == "winner") for side in HANDS
         ]
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
+        self._late = [0.0] * len(self.goals)
+        self._current: list[Move | None] = [None] * len(HANDS)
         self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
         self.touching = Touching(self.moving)
         self.count = 0
@@ -92,8 +102,22 @@ class Dancing:
             before = now + done * step
             done += self.moving.advance(self.substeps - done)
             if done < self.substeps or self.moving.is_touching:
-                found += self.touching.look(now + done * step, step, before)
+                strikes = self.touching.look(now + done * step, step, before)
+                self._learn(strikes)
+                found += strikes
         return found
+
+    def _learn(self, strikes: Sequence[Strike]) -> None:
+        """Hear how late hands came, to set out for the same the earlier the next time."""
+        for strike in strikes:
+            move = self._current[HANDS.index(strike.hand[-1])]
+            if move is None:
+                continue
+            late = strike.time - move.land + EARLY
+            if self.goals[move.subtask].surface is not None and abs(late) < EXPECTED:
+                learnt = self._late[move.subtask] + LEARNS * late
+                self._late[move.subtask] = min(max(learnt, -MOST_LATE), MOST_LATE)
+                self._current[HANDS.index(strike.hand[-1])] = None
 
     def _control(self, now: float) -> None:
         for arm in self.arms:
@@ -114,20 +138,22 @@ class Dancing:
 
     def _begin(self, arm: Arm, move: Move, now: float) -> None:
         goal = self.goals[move.subtask]
+        self._current[HANDS.index(arm.side)] = move
+        land = move.land - self._late[move.subtask]
         by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
         arm.drive(by_fields)
         self.looks_at = arm.palm
         self.carriage.given.update(goal.trunk)
         if by_fields:
             if goal.is_for_fields:
-                arm.pull(goal, now, move.land)
+                arm.pull(goal, now, land)
             return
         if goal.words.is_of_joints:
             posture = np.where(goal.given, goal.held, arm.desired(now))
-            arm.turn((posture,), now, move.land)
+            arm.turn((posture,), now, land)
         else:
             rehearsed = self.postures[move.subtask]
-            arm.turn(rehearsed.keys, now, move.land, rehearsed.meets)
+            arm.turn(rehearsed.keys, now, land, rehearsed.meets)
 
     def _controller(self, side: str, own: Controller | None) -> Controller:
         given = self.words.controller
@@ -144,10 +170,10 @@ class Dancing:
             for goal in self.goals
         )
 
-    def _stand(self) -> None:
+    def _stand(self, ready: Mapping[str, Array]) -> None:
         for side in HANDS:
-            arm = self.torso.arm(side)
-            self.moving.q[arm.start : self.torso.wrist(side).stop] = rest_posture()
+            own = slice(self.torso.arm(side).start, self.torso.wrist(side).stop)
+            self.moving.q[own] = ready.get(side, rest_posture())
         self.moving.targets[:] = self.moving.q
         self.moving.settle()
 

@@ -85,10 +85,17 @@ class Goal:
 
 @dataclass(frozen=True, eq=False)
 class Choreography:
-    """A dance on one person: its torso with all places, and its goals, one a subtask."""
+    """A dance on one person.
+
+    Attributes:
+        torso: with all places.
+        goals: one a subtask.
+        ready: side -> number of the spot where its hand is at first.
+    """
 
     torso: Torso
     goals: tuple[Goal, ...]
+    ready: dict[str, int]
 
 
 def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool) -> Choreography:
@@ -111,8 +118,11 @@ def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool
         own = list(_spots(who, one, i, surfaces, plain))
         rows.append([spot.name for spot, _ in own])
         path = f"dances.{name}.subtasks[{i}]"
-        problems += _too_far(who, one, own, path)
+        problems += _too_far(who, one.hand, own, path)
         spots += [spot for spot, _ in own]
+    for side, place in dance.ready.items():
+        spots.append(_spot(who, f"ready.{side}", place, surfaces))
+        problems += _too_far(who, side, [(spots[-1], f"ready.{side}")], f"dances.{name}")
     if problems:
         raise SceneError(problems)
     discs = tuple(
@@ -124,7 +134,7 @@ def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool
         _goal(who, one, tuple(torso.spot(spot) for spot in row), surfaces)
         for one, row in zip(dance.subtasks, rows, strict=True)
     )
-    return Choreography(torso, goals)
+    return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in dance.ready})
 
 
 def rest_posture() -> Array:
@@ -132,12 +142,17 @@ def rest_posture() -> Array:
     return np.radians([REST.get(joint, 0.0) for joint in (*ARM, *WRIST)])
 
 
+def easy_posture() -> Array:
+    """Return (7,) how an arm is held that reaches for something [rad]."""
+    return np.radians([EASY.get(joint, 0.0) for joint in (*ARM, *WRIST)])
+
+
 def _goal(
     who: Proportions, one: Subtask, spots: tuple[int, ...], surfaces: dict[str, Surface]
 ) -> Goal:
     names = (*ARM, *WRIST)
     angles = {word.removesuffix("_deg"): math.radians(a) for word, a in one.joints.items()}
-    easy = np.radians([EASY.get(joint, 0.0) for joint in names])
+    easy = easy_posture()
     held = np.array([angles.get(joint, easy[k]) for k, joint in enumerate(names)])
     given = np.array([joint in angles for joint in names])
     trunk = {joint: angle for joint, angle in angles.items() if joint not in names}
@@ -193,9 +208,9 @@ def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
 
 
 def _too_far(
-    who: Proportions, one: Subtask, own: list[tuple[Spot, str]], path: str
+    who: Proportions, side: str, own: list[tuple[Spot, str]], path: str
 ) -> Iterator[Problem]:
-    shoulder = who.rest()[JOINTS.index(f"shoulder_{one.hand}")]
+    shoulder = who.rest()[JOINTS.index(f"shoulder_{side}")]
     length = (who.upper_arm + who.forearm + PALM * who.hand) * who.height
     for spot, word in own:
         away = float(np.linalg.norm(spot.place - shoulder))

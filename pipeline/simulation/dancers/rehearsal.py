@@ -9,13 +9,13 @@ that the field had there, over their stiffness.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeline.simulation.dancers.arms import Arm
 from pipeline.simulation.dancers.fields import RATE
-from pipeline.simulation.dancers.goals import Choreography, Goal, rest_posture
+from pipeline.simulation.dancers.goals import Choreography, Goal, easy_posture, rest_posture
 from pipeline.simulation.dancers.torso import ARM, HANDS
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array
@@ -63,6 +63,20 @@ def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
     return tuple(found)
 
 
+def ready_postures(choreography: Choreography) -> dict[str, Array]:
+    """Return the postures (7,) in which hands are ready, by side; hands go there past all drums."""
+    linkage = replace(choreography.torso.linkage, discs=())
+    torso = replace(choreography.torso, linkage=linkage)
+    moving, found = Moving(linkage, STEP), dict[str, Array]()
+    for side, spot in choreography.ready.items():
+        arm = Arm(side, torso, moving, RATE, False)
+        arm.drive(True)
+        arm.ease = easy_posture()[: len(ARM)].tolist()
+        _bring(arm, moving, easy_posture(), spot, 0.0)
+        found[side] = moving.q[arm.all].copy()
+    return found
+
+
 def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
     """Put an arm into angles that are given."""
     posture = np.where(goal.given, goal.held, moving.q[arm.all])
@@ -74,12 +88,17 @@ def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
 
 
 def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
-    """Bring the hand to one place; return the time then."""
+    """Bring the hand to one place of a subtask; return the time then."""
     arm.drive(True)
-    arm.ease = goal.held[: len(ARM)].tolist()
+    return _bring(arm, moving, goal.held, spot, now)
+
+
+def _bring(arm: Arm, moving: Moving, held: Array, spot: int, now: float) -> float:
+    """Bring a hand to a place, the arm held near a posture (7,); return the time then."""
+    arm.ease = held[: len(ARM)].tolist()
     arm.traced = None
     arm.fields.go([spot], now, now + WAY, moving.places)
-    arm.turn_wrist(goal.held[len(ARM) :], now, now + WAY)
+    arm.turn_wrist(held[len(ARM) :], now, now + WAY)
     for _ in range(round((WAY + REST) / (STEP * TICK))):
         arm.control(now)
         done = 0

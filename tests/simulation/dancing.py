@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dancing import Dancing
+from pipeline.simulation.dancers.dancing import Dancing, practised
 from pipeline.simulation.dancers.goals import choreography_of
 from pipeline.simulation.dancers.moves import Move, beat_of, moves_of
 from pipeline.simulation.dancers.torso import HANDS, LINKS
@@ -29,7 +29,7 @@ def dancing_of(words: str, rate: float = 96.0, duration: float = 30, more: str =
     choreography = choreography_of(
         proportions_of(member), dance, member.dance, member.compensate_gravity
     )
-    return Dancing(member, choreography, moves, beat_of(member, dance), 1.0 / rate)
+    return practised(member, choreography, moves, beat_of(member, dance), 1.0 / rate)
 
 
 @dataclass

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.simulation.dancers.build import is_child, proportions_of
-from pipeline.simulation.dancers.dancing import Dancing
+from pipeline.simulation.dancers.dancing import Dancing, practised
 from pipeline.simulation.dancers.goals import choreography_of
 from pipeline.simulation.dancers.looks import Look, inventory_of, links_of_frames
 from pipeline.simulation.dancers.moves import beat_of, moves_of
@@ -46,7 +46,7 @@ class Dancers:
             held = member.compensate_gravity
             choreography = choreography_of(who, dance, member.dance, held)
             beat = beat_of(member, dance)
-            self.dancing.append(Dancing(member, choreography, moves, beat, clock.dt))
+            self.dancing.append(practised(member, choreography, moves, beat, clock.dt))
             self.looks.append(_look(member, who, dance, world.seed))
         torsos = [one.torso for one in self.dancing]
         self.inventory = inventory_of(self.looks, torsos, clock.rows)

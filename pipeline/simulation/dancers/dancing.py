@@ -28,9 +28,12 @@ TICKS = 96
 EARLY = 0.008
 """How long before its beat a hand aims to touch [s]: what comes a moment late is seen a frame late."""
 
-EXPECTED, LEARNS, MOST_LATE = 0.12, 0.6, 0.06
+EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.15
 """How far from its time a touch is taken for the one that was meant [s]; how much of an error is
 made up for the next time, and how much in all [s]."""
+
+PRACTICE = 3
+"""How many bars are practised."""
 
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
@@ -44,6 +47,7 @@ class Dancing:
         moves: of each hand, in the order of time.
         beat: duration of a beat [s].
         dt: that it is advanced by at once [s].
+        late: how late its hands come to each place of the bar, as far as it knows [s].
     """
 
     def __init__(
@@ -53,6 +57,7 @@ class Dancing:
         moves: Mapping[str, Sequence[Move]],
         beat: float,
         dt: float,
+        late: Mapping[tuple[int, int], float] | None = None,
     ) -> None:
         self.words, self.goals = words, choreography.goals
         self.torso = tuned(choreography.torso, words.gains)
@@ -68,7 +73,7 @@ class Dancing:
         ]
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
-        self._late = [0.0] * len(self.goals)
+        self.late = dict(late or {})
         self._current: list[Move | None] = [None] * len(HANDS)
         self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
         self.touching = Touching(self.moving)
@@ -110,14 +115,17 @@ class Dancing:
     def _learn(self, strikes: Sequence[Strike]) -> None:
         """Hear how late hands came, to set out for the same the earlier the next time."""
         for strike in strikes:
-            move = self._current[HANDS.index(strike.hand[-1])]
-            if move is None:
-                continue
-            late = strike.time - move.land + EARLY
-            if self.goals[move.subtask].surface is not None and abs(late) < EXPECTED:
-                learnt = self._late[move.subtask] + LEARNS * late
-                self._late[move.subtask] = min(max(learnt, -MOST_LATE), MOST_LATE)
-                self._current[HANDS.index(strike.hand[-1])] = None
+            clap = strike.other.startswith("hand")
+            for solid in (strike.hand, strike.other) if clap else (strike.hand,):
+                k = HANDS.index(solid[-1])
+                move = self._current[k]
+                if move is None or not (clap or self.goals[move.subtask].surface):
+                    continue
+                late = strike.time - move.land + EARLY
+                if abs(late) < EXPECTED:
+                    learnt = self.late.get(move.place, 0.0) + LEARNS * late
+                    self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
+                    self._current[k] = None
 
     def _control(self, now: float) -> None:
         for arm in self.arms:
@@ -139,7 +147,7 @@ class Dancing:
     def _begin(self, arm: Arm, move: Move, now: float) -> None:
         goal = self.goals[move.subtask]
         self._current[HANDS.index(arm.side)] = move
-        land = move.land - self._late[move.subtask]
+        land = move.land - self.late.get(move.place, 0.0)
         by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
         arm.drive(by_fields)
         self.looks_at = arm.palm
@@ -176,6 +184,27 @@ class Dancing:
             self.moving.q[own] = ready.get(side, rest_posture())
         self.moving.targets[:] = self.moving.q
         self.moving.settle()
+
+
+def practised(
+    words: Dancer,
+    choreography: Choreography,
+    moves: Mapping[str, Sequence[Move]],
+    beat: float,
+    dt: float,
+) -> Dancing:
+    """Return a dancer about to begin, who has practised if anything is to be on a certain beat.
+
+    A few bars are danced beforehand, to hear how late hands come.
+    """
+    late = None
+    if any(goal.words.on is not None for goal in choreography.goals):
+        trial = Dancing(words, choreography, moves, beat, dt)
+        lands = [m.land for rows in moves.values() for m in rows if m.bar < PRACTICE]
+        while trial.now < max(lands, default=0.0):
+            trial.advance()
+        late = trial.late
+    return Dancing(words, choreography, moves, beat, dt, late)
 
 
 def tuned(torso: Torso, gains: Gains) -> Torso:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dancing import Dancing
+from pipeline.simulation.dancers.dancing import practised
 from pipeline.simulation.dancers.goals import choreography_of
 from pipeline.simulation.dancers.jerk import Jerk, floor_between, jerk_of, same_way_smoothly
 from pipeline.simulation.dancers.moves import Move, beat_of, moves_of
@@ -77,7 +77,7 @@ def dance_through(member: Dancer, dance: Dance, path: str, rate: float, until: f
     who = proportions_of(member)
     moves = moves_of(member, dance, until, path)
     choreography = choreography_of(who, dance, member.dance, member.compensate_gravity)
-    one = Dancing(member, choreography, moves, beat_of(member, dance), 1.0 / rate)
+    one = practised(member, choreography, moves, beat_of(member, dance), 1.0 / rate)
     last = max((move.land for rows in moves.values() for move in rows), default=0.0)
     count = round((min(last, until) + AFTER) * rate)
     moving, palms = one.moving, [arm.palm for arm in one.arms]

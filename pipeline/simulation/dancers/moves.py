@@ -22,12 +22,19 @@ class Move:
         bar: how often the dance was danced before.
         begin: when the hand sets out [s].
         land: when it is to be there [s].
+        beat: on which of the beats of the bar it lands, as a number in the order of `on`.
     """
 
     subtask: int
     bar: int
     begin: float
     land: float
+    beat: int = 0
+
+    @property
+    def place(self) -> tuple[int, int]:
+        """What it is and where in the bar: the same in every bar."""
+        return self.subtask, self.beat
 
 
 def beat_of(dancer: Dancer, dance: Dance) -> float:
@@ -95,20 +102,20 @@ def _by_beats(
     path: str,
 ) -> list[Move]:
     beat = beat_of(dancer, dance)
-    landings, bar = list[tuple[float, int, int]](), 0
+    landings, bar = list[tuple[float, int, int, int]](), 0
     while dancer.bars is None or bar < dancer.bars:
         first = dancer.start + bar * dance.length * beat
         if first > until + dance.length * beat:
             break
         landings += [
-            (first + on * beat, i, bar)
-            for i, on in _onsets(dance)
+            (first + on * beat, i, k, bar)
+            for i, k, on in _onsets(dance)
             if times is None or times[i] is not None
         ]
         bar += 1
     landings.sort()
     moves, last = list[Move](), dict.fromkeys(HANDS, 0.0)
-    for land, i, number in landings:
+    for land, i, k, number in landings:
         one = dance.subtasks[i]
         time = one.beats * beat
         given = times[i] if times is not None else None
@@ -119,19 +126,19 @@ def _by_beats(
         begin = max(land - time, last[one.hand], 0.0)
         last[one.hand] = land
         if begin < until and land - begin > SLACK:
-            moves.append(Move(i, number, begin, land))
+            moves.append(Move(i, number, begin, land, k))
     return moves
 
 
-def _onsets(dance: Dance) -> list[tuple[int, float]]:
-    """Return the subtasks and when in the bar they arrive, in beats from its begin."""
-    found, now = list[tuple[int, float]](), 0.0
+def _onsets(dance: Dance) -> list[tuple[int, int, float]]:
+    """Return subtasks, which of their beats it is, and when that is, in beats from the begin."""
+    found, now = list[tuple[int, int, float]](), 0.0
     for i, one in enumerate(dance.subtasks):
         if one.on is not None:
-            found += [(i, beat - 1.0) for beat in one.on]
+            found += [(i, k, beat - 1.0) for k, beat in enumerate(one.on)]
         else:
             now += one.beats
-            found.append((i, now))
+            found.append((i, 0, now))
     return found
 
 

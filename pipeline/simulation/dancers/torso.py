@@ -52,7 +52,7 @@ LIMITS = {
     "neck_bend": (-35, 35),
     "shoulder_flexion": (-60, 185),
     "shoulder_abduction": (-60, 160),
-    "shoulder_rotation": (-100, 100),
+    "shoulder_rotation": (-100, 115),
     "elbow_flexion": (0, 150),
     "wrist_pronation": (-95, 95),
     "wrist_flexion": (-70, 75),

@@ -41,6 +41,12 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         troupes.append(Props(props, world, [member.material or THING for member in props]))
     pushing = [troupe.inventory for troupe in troupes]
     troupes += _alone(scene, world)
+    if scene.dancers:
+        # MuJoCo is loaded by those alone who need it.
+        from pipeline.simulation.dancers.dancers import Dancers
+
+        cast = [(i, member, scene.dances[member.dance]) for i, member in scene.dancers]
+        troupes.append(Dancers(cast, world))
     meeting = [
         (i, member)
         for i, member in enumerate(scene.cast)

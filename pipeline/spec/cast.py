@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self, TypeGuard
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.body import BodyWords
+from pipeline.spec.dancer import BuildOrName, DancerWords
 from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.group import Fire, GroupWords
@@ -282,7 +283,30 @@ class Many(Performer):
         return self.many.layout
 
 
-BLOCKS = {"figure": "Creature", "prop": "Prop", "body": "Body", "group": "Group", "many": "Many"}
+class Dancer(Performer, DancerWords):
+    """A simulated torso that dances."""
+
+    dancer: BuildOrName = Field(
+        description="torso, adult or child; or how it is made, {build: adult, height: 1.8}."
+    )
+    at: tuple[Coordinate, Coordinate] = Field(
+        (0.0, 0.0), description="Where it stands, [x, z] on the ground [m]."
+    )
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name."""
+        return "dancer"
+
+
+BLOCKS = {
+    "figure": "Creature",
+    "prop": "Prop",
+    "body": "Body",
+    "group": "Group",
+    "many": "Many",
+    "dancer": "Dancer",
+}
 """What a member is, by the block that it has."""
 
 
@@ -298,7 +322,8 @@ Member = Annotated[
     | Annotated[Prop, Tag("Prop")]
     | Annotated[Body, Tag("Body")]
     | Annotated[Group, Tag("Group")]
-    | Annotated[Many, Tag("Many")],
+    | Annotated[Many, Tag("Many")]
+    | Annotated[Dancer, Tag("Dancer")],
     Discriminator(_what),
 ]
 
@@ -331,7 +356,7 @@ def called(member: object) -> tuple[str, str, str]:
         Its own name or "", what it is, and what stands between that and a number: nothing
         for `many`, whose bodies are numbered after a `_`.
     """
-    if isinstance(member, Creature | Prop | Body | Group | Many):
+    if isinstance(member, Creature | Prop | Body | Group | Many | Dancer):
         return member.name, member.called, "" if isinstance(member, Many) else "_"
     if not isinstance(member, Mapping):
         return "", "", "_"
@@ -341,6 +366,8 @@ def called(member: object) -> tuple[str, str, str]:
         kind = group.get("rule")
     if isinstance(many, Mapping):
         kind = many.get("layout", "wall")
+    if "dancer" in member:
+        kind = "dancer"
     name = member.get("name")
     own, what = (word if isinstance(word, str) else "" for word in (name, kind))
     return own, what, "" if isinstance(many, Mapping) else "_"

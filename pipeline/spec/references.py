@@ -30,6 +30,9 @@ CAUSES = tuple(Detect.model_fields)
 JUMPS = ("hop_over", "jump")
 """What is jumped at once."""
 
+UNMOVED = ("prop", "body", "dancer")
+"""What follows no script."""
+
 HOPPING = ("hop", "stop", *JUMPS, "go_to", "turn_deg", "speed", "wait", "look_at", "look")
 """What a creature can be told that hops and does not walk."""
 
@@ -189,10 +192,9 @@ def _scripted(scene: object) -> Iterator[Fault]:
                 yield Fault(("script", i, *place), message)
                 continue
             member = dict(_items(_get(scene, "cast")))[names.index(name)]
-            if _get(member, "prop") is not None:
-                yield Fault(("script", i, *place), f"'{name}' is a prop, which no script moves")
-            elif _thing(member) == "body":
-                yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
+            if _thing(member) in UNMOVED:
+                message = f"'{name}' is a {_thing(member)}, which no script moves"
+                yield Fault(("script", i, *place), message)
             elif (group := _get(member, "group")) is not None:
                 yield from _directed(group, name, instruction, ("script", i), place)
             elif not _walks(member) and not _hops(member):
@@ -320,7 +322,7 @@ def _is_meant(who: str, scene: object) -> bool:
 
 def _thing(member: object) -> str | None:
     """Return what a member is that is no creature."""
-    things = {"prop": "prop", "body": "body", "group": "group", "many": "body"}
+    things = {"prop": "prop", "body": "body", "group": "group", "many": "body", "dancer": "dancer"}
     return next((things[word] for word in things if _get(member, word) is not None), None)
 
 

@@ -117,6 +117,8 @@ class Crowd(NamedTuple):
         touched: (L,) link that it touches, or NOBODY, TERRAIN, SOLID.
         touched_owner: (L,) whose that is, or NOBODY.
         energy: (L,) kinetic energy of the hardest touch in this step [J].
+        age: (L, 2) since it last touched another link, and the ground [s].
+        link_of: (N,) the link that a node touches the ground with.
         middles: (M, 3) a node and the two that it is held between.
         limbs: (K,) `LIMB`.
         pairs: (S, 2) links of one character that meet one another.
@@ -143,6 +145,8 @@ class Crowd(NamedTuple):
     touched: Numbers
     touched_owner: Numbers
     energy: Array
+    age: Array
+    link_of: Numbers
     middles: Numbers
     limbs: Structures
     pairs: Numbers
@@ -234,6 +238,8 @@ def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
         touched=np.full(len(links), NOBODY),
         touched_owner=np.full(len(links), NOBODY),
         energy=np.zeros(len(links)),
+        age=np.full((len(links), 2), np.inf),
+        link_of=_links_of(ends, [link.girth for _, link, _ in links], count),
         middles=_table(
             [
                 [k + a for k in m]
@@ -254,6 +260,16 @@ def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
         grips=np.full((grips, 2), NOBODY),
         owners=owners,
     )
+
+
+def _links_of(ends: Numbers, girths: Sequence[float], count: int) -> Numbers:
+    """Return the link of each node: of those that are touched the last that ends there."""
+    found = np.zeros(count, dtype=np.int64)
+    for at in (0, 1):
+        for n, girth in enumerate(girths):
+            if girth > 0.0:
+                found[ends[n, at]] = n
+    return found
 
 
 def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Structures:

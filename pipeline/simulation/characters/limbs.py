@@ -1,0 +1,199 @@
+"""Limbs: knees and elbows that bend one way.
+
+A limb of two links whose root and tip are known leaves its joint a circle. Where on it the
+joint may be is told against the trunk: the direction in which it points when root to tip lies
+in the middle of its cone goes along with that by the shortest turn. So there is nowhere a
+limb whose way of bending is not known but opposite to the middle, out of its reach.
+
+While links are projected the limb is turned back with as little as leaves its momentum alone;
+at the end of a sub-step the joint is put where it belongs.
+
+Source: Horswill 2008, "Gait control" and "Failure modes" (knees that bend neither back nor
+    sideways; that elbows need their own limits).
+"""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.layout import Crowd
+from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.vectors import (
+    Vector,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    put,
+    row,
+    times,
+)
+
+TINY = 1e-9
+"""A length that is none [m]."""
+
+BACK = 0.05
+"""Cosine below which a turn has no shortest way."""
+
+
+@compiled
+def straighten(crowd: Crowd, limb: Record) -> None:
+    """Turn a limb back into its cone, and its joint back towards where it may point."""
+    p = crowd.p
+    x, y, z = trunk(crowd, limb)
+    root, tip = row(p, limb.root), row(p, limb.tip)
+    along = minus(tip, root)
+    far = length(along)
+    if far < TINY:
+        return
+    d = times(1.0 / far, along)
+    m = _world(limb.middle, x, y, z)
+    if dot(d, m) < limb.cone:
+        # The nearest direction in the cone; tip and joint go there, root and trunk push back.
+        aside = minus(m, times(dot(m, d), d))
+        size = length(aside)
+        if size > TINY:
+            angle = math.acos(max(dot(d, m), -1.0)) - math.acos(limb.cone)
+            _push(crowd, limb, times(far * min(angle, 0.2) / size, aside))
+            return
+    e, size, _ = _elbow(crowd, limb, d)
+    wanted = _allowed(limb, e, d, m, x, y, z)
+    if dot(wanted, e) < 1.0 - 1e-12:
+        _swing(crowd, limb, times(size, minus(wanted, e)))
+
+
+@compiled
+def settle(crowd: Crowd, limb: Record) -> None:
+    """Put a joint where both links have their lengths and it points where it may."""
+    p = crowd.p
+    if crowd.give[limb.joint] == 0.0:
+        return
+    x, y, z = trunk(crowd, limb)
+    root, along = row(p, limb.root), minus(row(p, limb.tip), row(p, limb.root))
+    far = length(along)
+    if far < TINY:
+        return
+    d = times(1.0 / far, along)
+    e, _, _ = _elbow(crowd, limb, d)
+    wanted = _allowed(limb, e, d, _world(limb.middle, x, y, z), x, y, z)
+    upper, lower = limb.upper, limb.lower
+    if far >= upper + lower:
+        # It is stretched: both links have their share of it.
+        put(p, limb.joint, plus(root, times(upper / (upper + lower), along)))
+        return
+    a = (upper * upper - lower * lower + far * far) / (2.0 * far)
+    out = math.sqrt(max(upper * upper - a * a, 0.0))
+    put(p, limb.joint, plus(root, plus(times(a, d), times(out, wanted))))
+
+
+@compiled
+def bend(crowd: Crowd, limb: Record) -> float:
+    """Return how far a joint is bent [rad], negative if it points where it may not."""
+    p = crowd.p
+    x, y, z = trunk(crowd, limb)
+    root, joint, tip = row(p, limb.root), row(p, limb.joint), row(p, limb.tip)
+    upper, lower = minus(joint, root), minus(tip, joint)
+    angle = math.atan2(length(cross(upper, lower)), dot(upper, lower))
+    along = minus(tip, root)
+    d = times(1.0 / max(length(along), TINY), along)
+    e, _, _ = _elbow(crowd, limb, d)
+    wanted = _allowed(limb, e, d, _world(limb.middle, x, y, z), x, y, z)
+    return angle if dot(wanted, e) > 1.0 - 1e-6 else -angle
+
+
+@compiled
+def trunk(crowd: Crowd, limb: Record) -> tuple[Vector, Vector, Vector]:
+    """Return the axes of the trunk that a limb hangs on: forward, up, and to the right."""
+    p = crowd.p
+    right = minus(row(p, limb.right), row(p, limb.left))
+    up = minus(row(p, limb.high), row(p, limb.low))
+    forward = cross(up, right)
+    size = length(forward)
+    if size < TINY:
+        return (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+    x = times(1.0 / size, forward)
+    y = times(1.0 / max(length(up), TINY), up)
+    return x, y, cross(x, y)
+
+
+@compiled
+def _world(a: Vector, x: Vector, y: Vector, z: Vector) -> Vector:
+    """Return a vector of the trunk's frame in the world."""
+    return plus(plus(times(a[0], x), times(a[1], y)), times(a[2], z))
+
+
+@compiled
+def _elbow(crowd: Crowd, limb: Record, d: Vector) -> tuple[Vector, float, float]:
+    """Return where the joint points across a unit vector d from root to tip.
+
+    Returns:
+        The direction, zero for a straight limb; how far it is from the line [m]; and how far
+        along [m].
+    """
+    off = minus(row(crowd.p, limb.joint), row(crowd.p, limb.root))
+    along = dot(off, d)
+    aside = minus(off, times(along, d))
+    size = length(aside)
+    if size < TINY:
+        return (0.0, 0.0, 0.0), 0.0, along
+    return times(1.0 / size, aside), size, along
+
+
+@compiled
+def _allowed(
+    limb: Record, e: Vector, d: Vector, m: Vector, x: Vector, y: Vector, z: Vector
+) -> Vector:
+    """Return the direction nearest to e, across d, in which the joint may point."""
+    c = _turned(_world(limb.bend, x, y, z), m, d)
+    if dot(e, e) == 0.0:
+        return c
+    ahead = dot(e, c)
+    if ahead >= limb.spread[0]:
+        return e
+    side = cross(d, c)
+    aside = limb.spread[1] if dot(e, side) >= 0.0 else -limb.spread[1]
+    return plus(times(limb.spread[0], c), times(aside, side))
+
+
+@compiled
+def _turned(c: Vector, m: Vector, d: Vector) -> Vector:
+    """Return c, across m, turned by the shortest turn from m to d.
+
+    R c = c - (d · c) (m + d) / (1 + m · d) for unit m and d, and c across m.
+    """
+    share = dot(d, c) / max(1.0 + dot(m, d), BACK)
+    turned = minus(c, times(share, plus(m, d)))
+    # Nearly opposite to the middle the turn is no longer one: across d all the same.
+    turned = minus(turned, times(dot(turned, d), d))
+    return times(1.0 / max(length(turned), TINY), turned)
+
+
+@compiled
+def _push(crowd: Crowd, limb: Record, way: Vector) -> None:
+    """Move tip and joint against the root so that they come so much nearer to one another."""
+    p, give = crowd.p, crowd.give
+    g_t, g_r = give[limb.tip] + 0.25 * give[limb.joint], give[limb.root]
+    if g_t + g_r == 0.0:
+        return
+    # Half of the way for the joint, which lies about half as far out; the root takes on what
+    # the two are given.
+    share = 1.0 / (give[limb.tip] + 0.25 * give[limb.joint] + 2.25 * g_r)
+    for k in range(3):
+        p[limb.tip, k] += share * give[limb.tip] * way[k]
+        p[limb.joint, k] += share * 0.5 * give[limb.joint] * way[k]
+        p[limb.root, k] -= share * 1.5 * g_r * way[k]
+
+
+@compiled
+def _swing(crowd: Crowd, limb: Record, way: Vector) -> None:
+    """Move the joint by `way` against root and tip, which take on half each."""
+    p, give = crowd.p, crowd.give
+    weight = give[limb.joint] + 0.25 * (give[limb.root] + give[limb.tip])
+    if weight == 0.0:
+        return
+    share = 1.0 / weight
+    for k in range(3):
+        p[limb.joint, k] += share * give[limb.joint] * way[k]
+        p[limb.root, k] -= share * 0.5 * give[limb.root] * way[k]
+        p[limb.tip, k] -= share * 0.5 * give[limb.tip] * way[k]

@@ -101,8 +101,8 @@ def tread(person: Record, frame: Record, vertices: Array, dt: float) -> None:
     if person.stepping:
         before = person.phase
         person.phase = (before + rate * dt) % 1.0
+    person.since += dt
     for k in range(2):
-        person.landed[k] = False
         if person.doing[k] == SWING:
             _swing(person, k, rate, stance, frame, vertices)
         elif person.stepping and _is_due(person, k, rate * dt, walks):
@@ -222,7 +222,8 @@ def _swing(
     u = cycle_of(person, k) / (1.0 - stance)
     if u >= 1.0:
         person.doing[k] = STANCE
-        person.landed[k] = True
+        person.landed[k] += 1
+        person.landed_at[k] = person.since
         person.landing[k] = 4.0 * person.arch[k] * rate / (1.0 - stance) * 0.25
         person.stood[k] = person.land[k]
         person.yaw[k] = person.yaw_land[k]

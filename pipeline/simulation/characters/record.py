@@ -71,8 +71,11 @@ PERSON = np.dtype(
         ("pitch", "f8", 2),
         ("pitch_left", "f8", 2),
         ("ankles", "f8", (2, 3)),
-        # Feet that came down in this step, and with what speed [m/s].
-        ("landed", "?", 2),
+        # Since it was last asked [s]; how often feet came down since then, the last time of each,
+        # and with what speed [m/s].
+        ("since", "f8"),
+        ("landed", "i8", 2),
+        ("landed_at", "f8", 2),
         ("landing", "f8", 2),
         # Ground that it goes by [m], [m/s]; lean of the trunk, along x and z; twist of the chest.
         ("floor", "f8"),

@@ -1,26 +1,37 @@
-"""Control: what people do with their nodes before each sub-step."""
+"""Control: what people do with their nodes before each sub-step.
+
+Source: Horswill 2008, "Low-level character control".
+"""
 
 from __future__ import annotations
 
-import numpy as np
-
+from pipeline.simulation.characters.arms import hold_arms
+from pipeline.simulation.characters.carriage import lead
+from pipeline.simulation.characters.feeling import feel
+from pipeline.simulation.characters.gait import tread
+from pipeline.simulation.characters.gaze import look
 from pipeline.simulation.characters.layout import Crowd
+from pipeline.simulation.characters.legs import hold_legs
+from pipeline.simulation.characters.muscles import pull
+from pipeline.simulation.characters.sitting import sit
+from pipeline.simulation.characters.trunk import hold_trunk, stretch
 from pipeline.simulation.dynamics.compiled import Records, compiled
 from pipeline.simulation.dynamics.grid import Grid
-
-PERSON = np.dtype(
-    [
-        # Its number among the crowd's owners, and its first node.
-        ("owner", "i8"),
-        ("node", "i8"),
-        # Its first grip: left hand, right hand, and both hands together.
-        ("grip", "i8"),
-    ],
-    align=True,
-)
-"""What a person is told and does."""
 
 
 @compiled
 def steer(crowd: Crowd, persons: Records, ground: Grid, h: float) -> None:
     """Let everybody act for a sub-step of `h` [s], see `layout`."""
+    for i in range(len(persons)):
+        person = persons[i]
+        feel(person, crowd, h)
+        if not person.frozen:
+            lead(person, crowd, ground, h)
+            tread(person, ground.frame, ground.vertices, h)
+            sit(person, h)
+            look(person, h)
+            hold_trunk(person, crowd, h)
+            hold_legs(person)
+            hold_arms(person, h)
+        stretch(person, crowd)
+        pull(person, crowd, h)

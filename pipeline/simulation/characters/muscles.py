@@ -1,0 +1,75 @@
+"""Muscles: accelerations and locks that bring nodes where control wants them.
+
+Feet that stand are locked on the ground, feet that swing are given the velocity that brings them
+along their line. All other nodes are drawn by critically damped springs, relaxed by blows.
+Gravity is taken off those who hold themselves: a spring alone would let them sag.
+
+Source: Horswill 2008, "Node control": by velocity, by acceleration, and locked in place. Loops
+there are proportional, and the damping of nodes keeps them from swinging; here they damp
+themselves, so that they hold at any rate of sub-steps.
+"""
+
+from __future__ import annotations
+
+from pipeline.simulation.characters.layout import FREE, LOCKED, Crowd
+from pipeline.simulation.characters.record import (
+    COUNT,
+    ELBOW,
+    FOOT,
+    HAND,
+    HEAD,
+    STANCE,
+)
+from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.gravity import GRAVITY
+
+TRUNK, LIMBS = 30.0, 24.0
+"""How quickly muscles bring nodes where they should be [rad/s]."""
+
+FASTEST = 14.0
+"""Of a foot that swings [m/s]."""
+
+WEAKEST = 0.12
+"""What a blow leaves of the muscles' quickness."""
+
+
+@compiled
+def firm(k: int) -> float:
+    """Return how quickly a node of a person is brought where it should be [rad/s]."""
+    limb = k == ELBOW or k == ELBOW + 1 or k == HAND or k == HAND + 1 or k == HEAD
+    return LIMBS if limb else TRUNK
+
+
+@compiled
+def pull(person: Record, crowd: Crowd, dt: float) -> None:
+    """Act on all nodes of a person for a sub-step."""
+    for k in range(COUNT):
+        node = person.node + k
+        if k >= FOOT:
+            _step(person, crowd, k - FOOT, dt)
+        else:
+            quick = firm(k) * (1.0 - (1.0 - WEAKEST) * person.dazed)
+            for c in range(3):
+                v = (crowd.p[node, c] - crowd.before[node, c]) / dt
+                along = (person.wanted[k, c] - person.before[k, c]) / dt
+                off = person.wanted[k, c] - crowd.p[node, c]
+                crowd.acceleration[node, c] += quick * (quick * off + 2.0 * (along - v))
+            crowd.acceleration[node, 1] += GRAVITY
+        for c in range(3):
+            person.before[k, c] = person.wanted[k, c]
+
+
+@compiled
+def _step(person: Record, crowd: Crowd, k: int, dt: float) -> None:
+    """Lock a foot that stands, and send one that swings along its line."""
+    node = person.node + FOOT + k
+    if person.doing[k] == STANCE:
+        crowd.lock[node] = LOCKED
+        for c in range(3):
+            crowd.place[node, c] = person.ankles[k, c]
+        return
+    crowd.lock[node] = FREE
+    for c in range(3):
+        v = (person.ankles[k, c] - crowd.p[node, c]) / dt
+        crowd.before[node, c] = crowd.p[node, c] - min(max(v, -FASTEST), FASTEST) * dt
+    crowd.acceleration[node, 1] += GRAVITY

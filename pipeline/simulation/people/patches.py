@@ -1,0 +1,156 @@
+"""Patches: closed surfaces with the frames that they follow, from fields and from rings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.surfacenets import surface_nets
+from pipeline.simulation.people.fields import Field
+from pipeline.simulation.people.frames import FRAMES
+from pipeline.simulation.spatial import Array
+
+MIRROR = np.array([1.0, 1.0, -1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A closed surface.
+
+    Attributes:
+        vertices: (V, 3) at rest [m].
+        faces: (F, 3), counter-clockwise from outside.
+    """
+
+    vertices: Array
+    faces: NDArray[np.uint32]
+
+    def mirrored(self) -> Surface:
+        """Return the same on the other side of the body."""
+        return Surface(self.vertices * MIRROR, self.faces[:, ::-1])
+
+    def follow(self, frame: str, other: str | None = None, share: Array | None = None) -> Patch:
+        """Return the surface, following one frame, or a second one by a share of it.
+
+        Args:
+            frame: the first.
+            other: the second.
+            share: (V,) of the second, from 0 to 1.
+        """
+        count = len(self.vertices)
+        part = np.zeros(count) if share is None else np.clip(share, 0.0, 1.0)
+        first = np.full(count, FRAMES.index(frame))
+        second = np.full(count, FRAMES.index(other or frame))
+        return Patch(self.vertices, self.faces, np.stack([first, second], axis=-1), part)
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A surface that follows one frame or two.
+
+    Attributes:
+        vertices: (V, 3) at rest [m].
+        faces: (F, 3), counter-clockwise from outside.
+        frames: (V, 2) numbers in `FRAMES`.
+        share: (V,) of the second frame; the first has the rest.
+    """
+
+    vertices: Array
+    faces: NDArray[np.uint32]
+    frames: NDArray[np.int64]
+    share: Array
+
+    def mirrored(self) -> Patch:
+        """Return the same on the other side of the body, following its frames."""
+        return Patch(self.vertices * MIRROR, self.faces[:, ::-1], OTHER_SIDE[self.frames], self.share)
+
+
+def _other_side(name: str) -> int:
+    stem, _, side = name.rpartition("_")
+    return FRAMES.index(f"{stem}_{'lr'[side == 'l']}" if stem and side in "lr" else name)
+
+
+OTHER_SIDE = np.array([_other_side(name) for name in FRAMES])
+"""For each frame the one on the other side of the body."""
+
+
+def joined(patches: Sequence[Patch]) -> Patch:
+    """Return several patches as one."""
+    starts = np.cumsum([0, *(len(p.vertices) for p in patches)])
+    faces = [p.faces + np.uint32(start) for p, start in zip(patches, starts, strict=False)]
+    return Patch(
+        np.concatenate([p.vertices for p in patches]),
+        np.concatenate(faces),
+        np.concatenate([p.frames for p in patches]),
+        np.concatenate([p.share for p in patches]),
+    )
+
+
+def both(patch: Patch) -> Patch:
+    """Return a patch of the right side and the same on the left."""
+    return joined([patch, patch.mirrored()])
+
+
+def polygonised(
+    field: Field,
+    low: Sequence[float],
+    high: Sequence[float],
+    cell: float,
+    stretch: float = 1.0,
+    symmetric: bool = False,
+) -> Surface:
+    """Return the surface on which a field is zero.
+
+    Args:
+        field: positive on the border of the box.
+        low: (3,) corner of the box [m].
+        high: (3,) the opposite one [m].
+        cell: distance of the samples [m].
+        stretch: how much farther apart they are in height.
+        symmetric: whether both sides of the body are alike, and sampled alike.
+    """
+    steps = cell * np.array([1.0, stretch, 1.0])
+    axes = [_samples(*ends, symmetric and k == 2) for k, ends in enumerate(zip(low, high, steps, strict=True))]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    values = field(grid.reshape(-1, 3)).reshape(grid.shape[:3])
+    if symmetric:
+        middle = len(axes[2]) // 2
+        values[:, :, :middle] = values[:, :, : middle - 1 : -1]
+    vertices, faces = surface_nets(values, np.zeros(3), 1.0)
+    places = grid[0, 0, 0] + vertices * steps
+    return Surface(_drawn_on(field, places, 0.25 * cell), faces)
+
+
+def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:
+    if symmetric:
+        half = int(np.ceil(high / step + 0.5))
+        return (np.arange(-half, half) + 0.5) * step
+    return low + step * np.arange(int(np.ceil((high - low) / step)) + 1)
+
+
+def _drawn_on(field: Field, places: Array, most: float) -> Array:
+    """Return places drawn onto the surface of a field along its slope, by `most` at most [m].
+
+    A net lies inside of what is round, by its cells' size; drawn out, few vertices are enough.
+    """
+    step = 0.2 * most
+    for _ in range(2):
+        slope = np.stack(
+            [(field(places + d) - field(places - d)) / (2.0 * step) for d in step * np.eye(3)],
+            axis=-1,
+        )
+        square = np.maximum((slope * slope).sum(axis=-1), 0.04)
+        move = -(field(places) / square)[:, None] * slope
+        length = np.sqrt((move * move).sum(axis=-1, keepdims=True))
+        places = places + move * np.minimum(1.0, most / np.maximum(length, 1e-12))
+    return places
+
+
+def ramp(values: Array, begin: float, end: float) -> Array:
+    """Return 0 up to `begin`, 1 from `end` on, and smoothly between; `end` may be the lower."""
+    s = np.clip((values - begin) / (end - begin), 0.0, 1.0)
+    result: Array = s * s * (3.0 - 2.0 * s)
+    return result

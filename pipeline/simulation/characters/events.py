@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.simulation.characters.layout import Numbers, Structures
-from pipeline.simulation.dynamics.compiled import Records, compiled
+from pipeline.simulation.dynamics.compiled import inlined
 from pipeline.simulation.dynamics.records import zeros
-from pipeline.simulation.dynamics.vectors import Vector
+from pipeline.simulation.dynamics.vectors import Vector, set_triple
 
 ROOM = 256
 """Events of a step."""
@@ -41,44 +41,41 @@ class Log(NamedTuple):
     Attributes:
         events: (ROOM,) `EVENT`.
         count: (1,) how many there are.
-        pause: how long two links have to be apart for a new touch [s].
-        above: speed of approach of a touch that is told [m/s].
     """
 
     events: Structures
     count: Numbers
-    pause: float
-    above: float
 
 
 def new_log() -> Log:
     """Return an empty log."""
-    return Log(zeros(ROOM, EVENT), np.zeros(1, dtype=np.int64), PAUSE, ABOVE)
+    return Log(zeros(ROOM, EVENT), np.zeros(1, dtype=np.int64))
 
 
-@compiled
+@inlined
 def note(
     log: Log,
     moment: float,
-    link: int,
-    other: int,
+    pair: tuple[int, int],
     place: Vector,
     normal: Vector,
-    speed: float,
-    energy: float,
+    hard: tuple[float, float],
 ) -> None:
-    """Keep a touch."""
+    """Keep a touch of two links.
+
+    Args:
+        log: what is kept.
+        moment: when, as a part of the step.
+        pair: who, and what.
+        place: where [m].
+        normal: towards who.
+        hard: speed of approach [m/s] and energy [J].
+    """
     n = log.count[0]
-    if n == len(log.events):
-        return
-    event = _at(log.events, n)
-    event.moment, event.link, event.other = moment, link, other
-    event.speed, event.energy = speed, energy
-    for k in range(3):
-        event.place[k], event.normal[k] = place[k], normal[k]
-    log.count[0] = n + 1
-
-
-@compiled
-def _at(records: Records, n: int) -> Records:
-    return records[n]
+    if n < len(log.events):
+        event = log.events[n]
+        event.moment, event.link, event.other = moment, pair[0], pair[1]
+        event.speed, event.energy = hard[0], hard[1]
+        set_triple(event.place, place)
+        set_triple(event.normal, normal)
+        log.count[0] = n + 1

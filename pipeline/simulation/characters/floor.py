@@ -9,12 +9,10 @@ Source: Horswill 2008, "Friction, drag and damping".
 
 from __future__ import annotations
 
-import math
-
-from pipeline.simulation.characters.events import Log, note
-from pipeline.simulation.characters.layout import LANDING, LOCKED, TERRAIN, Crowd
-from pipeline.simulation.characters.touching import LEAST_BOUNCE, PARTING
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
+from pipeline.simulation.characters.layout import LANDING, LOCKED, NOBODY, TERRAIN
+from pipeline.simulation.characters.touching import LEAST_BOUNCE, PARTING, rubbed
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.grid import Grid, around, highest, pieces, surface, triangle
 from pipeline.simulation.dynamics.rounding import nearest
 from pipeline.simulation.dynamics.vectors import (
@@ -24,9 +22,11 @@ from pipeline.simulation.dynamics.vectors import (
     length,
     minus,
     plus,
-    row,
+    set_triple,
     times,
+    triple,
 )
+from pipeline.simulation.spatial import Array
 
 APART = 0.08
 """Distance of the balls along a link, about [m]."""
@@ -43,90 +43,89 @@ DEEPEST = 1.0
 TINY = 1e-12
 
 
-@compiled
+@inlined
 def stand(
-    crowd: Crowd, owner: Record, grid: Grid, level: bool, h: float, moment: float, log: Log
-) -> None:
-    """Move one character out of the ground, which is a level plane or is not."""
-    reach = SLACK
-    middle = (0.5 * (owner.low[0] + owner.high[0]), 0.5 * (owner.low[2] + owner.high[2]))
-    half = 0.5 * math.hypot(owner.high[0] - owner.low[0], owner.high[2] - owner.low[2])
-    if owner.low[1] > highest(grid.frame, grid.tops, middle[0], middle[1], half) + reach:
-        return
-    first = owner.nodes[0]
-    for i in range(first, first + owner.nodes[1]):
-        _meet(crowd, owner, grid, (i, i), 0.0, crowd.radius[i], level, h, moment, log)
-    if level:
-        # On a plane links that end above it lie above it.
-        return
-    first = owner.links[0]
-    for n in range(first, first + owner.links[1]):
-        i, j = crowd.ends[n, 0], crowd.ends[n, 1]
-        if crowd.girth[n] == 0.0 or i == j:
-            continue
-        parts = min(int(crowd.reach[n, 0] / APART), MOST)
-        for k in range(1, parts):
-            _meet(crowd, owner, grid, (i, j), k / parts, crowd.girth[n], level, h, moment, log)
-
-
-@compiled
-def _meet(
-    crowd: Crowd,
+    nodes: Records,
+    links: Records,
     owner: Record,
     grid: Grid,
-    ends: tuple[int, int],
-    t: float,
-    radius: float,
     level: bool,
     h: float,
     moment: float,
     log: Log,
 ) -> None:
-    """Move a ball on the way from one node to another out of the ground."""
-    at = _between(crowd.p, ends, t)
-    frame = grid.frame
+    """Move one character out of the ground, which is a level plane or is not."""
+    first = owner.nodes[0]
     if level:
-        gap = at[1] - grid.vertices[0, 1] - radius
-        _press(crowd, owner, ends, t, gap, (0.0, 1.0, 0.0), h, moment, log)
+        height = grid.vertices[0, 1]
+        for i in range(first, first + owner.nodes[1]):
+            node = nodes[i]
+            gap = node.p[1] - height - node.radius
+            if gap < SLACK:
+                _press(node, node, links, owner, 0.0, (gap, 0.0, 1.0, 0.0), h, moment, log)
+        # Links that end above a plane lie above it.
         return
-    if at[1] - radius - SLACK > highest(frame, grid.tops, at[0], at[2], radius):
+    x, z = 0.5 * (owner.low[0] + owner.high[0]), 0.5 * (owner.low[2] + owner.high[2])
+    half = 0.5 * max(owner.high[0] - owner.low[0], owner.high[2] - owner.low[2])
+    if owner.low[1] - SLACK > highest(grid.frame, grid.tops, x, z, 1.5 * half):
         return
-    height, _ = surface(frame, grid.vertices, at[0], at[2])
-    above = at[1] > height
-    reach = radius + SLACK if above else min(max(height - at[1], radius), DEEPEST)
-    if not above:
-        _dig_out(crowd, owner, grid, ends, t, radius, reach, h, moment, log)
-        return
-    i, i_last, j, j_last = around(frame, at[0], at[2], reach)
-    for line in range(j, j_last + 1):
-        for column in range(i, i_last + 1):
-            for piece in range(pieces(frame)):
-                at = _between(crowd.p, ends, t)
-                place = nearest(at, triangle(grid, line, column, piece))
-                away = minus(at, place)
-                far = length(away)
-                if TINY < far < reach:
-                    n = times(1.0 / far, away)
-                    _press(crowd, owner, ends, t, far - radius, n, h, moment, log)
+    for i in range(first, first + owner.nodes[1]):
+        node = nodes[i]
+        _meet(node, node, links, owner, grid, 0.0, node.radius, h, moment, log)
+    first = owner.links[0]
+    for n in range(first, first + owner.links[1]):
+        link = links[n]
+        if link.girth == 0.0 or link.ends[0] == link.ends[1]:
+            continue
+        one, other = nodes[link.ends[0]], nodes[link.ends[1]]
+        parts = min(int(link.reach[0] / APART) + 1, MOST)
+        for k in range(1, parts):
+            _meet(one, other, links, owner, grid, k / parts, link.girth, h, moment, log)
 
 
 @compiled
-def _dig_out(
-    crowd: Crowd,
+def _meet(
+    one: Record,
+    other: Record,
+    links: Records,
     owner: Record,
     grid: Grid,
-    ends: tuple[int, int],
     t: float,
     radius: float,
-    reach: float,
     h: float,
     moment: float,
     log: Log,
 ) -> None:
-    """Move a ball whose middle is below the ground towards the nearest triangle."""
-    at = _between(crowd.p, ends, t)
-    least, normal = 1e300, (0.0, 1.0, 0.0)
-    i, i_last, j, j_last = around(grid.frame, at[0], at[2], reach)
+    """Move a ball on the way from one node to another out of the ground."""
+    at = _between(one.p, other.p, t)
+    frame = grid.frame
+    if at[1] - radius - SLACK > highest(frame, grid.tops, at[0], at[2], radius):
+        return
+    height, _ = surface(frame, grid.vertices, at[0], at[2])
+    if at[1] <= height:
+        least, normal = _way_out(grid, at, max(height - at[1], radius))
+        where = (-least - radius, normal[0], normal[1], normal[2])
+        _press(one, other, links, owner, t, where, h, moment, log)
+        return
+    reach = radius + SLACK
+    i, i_last, j, j_last = around(frame, at[0], at[2], reach)
+    for line in range(j, j_last + 1):
+        for column in range(i, i_last + 1):
+            for piece in range(pieces(frame)):
+                at = _between(one.p, other.p, t)
+                away = minus(at, nearest(at, triangle(grid, line, column, piece)))
+                far = length(away)
+                if TINY < far < reach:
+                    n = times(1.0 / far, away)
+                    where = (far - radius, n[0], n[1], n[2])
+                    _press(one, other, links, owner, t, where, h, moment, log)
+
+
+@compiled
+def _way_out(grid: Grid, at: Vector, reach: float) -> tuple[float, Vector]:
+    """Return how far a place below the ground is from the nearest triangle, and its normal."""
+    least, normal = min(reach, DEEPEST), (0.0, 1.0, 0.0)
+    i, i_last, j, j_last = around(grid.frame, at[0], at[2], least)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
             for piece in range(pieces(grid.frame)):
@@ -136,89 +135,77 @@ def _dig_out(
                     a, b, c = corners
                     up = cross(minus(b, a), minus(c, a))
                     least, normal = far, times(1.0 / length(up), up)
-    if least < 1e299:
-        _press(crowd, owner, ends, t, -least - radius, normal, h, moment, log)
+    return least, normal
 
 
-@compiled
-def _between(p: Crowd, ends: tuple[int, int], t: float) -> Vector:
-    a = row(p, ends[0])
-    return a if t == 0.0 else plus(times(1.0 - t, a), times(t, row(p, ends[1])))
+@inlined
+def _between(a: Array, b: Array, t: float) -> Vector:
+    return plus(times(1.0 - t, triple(a)), times(t, triple(b)))
 
 
 @compiled
 def _press(
-    crowd: Crowd,
+    one: Record,
+    other: Record,
+    links: Records,
     owner: Record,
-    ends: tuple[int, int],
     t: float,
-    gap: float,
-    n: Vector,
+    where: tuple[float, float, float, float],
     h: float,
     moment: float,
     log: Log,
 ) -> None:
-    """Move a place on a link along a normal if it is in the ground, and rub it across."""
-    i, j = ends
-    if gap > SLACK:
-        return
-    _touch(crowd, owner, i, j, t)
-    depth = -gap
-    w_i, w_j = crowd.give[i], crowd.give[j]
-    weight = w_i if t == 0.0 else (1.0 - t) ** 2 * w_i + t * t * w_j
+    """Move a place on a link along a normal if it is in the ground, and rub it across.
+
+    Args:
+        one: the node at the begin of the link; both are one for a node alone.
+        other: the node at its end.
+        links: of all characters.
+        owner: whose.
+        t: where on the link, from 0 to 1.
+        where: gap between it and the ground [m], and the normal.
+        h: the sub-step [s].
+        moment: of the step that has gone.
+        log: of what touched.
+    """
+    depth, n = -where[0], (where[1], where[2], where[3])
+    node = one if t < 0.5 else other
+    node.grounded = owner.ground
+    if t == 0.0 and node.lock == LANDING:
+        node.lock, node.give = LOCKED, 0.0
+        set_triple(node.place, triple(node.p))
+    weight = one.give if t == 0.0 else (1.0 - t) ** 2 * one.give + t * t * other.give
     if depth <= 0.0 or weight == 0.0:
         return
-    went = minus(_between(crowd.p, ends, t), _between(crowd.before, ends, t))
+    went = minus(_between(one.p, other.p, t), _between(one.before, other.before, t))
     nearer = max(-dot(went, n), 0.0)
-    _tell(crowd, i, j, n, nearer / h, weight, moment, log)
+    _tell(node, links[node.link], n, nearer / h, weight, moment, log)
     stopped = min(depth, nearer)
     parted = min(depth - stopped, PARTING * h)
-    along = minus(went, times(dot(went, n), n))
-    size = length(along)
-    rub = 0.0
-    if size > TINY:
-        rub = min(owner.friction * stopped / size, 1.0)
-    move = minus(times(stopped, n), times(rub, along))
+    move = plus(times(stopped, n), rubbed(went, n, owner.friction * stopped))
     back = 0.0
     if owner.bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
         back = owner.bounciness * nearer + nearer - stopped
-    for end in range(1 if t == 0.0 else 2):
-        node = i if end == 0 else j
-        share = 1.0 if t == 0.0 else ((1.0 - t) * w_i if end == 0 else t * w_j) / weight
+    share = 1.0 if t == 0.0 else (1.0 - t) * one.give / weight
+    for k in range(3):
+        one.p[k] += share * (move[k] + parted * n[k])
+        one.before[k] += share * (parted - back) * n[k]
+    if t > 0.0:
+        share = t * other.give / weight
         for k in range(3):
-            crowd.p[node, k] += share * (move[k] + parted * n[k])
-            crowd.before[node, k] += share * (parted - back) * n[k]
+            other.p[k] += share * (move[k] + parted * n[k])
+            other.before[k] += share * (parted - back) * n[k]
 
 
-@compiled
-def _touch(crowd: Crowd, owner: Record, i: int, j: int, t: float) -> None:
-    """Let a node know that it touches the ground; lock it if it waits for that."""
-    node = i if t < 0.5 else j
-    crowd.grounded[node] = owner.ground
-    if t == 0.0 and crowd.lock[i] == LANDING:
-        crowd.lock[i] = LOCKED
-        for k in range(3):
-            crowd.place[i, k] = crowd.p[i, k]
-        crowd.give[i] = 0.0
-
-
-@compiled
+@inlined
 def _tell(
-    crowd: Crowd,
-    i: int,
-    j: int,
-    n: Vector,
-    speed: float,
-    weight: float,
-    moment: float,
-    log: Log,
+    node: Record, link: Record, n: Vector, speed: float, weight: float, moment: float, log: Log
 ) -> None:
     """Let a link know that it touches the ground."""
-    link = crowd.link_of[i]
     energy = 0.5 * speed * speed / weight
-    if crowd.age[link, 1] > log.pause and speed > log.above:
-        note(log, moment, link, TERRAIN, row(crowd.p, i), n, speed, energy)
-    if crowd.age[link, 0] > 0.0:
-        crowd.touched[link] = TERRAIN
-    crowd.energy[link] = max(crowd.energy[link], energy)
-    crowd.age[link, 1] = 0.0
+    if link.age[1] > PAUSE and speed > ABOVE:
+        note(log, moment, (node.link, TERRAIN), triple(node.p), n, (speed, energy))
+    if link.age[0] > 0.0:
+        link.touched, link.touched_owner = TERRAIN, NOBODY
+    link.energy = max(link.energy, energy)
+    link.age[1] = 0.0

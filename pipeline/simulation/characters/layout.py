@@ -4,6 +4,9 @@ Nodes are point masses; links keep two of them apart and are what is touched. Wh
 is, is its slices of both. Positions of two sub-steps are the whole state: the velocity of a
 node is (p - before) / h.
 
+Compiled functions take nodes, links and owners as arrays of records: a tuple of many arrays
+costs more to hand on than most of them do.
+
 Before each sub-step control may write, for any node,
 
 - a velocity: `before = p - v h`;
@@ -39,6 +42,49 @@ FREE, LOCKED, LANDING = 0, 1, 2
 
 NOBODY, TERRAIN, SOLID = -1, -2, -3
 """What is touched that is no link: nothing, the ground, a solid of another room."""
+
+NODE = np.dtype(
+    [
+        # Where it is, where it was one sub-step ago, where it is locked [m]; what control adds
+        # to gravity in this sub-step [m/s²].
+        *((name, "f8", 3) for name in ("p", "before", "place", "acceleration")),
+        # 0 stays where it is; and in this sub-step, also 0 if it is locked [1/kg].
+        ("inverse_mass", "f8"),
+        ("give", "f8"),
+        # Radius of what is there [m].
+        ("radius", "f8"),
+        # Damping against the world; and the owner's where it touches the ground, else 0 [1/s].
+        ("air", "f8"),
+        ("grounded", "f8"),
+        # FREE, LOCKED or LANDING; whose; the link with which it touches the ground.
+        ("lock", "i8"),
+        ("owner", "i8"),
+        ("link", "i8"),
+    ],
+    align=True,
+)
+"""A point mass."""
+
+LINK = np.dtype(
+    [
+        # Nodes, of a ball the same twice; least and most distance of these, equal if rigid [m].
+        ("ends", "i8", 2),
+        ("reach", "f8", 2),
+        # Radius, 0 of one that cannot be touched [m]; damping of one end against the other [1/s].
+        ("girth", "f8"),
+        ("damping", "f8"),
+        ("owner", "i8"),
+        # The link that it touches, or NOBODY, TERRAIN, SOLID, and whose that is, or NOBODY.
+        ("touched", "i8"),
+        ("touched_owner", "i8"),
+        # Kinetic energy of the hardest touch in this step [J]; since it last touched another
+        # link, and the ground [s].
+        ("energy", "f8"),
+        ("age", "f8", 2),
+    ],
+    align=True,
+)
+"""What keeps two nodes apart."""
 
 OWNER = np.dtype(
     [
@@ -95,30 +141,11 @@ LIMB = np.dtype(
 
 
 class Crowd(NamedTuple):
-    """All characters.
+    """All characters. The columns of nodes have names of their own in Python, as `crowd.p`.
 
     Attributes:
-        p: (N, 3) nodes [m].
-        before: (N, 3) one sub-step ago [m].
-        acceleration: (N, 3) what control adds to gravity in this sub-step [m/s²].
-        inverse_mass: (N,) [1/kg]; 0 stays where it is.
-        radius: (N,) of what is there [m].
-        air: (N,) damping against the world [1/s].
-        owner: (N,) whose.
-        lock: (N,) FREE, LOCKED or LANDING.
-        place: (N, 3) where a locked node is [m].
-        grounded: (N,) the owner's damping where it touches the ground, 0 elsewhere [1/s].
-        give: (N,) inverse mass in this sub-step, 0 if locked [1/kg].
-        ends: (L, 2) nodes of links; a ball's are one node twice.
-        reach: (L, 2) least and most distance of the ends; equal if rigid [m].
-        girth: (L,) radius of a link that can be touched, 0 of one that cannot [m].
-        link_owner: (L,) whose.
-        damping: (L,) of one end against the other [1/s].
-        touched: (L,) link that it touches, or NOBODY, TERRAIN, SOLID.
-        touched_owner: (L,) whose that is, or NOBODY.
-        energy: (L,) kinetic energy of the hardest touch in this step [J].
-        age: (L, 2) since it last touched another link, and the ground [s].
-        link_of: (N,) the link that a node touches the ground with.
+        nodes: (N,) `NODE`.
+        links: (L,) `LINK`.
         middles: (M, 3) a node and the two that it is held between.
         limbs: (K,) `LIMB`.
         pairs: (S, 2) links of one character that meet one another.
@@ -126,32 +153,31 @@ class Crowd(NamedTuple):
         owners: (C,) `OWNER`.
     """
 
-    p: Array
-    before: Array
-    acceleration: Array
-    inverse_mass: Array
-    radius: Array
-    air: Array
-    owner: Numbers
-    lock: Numbers
-    place: Array
-    grounded: Array
-    give: Array
-    ends: Numbers
-    reach: Array
-    girth: Array
-    link_owner: Numbers
-    damping: Array
-    touched: Numbers
-    touched_owner: Numbers
-    energy: Array
-    age: Array
-    link_of: Numbers
+    nodes: Structures
+    links: Structures
     middles: Numbers
     limbs: Structures
     pairs: Numbers
     grips: Numbers
     owners: Structures
+
+    @property
+    def p(self) -> Array:
+        """(N, 3) nodes [m]."""
+        result: Array = self.nodes["p"]
+        return result
+
+    @property
+    def before(self) -> Array:
+        """(N, 3) nodes one sub-step ago [m]."""
+        result: Array = self.nodes["before"]
+        return result
+
+    @property
+    def ends(self) -> Numbers:
+        """(L, 2) nodes of links."""
+        result: Numbers = self.links["ends"]
+        return result
 
 
 class Link(NamedTuple):
@@ -208,61 +234,50 @@ class Plan(NamedTuple):
 
 def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
     """Return the arrays of characters whose nodes (n, 3) are at `places`, at rest."""
-    p = np.concatenate([np.zeros((0, 3)), *places])
-    count = len(p)
     firsts = _firsts([len(plan.rest) for plan in plans])
     link_firsts = _firsts([len(plan.links) for plan in plans])
-    links = [(plan, link, a) for plan, a in zip(plans, firsts, strict=True) for link in plan.links]
-    ends = _table([[link.ends[0] + a, link.ends[1] + a] for _, link, a in links], 2)
+    links = _links(plans, firsts)
     limbs = [_moved(plan.limbs, a) for plan, a in zip(plans, firsts, strict=True)]
-    owners = _owners(plans, firsts, link_firsts)
-    grips = sum(plan.grips for plan in plans)
-    mass = np.concatenate([np.zeros(0), *(plan.mass for plan in plans)])
     return Crowd(
-        p=p,
-        before=p.copy(),
-        acceleration=np.zeros((count, 3)),
-        inverse_mass=1.0 / mass,
-        radius=np.concatenate([np.zeros(0), *(plan.radius for plan in plans)]),
-        air=_repeated([plan.air for plan in plans], plans),
-        owner=np.repeat(np.arange(len(plans)), [len(plan.rest) for plan in plans]),
-        lock=np.zeros(count, dtype=np.int64),
-        place=p.copy(),
-        grounded=np.zeros(count),
-        give=1.0 / mass,
-        ends=ends,
-        reach=np.array([_reach(plan, link) for plan, link, _ in links]).reshape(-1, 2),
-        girth=np.array([link.girth for _, link, _ in links]),
-        link_owner=np.repeat(np.arange(len(plans)), [len(plan.links) for plan in plans]),
-        damping=np.array([link.damping for _, link, _ in links]),
-        touched=np.full(len(links), NOBODY),
-        touched_owner=np.full(len(links), NOBODY),
-        energy=np.zeros(len(links)),
-        age=np.full((len(links), 2), np.inf),
-        link_of=_links_of(ends, [link.girth for _, link, _ in links], count),
-        middles=_table(
-            [
-                [k + a for k in m]
-                for plan, a in zip(plans, firsts, strict=True)
-                for m in plan.middles
-            ],
-            3,
-        ),
+        nodes=_nodes(plans, places, links),
+        links=links,
+        middles=_numbered([plan.middles for plan in plans], firsts, 3),
         limbs=np.concatenate([np.zeros(0, LIMB), *limbs]).view(np.recarray),
-        pairs=_table(
-            [
-                [k + a for k in pair]
-                for plan, a in zip(plans, link_firsts, strict=True)
-                for pair in plan.pairs
-            ],
-            2,
-        ),
-        grips=np.full((grips, 2), NOBODY),
-        owners=owners,
+        pairs=_numbered([plan.pairs for plan in plans], link_firsts, 2),
+        grips=np.full((sum(plan.grips for plan in plans), 2), NOBODY),
+        owners=_owners(plans, firsts, link_firsts),
     )
 
 
-def _links_of(ends: Numbers, girths: Sequence[float], count: int) -> Numbers:
+def _nodes(plans: Sequence[Plan], places: Sequence[Array], links: Structures) -> Structures:
+    counts = [len(plan.rest) for plan in plans]
+    nodes = np.zeros(sum(counts), NODE).view(np.recarray)
+    for name in ("p", "before", "place"):
+        nodes[name] = np.concatenate([np.zeros((0, 3)), *places])
+    mass = np.concatenate([np.zeros(0), *(plan.mass for plan in plans)])
+    nodes["inverse_mass"] = nodes["give"] = 1.0 / mass
+    nodes["radius"] = np.concatenate([np.zeros(0), *(plan.radius for plan in plans)])
+    nodes["air"] = np.repeat([plan.air for plan in plans], counts)
+    nodes["owner"] = np.repeat(np.arange(len(plans)), counts)
+    nodes["link"] = _links_of(links["ends"], links["girth"], len(nodes))
+    return nodes
+
+
+def _links(plans: Sequence[Plan], firsts: Numbers) -> Structures:
+    counts = [len(plan.links) for plan in plans]
+    links = np.zeros(sum(counts), LINK).view(np.recarray)
+    each = [(plan, link) for plan in plans for link in plan.links]
+    links["ends"] = _numbered([[link.ends for link in plan.links] for plan in plans], firsts, 2)
+    links["reach"] = np.array([_reach(plan, link) for plan, link in each]).reshape(-1, 2)
+    links["girth"] = [link.girth for _, link in each]
+    links["damping"] = [link.damping for _, link in each]
+    links["owner"] = np.repeat(np.arange(len(plans)), counts)
+    links["touched"] = links["touched_owner"] = NOBODY
+    links["age"] = np.inf
+    return links
+
+
+def _links_of(ends: Numbers, girths: Array, count: int) -> Numbers:
     """Return the link of each node: of those that are touched the last that ends there."""
     found = np.zeros(count, dtype=np.int64)
     for at in (0, 1):
@@ -308,9 +323,9 @@ def _firsts(counts: Sequence[int]) -> Numbers:
     return ends[:-1]
 
 
-def _repeated(values: Sequence[float], plans: Sequence[Plan]) -> Array:
-    return np.repeat(np.array(values, dtype=float), [len(plan.rest) for plan in plans])
-
-
-def _table(rows: Sequence[Sequence[int]], columns: int) -> Numbers:
-    return np.array(rows, dtype=np.int64).reshape(-1, columns)
+def _numbered(
+    rows: Sequence[Sequence[Sequence[int]]], firsts: Numbers, columns: int
+) -> Numbers:
+    """Return numbers of each character, counted from its first, as numbers of all."""
+    all_rows = [[k + a for k in row] for one, a in zip(rows, firsts, strict=True) for row in one]
+    return np.array(all_rows, dtype=np.int64).reshape(-1, columns)

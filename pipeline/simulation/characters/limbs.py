@@ -16,8 +16,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.layout import Crowd
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -25,9 +24,9 @@ from pipeline.simulation.dynamics.vectors import (
     length,
     minus,
     plus,
-    put,
-    row,
+    set_triple,
     times,
+    triple,
 )
 
 TINY = 1e-9
@@ -37,12 +36,11 @@ BACK = 0.05
 """Cosine below which a turn has no shortest way."""
 
 
-@compiled
-def straighten(crowd: Crowd, limb: Record) -> None:
+@inlined
+def straighten(nodes: Records, limb: Record) -> None:
     """Turn a limb back into its cone, and its joint back towards where it may point."""
-    p = crowd.p
-    x, y, z = trunk(crowd, limb)
-    root, tip = row(p, limb.root), row(p, limb.tip)
+    x, y, z = trunk(nodes, limb)
+    root, tip = triple(nodes[limb.root].p), triple(nodes[limb.tip].p)
     along = minus(tip, root)
     far = length(along)
     if far < TINY:
@@ -55,59 +53,56 @@ def straighten(crowd: Crowd, limb: Record) -> None:
         size = length(aside)
         if size > TINY:
             angle = math.acos(max(dot(d, m), -1.0)) - math.acos(limb.cone)
-            _push(crowd, limb, times(far * min(angle, 0.2) / size, aside))
+            _push(nodes, limb, times(far * min(angle, 0.2) / size, aside))
             return
-    e, size, _ = _elbow(crowd, limb, d)
+    e, size, _ = _elbow(nodes, limb, d)
     wanted = _allowed(limb, e, d, m, x, y, z)
     if dot(wanted, e) < 1.0 - 1e-12:
-        _swing(crowd, limb, times(size, minus(wanted, e)))
+        _swing(nodes, limb, times(size, minus(wanted, e)))
 
 
-@compiled
-def settle(crowd: Crowd, limb: Record) -> None:
+@inlined
+def settle(nodes: Records, limb: Record) -> None:
     """Put a joint where both links have their lengths and it points where it may."""
-    p = crowd.p
-    if crowd.give[limb.joint] == 0.0:
+    if nodes[limb.joint].give == 0.0:
         return
-    x, y, z = trunk(crowd, limb)
-    root, along = row(p, limb.root), minus(row(p, limb.tip), row(p, limb.root))
+    x, y, z = trunk(nodes, limb)
+    root, along = triple(nodes[limb.root].p), minus(triple(nodes[limb.tip].p), triple(nodes[limb.root].p))
     far = length(along)
     if far < TINY:
         return
     d = times(1.0 / far, along)
-    e, _, _ = _elbow(crowd, limb, d)
+    e, _, _ = _elbow(nodes, limb, d)
     wanted = _allowed(limb, e, d, _world(limb.middle, x, y, z), x, y, z)
     upper, lower = limb.upper, limb.lower
     if far >= upper + lower:
         # It is stretched: both links have their share of it.
-        put(p, limb.joint, plus(root, times(upper / (upper + lower), along)))
+        set_triple(nodes[limb.joint].p, plus(root, times(upper / (upper + lower), along)))
         return
     a = (upper * upper - lower * lower + far * far) / (2.0 * far)
     out = math.sqrt(max(upper * upper - a * a, 0.0))
-    put(p, limb.joint, plus(root, plus(times(a, d), times(out, wanted))))
+    set_triple(nodes[limb.joint].p, plus(root, plus(times(a, d), times(out, wanted))))
 
 
-@compiled
-def bend(crowd: Crowd, limb: Record) -> float:
+@inlined
+def bend(nodes: Records, limb: Record) -> float:
     """Return how far a joint is bent [rad], negative if it points where it may not."""
-    p = crowd.p
-    x, y, z = trunk(crowd, limb)
-    root, joint, tip = row(p, limb.root), row(p, limb.joint), row(p, limb.tip)
+    x, y, z = trunk(nodes, limb)
+    root, joint, tip = triple(nodes[limb.root].p), triple(nodes[limb.joint].p), triple(nodes[limb.tip].p)
     upper, lower = minus(joint, root), minus(tip, joint)
     angle = math.atan2(length(cross(upper, lower)), dot(upper, lower))
     along = minus(tip, root)
     d = times(1.0 / max(length(along), TINY), along)
-    e, _, _ = _elbow(crowd, limb, d)
+    e, _, _ = _elbow(nodes, limb, d)
     wanted = _allowed(limb, e, d, _world(limb.middle, x, y, z), x, y, z)
     return angle if dot(wanted, e) > 1.0 - 1e-6 else -angle
 
 
-@compiled
-def trunk(crowd: Crowd, limb: Record) -> tuple[Vector, Vector, Vector]:
+@inlined
+def trunk(nodes: Records, limb: Record) -> tuple[Vector, Vector, Vector]:
     """Return the axes of the trunk that a limb hangs on: forward, up, and to the right."""
-    p = crowd.p
-    right = minus(row(p, limb.right), row(p, limb.left))
-    up = minus(row(p, limb.high), row(p, limb.low))
+    right = minus(triple(nodes[limb.right].p), triple(nodes[limb.left].p))
+    up = minus(triple(nodes[limb.high].p), triple(nodes[limb.low].p))
     forward = cross(up, right)
     size = length(forward)
     if size < TINY:
@@ -117,21 +112,21 @@ def trunk(crowd: Crowd, limb: Record) -> tuple[Vector, Vector, Vector]:
     return x, y, cross(x, y)
 
 
-@compiled
+@inlined
 def _world(a: Vector, x: Vector, y: Vector, z: Vector) -> Vector:
     """Return a vector of the trunk's frame in the world."""
     return plus(plus(times(a[0], x), times(a[1], y)), times(a[2], z))
 
 
-@compiled
-def _elbow(crowd: Crowd, limb: Record, d: Vector) -> tuple[Vector, float, float]:
+@inlined
+def _elbow(nodes: Records, limb: Record, d: Vector) -> tuple[Vector, float, float]:
     """Return where the joint points across a unit vector d from root to tip.
 
     Returns:
         The direction, zero for a straight limb; how far it is from the line [m]; and how far
         along [m].
     """
-    off = minus(row(crowd.p, limb.joint), row(crowd.p, limb.root))
+    off = minus(triple(nodes[limb.joint].p), triple(nodes[limb.root].p))
     along = dot(off, d)
     aside = minus(off, times(along, d))
     size = length(aside)
@@ -140,7 +135,7 @@ def _elbow(crowd: Crowd, limb: Record, d: Vector) -> tuple[Vector, float, float]
     return times(1.0 / size, aside), size, along
 
 
-@compiled
+@inlined
 def _allowed(
     limb: Record, e: Vector, d: Vector, m: Vector, x: Vector, y: Vector, z: Vector
 ) -> Vector:
@@ -156,7 +151,7 @@ def _allowed(
     return plus(times(limb.spread[0], c), times(aside, side))
 
 
-@compiled
+@inlined
 def _turned(c: Vector, m: Vector, d: Vector) -> Vector:
     """Return c, across m, turned by the shortest turn from m to d.
 
@@ -169,31 +164,31 @@ def _turned(c: Vector, m: Vector, d: Vector) -> Vector:
     return times(1.0 / max(length(turned), TINY), turned)
 
 
-@compiled
-def _push(crowd: Crowd, limb: Record, way: Vector) -> None:
+@inlined
+def _push(nodes: Records, limb: Record, way: Vector) -> None:
     """Move tip and joint against the root so that they come so much nearer to one another."""
-    p, give = crowd.p, crowd.give
-    g_t, g_r = give[limb.tip] + 0.25 * give[limb.joint], give[limb.root]
-    if g_t + g_r == 0.0:
-        return
+    root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
     # Half of the way for the joint, which lies about half as far out; the root takes on what
     # the two are given.
-    share = 1.0 / (give[limb.tip] + 0.25 * give[limb.joint] + 2.25 * g_r)
-    for k in range(3):
-        p[limb.tip, k] += share * give[limb.tip] * way[k]
-        p[limb.joint, k] += share * 0.5 * give[limb.joint] * way[k]
-        p[limb.root, k] -= share * 1.5 * g_r * way[k]
-
-
-@compiled
-def _swing(crowd: Crowd, limb: Record, way: Vector) -> None:
-    """Move the joint by `way` against root and tip, which take on half each."""
-    p, give = crowd.p, crowd.give
-    weight = give[limb.joint] + 0.25 * (give[limb.root] + give[limb.tip])
+    weight = tip.give + 0.25 * joint.give + 2.25 * root.give
     if weight == 0.0:
         return
     share = 1.0 / weight
     for k in range(3):
-        p[limb.joint, k] += share * give[limb.joint] * way[k]
-        p[limb.root, k] -= share * 0.5 * give[limb.root] * way[k]
-        p[limb.tip, k] -= share * 0.5 * give[limb.tip] * way[k]
+        tip.p[k] += share * tip.give * way[k]
+        joint.p[k] += share * 0.5 * joint.give * way[k]
+        root.p[k] -= share * 1.5 * root.give * way[k]
+
+
+@inlined
+def _swing(nodes: Records, limb: Record, way: Vector) -> None:
+    """Move the joint by `way` against root and tip, which take on half each."""
+    root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
+    weight = joint.give + 0.25 * (root.give + tip.give)
+    if weight == 0.0:
+        return
+    share = 1.0 / weight
+    for k in range(3):
+        joint.p[k] += share * joint.give * way[k]
+        root.p[k] -= share * 0.5 * root.give * way[k]
+        tip.p[k] -= share * 0.5 * tip.give * way[k]

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.simulation.characters.layout import Crowd, Numbers
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 
 MARGIN = 0.005
 """Gap at which two are looked at: what comes on within the sub-step [m]."""
@@ -35,7 +35,7 @@ class Room(NamedTuple):
 
 def room_for(crowd: Crowd) -> Room:
     """Return room: each character may be near twenty others, each link near twelve."""
-    count, links = len(crowd.owners), len(crowd.ends)
+    count, links = len(crowd.owners), len(crowd.links)
     return Room(
         np.arange(count),
         np.zeros((20 * count, 2), dtype=np.int64),
@@ -43,24 +43,24 @@ def room_for(crowd: Crowd) -> Room:
     )
 
 
-@compiled
-def enclose(crowd: Crowd) -> None:
+@inlined
+def enclose(nodes: Records, owners: Records) -> None:
     """Put boxes around characters."""
-    for c in range(len(crowd.owners)):
-        owner = crowd.owners[c]
+    for c in range(len(owners)):
+        owner = owners[c]
         first = owner.nodes[0]
         for k in range(3):
             owner.low[k], owner.high[k] = np.inf, -np.inf
         for i in range(first, first + owner.nodes[1]):
+            node = nodes[i]
             for k in range(3):
-                owner.low[k] = min(owner.low[k], crowd.p[i, k] - crowd.radius[i])
-                owner.high[k] = max(owner.high[k], crowd.p[i, k] + crowd.radius[i])
+                owner.low[k] = min(owner.low[k], node.p[k] - node.radius)
+                owner.high[k] = max(owner.high[k], node.p[k] + node.radius)
 
 
-@compiled
-def find_near(crowd: Crowd, room: Room) -> int:
+@inlined
+def find_near(owners: Records, order: Numbers, near: Numbers) -> int:
     """Find characters whose boxes overlap; return how many pairs there are."""
-    order, owners = room.order, crowd.owners
     for n in range(1, len(order)):
         c, x = order[n], owners[order[n]].low[0]
         m = n - 1
@@ -75,31 +75,52 @@ def find_near(crowd: Crowd, room: Room) -> int:
             other = owners[order[m]]
             if other.low[0] > one.high[0] + MARGIN:
                 break
-            if _overlap(one, other) and found < len(room.near):
+            if _overlap(one, other) and found < len(near):
                 a, b = order[n], order[m]
-                room.near[found, 0], room.near[found, 1] = min(a, b), max(a, b)
+                near[found, 0], near[found, 1] = min(a, b), max(a, b)
                 found += 1
-    _sort(room.near, found)
+    _sort(near, found)
     return found
 
 
-@compiled
-def find_pairs(crowd: Crowd, room: Room, near: int) -> int:
-    """Find links that may touch; return how many pairs there are."""
+@inlined
+def find_pairs(
+    nodes: Records, links: Records, owners: Records, own: Numbers, near: Numbers, pairs: Numbers
+) -> int:
+    """Find links that may touch, those of one character first.
+
+    Args:
+        nodes: of all characters.
+        links: of all characters.
+        owners: all characters.
+        own: (S, 2) links of one character that meet one another.
+        near: (n, 2) characters whose boxes overlap.
+        pairs: room for what is found.
+
+    Returns:
+        How many pairs there are.
+    """
     found = 0
-    for n in range(near):
-        one, other = crowd.owners[room.near[n, 0]], crowd.owners[room.near[n, 1]]
+    for n in range(len(own)):
+        a, b = own[n, 0], own[n, 1]
+        if found < len(pairs) and _side_by_side(nodes, links[a], links[b]):
+            pairs[found, 0], pairs[found, 1] = a, b
+            found += 1
+    for n in range(len(near)):
+        one, other = owners[near[n, 0]], owners[near[n, 1]]
         for a in range(one.links[0], one.links[0] + one.links[1]):
-            if crowd.girth[a] == 0.0 or not _in_box(crowd, a, other):
+            if links[a].girth == 0.0 or not _in_box(nodes, links[a], other):
                 continue
             for b in range(other.links[0], other.links[0] + other.links[1]):
-                if crowd.girth[b] > 0.0 and _side_by_side(crowd, a, b) and found < len(room.pairs):
-                    room.pairs[found, 0], room.pairs[found, 1] = a, b
+                if found == len(pairs) or links[b].girth == 0.0:
+                    continue
+                if _side_by_side(nodes, links[a], links[b]):
+                    pairs[found, 0], pairs[found, 1] = a, b
                     found += 1
     return found
 
 
-@compiled
+@inlined
 def _overlap(one: Record, other: Record) -> bool:
     for k in range(3):
         if one.low[k] > other.high[k] + MARGIN or other.low[k] > one.high[k] + MARGIN:
@@ -107,29 +128,29 @@ def _overlap(one: Record, other: Record) -> bool:
     return True
 
 
-@compiled
-def _in_box(crowd: Crowd, a: int, box: Record) -> bool:
-    i, j, girth = crowd.ends[a, 0], crowd.ends[a, 1], crowd.girth[a] + MARGIN
+@inlined
+def _in_box(nodes: Records, link: Record, box: Record) -> bool:
+    p, q, girth = nodes[link.ends[0]].p, nodes[link.ends[1]].p, link.girth + MARGIN
     for k in range(3):
-        x, y = crowd.p[i, k], crowd.p[j, k]
-        if min(x, y) - girth > box.high[k] or max(x, y) + girth < box.low[k]:
+        if min(p[k], q[k]) - girth > box.high[k] or max(p[k], q[k]) + girth < box.low[k]:
             return False
     return True
 
 
-@compiled
-def _side_by_side(crowd: Crowd, a: int, b: int) -> bool:
-    i, j, m, n = crowd.ends[a, 0], crowd.ends[a, 1], crowd.ends[b, 0], crowd.ends[b, 1]
-    girth = crowd.girth[a] + crowd.girth[b] + MARGIN
+@inlined
+def _side_by_side(nodes: Records, one: Record, other: Record) -> bool:
+    p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
+    r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
+    girth = one.girth + other.girth + MARGIN
     for k in range(3):
-        if min(crowd.p[i, k], crowd.p[j, k]) - girth > max(crowd.p[m, k], crowd.p[n, k]):
+        if min(p[k], q[k]) - girth > max(r[k], s[k]):
             return False
-        if max(crowd.p[i, k], crowd.p[j, k]) + girth < min(crowd.p[m, k], crowd.p[n, k]):
+        if max(p[k], q[k]) + girth < min(r[k], s[k]):
             return False
     return True
 
 
-@compiled
+@inlined
 def _sort(near: Numbers, count: int) -> None:
     """Sort pairs, of which most are in order already."""
     for n in range(1, count):

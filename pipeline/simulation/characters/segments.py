@@ -7,7 +7,7 @@ Source: Ericson 2005, 5.1.9. The normal printed by Horswill 2008, the cross prod
 
 from __future__ import annotations
 
-from pipeline.simulation.dynamics.compiled import compiled
+from pipeline.simulation.dynamics.compiled import inlined
 from pipeline.simulation.dynamics.vectors import Vector, dot, minus
 
 POINT = 1e-12
@@ -17,7 +17,7 @@ PARALLEL = 1e-9
 """Squared sine of the angle between segments that are parallel."""
 
 
-@compiled
+@inlined
 def closest(p: Vector, u: Vector, q: Vector, v: Vector) -> tuple[float, float]:
     """Return (s, t) so that p + s u and q + t v are nearest, for s and t from 0 to 1.
 
@@ -47,7 +47,7 @@ def closest(p: Vector, u: Vector, q: Vector, v: Vector) -> tuple[float, float]:
     return s, t
 
 
-@compiled
+@inlined
 def _within(s: float) -> float:
     """Return the nearest from 0 to 1."""
     return min(max(s, 0.0), 1.0)

@@ -10,7 +10,7 @@ from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
 from pipeline.simulation.characters.projecting import finish, hold, project
-from pipeline.simulation.characters.touching import grow_old, meet
+from pipeline.simulation.characters.touching import are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
 from pipeline.simulation.dynamics.compiled import Records, compiled, entry
 from pipeline.simulation.dynamics.grid import Grid
@@ -49,11 +49,11 @@ def advance(
     """
     h = dt / count
     log.count[0] = 0
-    crowd.energy[:] = 0.0
+    _forget(crowd.links)
     for n in range(count):
         steer(crowd, persons, grid, h)
         _sub_step(crowd, grid, level, room, log, gravity, h, n / count)
-    _feel(crowd, dt)
+    _feel(crowd.links, crowd.owners, dt)
 
 
 @compiled
@@ -67,33 +67,40 @@ def _sub_step(
     h: float,
     moment: float,
 ) -> None:
-    damp(crowd, h)
-    integrate(crowd, gravity, h)
-    grow_old(crowd, log, h)
-    enclose(crowd)
-    pairs = find_pairs(crowd, room, find_near(crowd, room))
+    nodes, links, middles, limbs, own, grips, owners = crowd
+    damp(nodes, links, h)
+    integrate(nodes, gravity, h)
+    grow_old(links, h)
+    enclose(nodes, owners)
+    near = room.near[: find_near(owners, room.order, room.near)]
+    pairs = room.pairs[: find_pairs(nodes, links, owners, own, near, room.pairs)]
     for _ in range(ROUNDS):
-        for c in range(len(crowd.owners)):
-            project(crowd, crowd.owners[c])
-        hold(crowd)
-        for c in range(len(crowd.owners)):
-            owner = crowd.owners[c]
-            for n in range(owner.pairs[0], owner.pairs[0] + owner.pairs[1]):
-                meet(crowd, crowd.pairs[n, 0], crowd.pairs[n, 1], h, moment, log)
-        for n in range(pairs):
-            meet(crowd, room.pairs[n, 0], room.pairs[n, 1], h, moment, log)
-        for c in range(len(crowd.owners)):
-            stand(crowd, crowd.owners[c], grid, level, h, moment, log)
-    for c in range(len(crowd.owners)):
-        finish(crowd, crowd.owners[c])
+        for c in range(len(owners)):
+            project(nodes, links, middles, limbs, owners[c])
+        hold(nodes, grips)
+        for n in range(len(pairs)):
+            a, b = pairs[n, 0], pairs[n, 1]
+            if are_near(nodes, links[a], links[b]):
+                meet(nodes, links, owners, (a, b), h, moment, log)
+        for c in range(len(owners)):
+            stand(nodes, links, owners[c], grid, level, h, moment, log)
+    for c in range(len(owners)):
+        finish(nodes, links, middles, limbs, owners[c])
 
 
 @compiled
-def _feel(crowd: Crowd, dt: float) -> None:
+def _forget(links: Records) -> None:
+    """Forget how hard touches of the last step were."""
+    for n in range(len(links)):
+        links[n].energy = 0.0
+
+
+@compiled
+def _feel(links: Records, owners: Records, dt: float) -> None:
     """Let touches that are hard enough hurt, and pain decay."""
-    for c in range(len(crowd.owners)):
-        owner = crowd.owners[c]
+    for c in range(len(owners)):
+        owner = owners[c]
         owner.pain *= math.exp(-PAIN_ENDS * dt)
         for n in range(owner.links[0], owner.links[0] + owner.links[1]):
-            if crowd.energy[n] > owner.threshold:
-                owner.pain += crowd.energy[n] / owner.threshold - 1.0
+            if links[n].energy > owner.threshold:
+                owner.pain += links[n].energy / owner.threshold - 1.0

@@ -14,10 +14,10 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.events import Log, note
-from pipeline.simulation.characters.layout import NOBODY, Crowd
+from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
+from pipeline.simulation.characters.layout import NOBODY
 from pipeline.simulation.characters.segments import closest
-from pipeline.simulation.dynamics.compiled import compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -25,8 +25,8 @@ from pipeline.simulation.dynamics.vectors import (
     length,
     minus,
     plus,
-    row,
     times,
+    triple,
 )
 
 PARTING = 0.6
@@ -35,166 +35,160 @@ PARTING = 0.6
 LEAST_BOUNCE = 0.25
 """Speed of approach below which nothing bounces [m/s]."""
 
-SKIN = 2e-4
-"""How deep what touches may lie: it is still felt as a touch [m]."""
+SPARE = 0.1
+"""Part of its length that a link may be longer than it should."""
 
 TINY = 1e-9
 
-Sides = tuple[float, float, float]
-"""Parts of a move that both nodes of one link make, and both of another; their weight."""
+
+@inlined
+def are_near(nodes: Records, one: Record, other: Record) -> bool:
+    """Tell whether the middles of two links are near enough that they may touch."""
+    p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
+    r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
+    squared = 0.0
+    for k in range(3):
+        away = 0.5 * (p[k] + q[k] - r[k] - s[k])
+        squared += away * away
+    reach = one.girth + other.girth + 0.5 * (one.reach[0] + other.reach[0]) * (1.0 + SPARE)
+    return squared < reach * reach
 
 
-@compiled
-def meet(crowd: Crowd, a: int, b: int, h: float, moment: float, log: Log) -> None:
+@inlined
+def meet(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    pair: tuple[int, int],
+    h: float,
+    moment: float,
+    log: Log,
+) -> None:
     """Move two links apart if they are in one another.
 
     Args:
-        crowd: the characters.
-        a: number of a link.
-        b: number of another.
+        nodes: of all characters.
+        links: of all characters.
+        owners: all characters.
+        pair: numbers of two links.
         h: the sub-step [s].
         moment: of the step that has gone.
         log: of what touched.
     """
-    p = crowd.p
-    i, j, k, m = crowd.ends[a, 0], crowd.ends[a, 1], crowd.ends[b, 0], crowd.ends[b, 1]
-    reach = crowd.girth[a] + crowd.girth[b]
-    p_i, p_k = row(p, i), row(p, k)
-    u, v = minus(row(p, j), p_i), minus(row(p, m), p_k)
-    s, t = closest(p_i, u, p_k, v)
-    away = minus(plus(p_i, times(s, u)), plus(p_k, times(t, v)))
+    a, b = links[pair[0]], links[pair[1]]
+    p, q = triple(nodes[a.ends[0]].p), triple(nodes[b.ends[0]].p)
+    u, v = minus(triple(nodes[a.ends[1]].p), p), minus(triple(nodes[b.ends[1]].p), q)
+    s, t = closest(p, u, q, v)
+    place = plus(q, times(t, v))
+    away = minus(plus(p, times(s, u)), place)
     squared = dot(away, away)
-    if squared >= reach * reach:
+    reach = a.girth + b.girth
+    w_a, w_b = _lightness(nodes, a), _lightness(nodes, b)
+    if squared >= reach * reach or w_a + w_b == 0.0:
         return
-    w_a, w_b = _lightness(crowd, a), _lightness(crowd, b)
-    if w_a + w_b == 0.0:
-        return
+    one, other = owners[a.owner], owners[b.owner]
     apart = math.sqrt(squared)
-    n = times(1.0 / apart, away) if apart > TINY else _aside(crowd, a, b, u, v)
-    depth = reach - apart
-    moved_a = _moved(crowd, i, j, s)
-    moved_b = _moved(crowd, k, m, t)
-    slip = minus(moved_a, moved_b)
+    n = times(1.0 / apart, away) if apart > TINY else _aside(one, other, u, v)
+    slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
     nearer = -dot(slip, n)
     share = 1.0 / (w_a + w_b)
-    _sense(crowd, a, b, nearer / h, share, moment, log, plus(p_k, times(t, v)), n)
+    if a.owner != b.owner:
+        speed = max(nearer, 0.0) / h
+        energy = 0.5 * share * speed * speed
+        # Both have been apart for a while, or it is another that is touched now.
+        new = a.touched_owner != b.owner or a.age[0] > PAUSE
+        if new and speed > ABOVE:
+            note(log, moment, pair, place, n, (speed, energy))
+        _sense(a, pair[1], b.owner, energy)
+        _sense(b, pair[0], a.owner, energy)
+    depth = reach - apart
     stopped = min(depth, max(nearer, 0.0))
     parted = min(depth - stopped, PARTING * h)
+    move = plus(times(stopped, n), rubbed(slip, n, 0.5 * (one.friction + other.friction) * stopped))
+    back = 0.0
+    bounciness = max(one.bounciness, other.bounciness)
+    if bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
+        back = bounciness * nearer + nearer - stopped
+    part, back_a = times(share * parted, n), times(share * back, n)
+    _shift(nodes, a, times(share * w_a, move), times(w_a, part), times(w_a, back_a))
+    _shift(nodes, b, times(-share * w_b, move), times(-w_b, part), times(-w_b, back_a))
+
+
+@inlined
+def grow_old(links: Records, h: float) -> None:
+    """Forget touches that have ended, a sub-step later."""
+    for n in range(len(links)):
+        link = links[n]
+        link.age[0] += h
+        link.age[1] += h
+        if link.age[0] > PAUSE and (link.touched >= 0 or link.age[1] > PAUSE):
+            link.touched, link.touched_owner = NOBODY, NOBODY
+
+
+@inlined
+def _lightness(nodes: Records, link: Record) -> float:
+    """Return the inverse mass of a link that is moved as a whole, of what of it can move."""
+    one, other = nodes[link.ends[0]].give, nodes[link.ends[1]].give
+    if link.ends[0] == link.ends[1] or other == 0.0:
+        return one
+    return other if one == 0.0 else one * other / (one + other)
+
+
+@inlined
+def _moved(nodes: Records, link: Record, s: float) -> Vector:
+    """Return how far a place on a link went in this sub-step."""
+    one, other = nodes[link.ends[0]], nodes[link.ends[1]]
+    a = minus(triple(one.p), triple(one.before))
+    b = minus(triple(other.p), triple(other.before))
+    return plus(times(1.0 - s, a), times(s, b))
+
+
+@inlined
+def rubbed(slip: Vector, n: Vector, most: float) -> Vector:
+    """Return what friction takes of a slip across n, so much at most."""
     along = minus(slip, times(dot(slip, n), n))
     size = length(along)
-    friction = 0.5 * (_friction(crowd, a) + _friction(crowd, b)) * stopped
-    rub = times(-min(friction / size, 1.0), along) if size > TINY else (0.0, 0.0, 0.0)
-    move = plus(times(stopped, n), rub)
-    back = 0.0
-    if nearer > LEAST_BOUNCE * h:
-        back = _bounciness(crowd, a, b) * nearer + nearer - stopped
-    _shift(crowd, a, times(share * w_a, move), times(share * w_a * parted, n), share * w_a * back, n)
-    _shift(
-        crowd, b, times(-share * w_b, move), times(-share * w_b * parted, n), -share * w_b * back, n
-    )
+    return times(-min(most / size, 1.0), along) if size > TINY else (0.0, 0.0, 0.0)
 
 
-@compiled
-def _lightness(crowd: Crowd, a: int) -> float:
-    """Return the inverse mass of a link that is moved as a whole, of what of it can move."""
-    i, j = crowd.ends[a, 0], crowd.ends[a, 1]
-    g_i, g_j = crowd.give[i], crowd.give[j]
-    if i == j or g_j == 0.0:
-        return g_i
-    return g_j if g_i == 0.0 else g_i * g_j / (g_i + g_j)
-
-
-@compiled
-def _moved(crowd: Crowd, i: int, j: int, s: float) -> Vector:
-    """Return how far a place on a link went in this sub-step."""
-    one = minus(row(crowd.p, i), row(crowd.before, i))
-    other = minus(row(crowd.p, j), row(crowd.before, j))
-    return plus(times(1.0 - s, one), times(s, other))
-
-
-@compiled
-def _aside(crowd: Crowd, a: int, b: int, u: Vector, v: Vector) -> Vector:
-    """Return a direction from link b to link a, whose axes cross."""
+@inlined
+def _aside(one: Record, other: Record, u: Vector, v: Vector) -> Vector:
+    """Return a direction from the other to one, whose links' axes cross."""
     n = cross(u, v)
     size = length(n)
     if size < TINY:
         return (0.0, 1.0, 0.0)
     n = times(1.0 / size, n)
-    one, other = crowd.owners[crowd.link_owner[a]], crowd.owners[crowd.link_owner[b]]
     towards = 0.0
     for k in range(3):
         towards += n[k] * (one.low[k] + one.high[k] - other.low[k] - other.high[k])
     return n if towards >= 0.0 else times(-1.0, n)
 
 
-@compiled
-def _friction(crowd: Crowd, a: int) -> float:
-    mu: float = crowd.owners[crowd.link_owner[a]].friction
-    return mu
-
-
-@compiled
-def _bounciness(crowd: Crowd, a: int, b: int) -> float:
-    one: float = crowd.owners[crowd.link_owner[a]].bounciness
-    other: float = crowd.owners[crowd.link_owner[b]].bounciness
-    return max(one, other)
-
-
-@compiled
-def _shift(crowd: Crowd, a: int, move: Vector, part: Vector, back: float, n: Vector) -> None:
+@inlined
+def _shift(nodes: Records, link: Record, move: Vector, part: Vector, back: Vector) -> None:
     """Move a link as a whole.
 
     Args:
-        crowd: the characters.
-        a: number of the link.
+        nodes: of all characters.
+        link: which.
         move: what changes its velocity.
         part: what does not.
-        back: how far it is to go along n in a sub-step, beyond what `move` makes of it.
-        n: a direction.
+        back: what changes its velocity alone.
     """
-    i, j = crowd.ends[a, 0], crowd.ends[a, 1]
-    for end in range(1 if i == j else 2):
-        node = i if end == 0 else j
-        if crowd.give[node] == 0.0:
+    for end in range(1 if link.ends[0] == link.ends[1] else 2):
+        node = nodes[link.ends[end]]
+        if node.give == 0.0:
             continue
         for k in range(3):
-            crowd.p[node, k] += move[k] + part[k]
-            crowd.before[node, k] += part[k] - back * n[k]
+            node.p[k] += move[k] + part[k]
+            node.before[k] += part[k] - back[k]
 
 
-@compiled
-def _sense(
-    crowd: Crowd,
-    a: int,
-    b: int,
-    speed: float,
-    mass: float,
-    moment: float,
-    log: Log,
-    place: Vector,
-    n: Vector,
-) -> None:
-    """Let two links know of one another."""
-    energy = 0.5 * mass * max(speed, 0.0) ** 2
-    other = crowd.link_owner[b]
-    if crowd.link_owner[a] == other:
-        return
-    # Both have been apart for a while, or it is another that is touched now.
-    new = crowd.touched_owner[a] != other or crowd.age[a, 0] > log.pause
-    if new and speed > log.above:
-        note(log, moment, a, b, place, n, speed, energy)
-    for one, two in ((a, b), (b, a)):
-        if crowd.age[one, 0] > 0.0 or energy > crowd.energy[one]:
-            crowd.touched[one], crowd.touched_owner[one] = two, crowd.link_owner[two]
-        crowd.energy[one] = max(crowd.energy[one], energy)
-        crowd.age[one, 0] = 0.0
-
-
-@compiled
-def grow_old(crowd: Crowd, log: Log, h: float) -> None:
-    """Forget touches that have ended, a sub-step later."""
-    for a in range(len(crowd.age)):
-        crowd.age[a, 0] += h
-        crowd.age[a, 1] += h
-        if crowd.age[a, 0] > log.pause:
-            crowd.touched[a], crowd.touched_owner[a] = NOBODY, NOBODY
+@inlined
+def _sense(link: Record, other: int, whose: int, energy: float) -> None:
+    """Let a link know of a touch; the hardest one counts."""
+    if link.age[0] > 0.0 or energy > link.energy:
+        link.touched, link.touched_owner = other, whose
+    link.energy = max(link.energy, energy)
+    link.age[0] = 0.0

@@ -18,6 +18,7 @@ from pipeline.simulation.characters.record import (
     HAND,
     HIP,
     KNEE,
+    PLACED,
     REACHING,
     SHOULDER,
     SITTING,
@@ -62,9 +63,7 @@ def stoop(person: Record, dt: float) -> None:
     bow = min(low / (0.45 * height), 1.0) * 0.95
     crouch = min(max(low - 0.12 * height, 0.0) / person.hip_height, 0.62)
     person.bow, person.bow_rate = sprung(person.bow, person.bow_rate, bow, 4.0, dt)
-    person.crouch, person.crouch_rate = sprung(
-        person.crouch, person.crouch_rate, crouch, 4.0, dt
-    )
+    person.crouch, person.crouch_rate = sprung(person.crouch, person.crouch_rate, crouch, 4.0, dt)
 
 
 @compiled

@@ -12,10 +12,9 @@ import math
 
 from pipeline.simulation.characters.ballistic import sprung
 from pipeline.simulation.characters.gait import GAIN, leg_of, speed_of, wrapped
-from pipeline.simulation.characters.layout import Crowd
 from pipeline.simulation.characters.record import PELVIS, SITTING
 from pipeline.simulation.characters.strides import eased, relative
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.grid import Grid, surface
 
@@ -42,13 +41,13 @@ TURN = 2.6
 
 
 @compiled
-def lead(person: Record, crowd: Crowd, ground: Grid, dt: float) -> None:
+def lead(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
     """Go on with the carriage by one sub-step."""
     wx, wz = _walk_vector(person)
     ease = _ease(person, wx, wz, ground)
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
-    _go(person, crowd, wx, wz, dt)
+    _go(person, nodes, wx, wz, dt)
     relative_speed = relative(speed_of(person), leg_of(person))
     walking = eased(relative_speed / 0.3) if person.stepping else 0.0
     person.walking, person.walking_rate = sprung(
@@ -120,7 +119,7 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
 
 
 @compiled
-def _go(person: Record, crowd: Crowd, wx: float, wz: float, dt: float) -> None:
+def _go(person: Record, nodes: Records, wx: float, wz: float, dt: float) -> None:
     """Move the carriage with its velocity, and along with the body."""
     leg, most = leg_of(person), MOST * GRAVITY
     gain_x, gain_z = GAIN * (wx - person.going[0]), GAIN * (wz - person.going[1])
@@ -131,7 +130,7 @@ def _go(person: Record, crowd: Crowd, wx: float, wz: float, dt: float) -> None:
     pelvis = person.node + PELVIS
     for c in range(2):
         axis = 2 * c
-        off = crowd.p[pelvis, axis] - person.wanted[PELVIS, axis]
+        off = nodes[pelvis].p[axis] - person.wanted[PELVIS, axis]
         loose = 0.012 * leg
         off -= min(max(off, -loose), loose)
         if person.posture == SITTING or person.frozen:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pipeline.simulation.characters.layout import Crowd
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 
 STUNS = 0.5
 """Energy of a blow after which muscles are quite slack, for each kilogram of the body [J/kg]."""
@@ -13,14 +12,14 @@ RECOVERS = 2.2
 
 
 @compiled
-def feel(person: Record, crowd: Crowd, dt: float) -> None:
+def feel(person: Record, links: Records, owners: Records, dt: float) -> None:
     """Take in what others strike, and recover from it."""
     person.dazed *= max(1.0 - RECOVERS * dt, 0.0)
-    owner = crowd.owners[person.owner]
+    owner = owners[person.owner]
     first, count = owner.links[0], owner.links[1]
     for link in range(first, first + count):
-        other = crowd.touched_owner[link]
+        other = links[link].touched_owner
         if other >= 0 and other != person.owner:
-            blow = crowd.energy[link] / (STUNS * owner.mass)
+            blow = links[link].energy / (STUNS * owner.mass)
             if blow > 0.1:
                 person.dazed = max(person.dazed, min(blow, 1.0))

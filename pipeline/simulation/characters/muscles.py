@@ -11,7 +11,7 @@ themselves, so that they hold at any rate of sub-steps.
 
 from __future__ import annotations
 
-from pipeline.simulation.characters.layout import FREE, LOCKED, Crowd
+from pipeline.simulation.characters.layout import FREE, LOCKED
 from pipeline.simulation.characters.record import (
     COUNT,
     ELBOW,
@@ -20,7 +20,7 @@ from pipeline.simulation.characters.record import (
     HEAD,
     STANCE,
 )
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 
 TRUNK, LIMBS = 30.0, 24.0
@@ -41,35 +41,35 @@ def firm(k: int) -> float:
 
 
 @compiled
-def pull(person: Record, crowd: Crowd, dt: float) -> None:
+def pull(person: Record, nodes: Records, dt: float) -> None:
     """Act on all nodes of a person for a sub-step."""
     for k in range(COUNT):
-        node = person.node + k
+        node = nodes[person.node + k]
         if k >= FOOT:
-            _step(person, crowd, k - FOOT, dt)
+            _step(person, nodes, k - FOOT, dt)
         else:
             quick = firm(k) * (1.0 - (1.0 - WEAKEST) * person.dazed)
             for c in range(3):
-                v = (crowd.p[node, c] - crowd.before[node, c]) / dt
+                v = (node.p[c] - node.before[c]) / dt
                 along = (person.wanted[k, c] - person.before[k, c]) / dt
-                off = person.wanted[k, c] - crowd.p[node, c]
-                crowd.acceleration[node, c] += quick * (quick * off + 2.0 * (along - v))
-            crowd.acceleration[node, 1] += GRAVITY
+                off = person.wanted[k, c] - node.p[c]
+                node.acceleration[c] += quick * (quick * off + 2.0 * (along - v))
+            node.acceleration[1] += GRAVITY
         for c in range(3):
             person.before[k, c] = person.wanted[k, c]
 
 
 @compiled
-def _step(person: Record, crowd: Crowd, k: int, dt: float) -> None:
+def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
     """Lock a foot that stands, and send one that swings along its line."""
-    node = person.node + FOOT + k
+    node = nodes[person.node + FOOT + k]
     if person.doing[k] == STANCE:
-        crowd.lock[node] = LOCKED
+        node.lock = LOCKED
         for c in range(3):
-            crowd.place[node, c] = person.ankles[k, c]
+            node.place[c] = person.ankles[k, c]
         return
-    crowd.lock[node] = FREE
+    node.lock = FREE
     for c in range(3):
-        v = (person.ankles[k, c] - crowd.p[node, c]) / dt
-        crowd.before[node, c] = crowd.p[node, c] - min(max(v, -FASTEST), FASTEST) * dt
-    crowd.acceleration[node, 1] += GRAVITY
+        v = (person.ankles[k, c] - node.p[c]) / dt
+        node.before[c] = node.p[c] - min(max(v, -FASTEST), FASTEST) * dt
+    node.acceleration[1] += GRAVITY

@@ -170,8 +170,10 @@ class Direction:
 
     def _begin(self, k: int, errand: Errand, keeps_arms: bool = False) -> None:
         """Begin something; arms that do not hold anything hang again, unless they are kept."""
+        actor, before = self.actors[k], self._errands[k]
+        keeps_arms = keeps_arms and (self._done[k] or not isinstance(before, Grab))
         self._errands[k], self._done[k] = errand, False
-        actor = self.actors[k]
+        actor.me.down = 0.0
         for hand in range(2):
             if not keeps_arms and actor.held(hand) < 0:
                 actor.me.arm[hand] = SWINGING
@@ -182,4 +184,5 @@ class Direction:
         if isinstance(self._errands[k], Hug | Reach | Grab | Grapple):
             self.actors[k].stop()
             self.actors[k].me.faces = False
+            self.actors[k].me.down = 0.0
             self._errands[k] = None

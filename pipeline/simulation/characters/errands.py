@@ -14,7 +14,9 @@ import numpy as np
 
 from pipeline.simulation.characters.actor import Actor, is_heavy
 from pipeline.simulation.characters.record import (
+    PELVIS,
     REACHING,
+    SHOULDERS,
     SITTING,
     STANDING,
 )
@@ -237,15 +239,18 @@ class Hug:
         if self.touched == 0.0:
             actor.face_to(other)
         self.touched += dt
+        stands = float(me.floor + me.hip_height + me.belly + me.chest)
+        me.down = max(stands - self._level(actor, 0) - 0.5 * actor.arm, 0.0)
         self._close(actor, other)
         return self.touched > PATIENCE
 
     def _level(self, actor: Actor, k: int) -> float:
         """Return the height at which an arm goes round: one under, one over the other's."""
         nodes = actor.stage.nodes(self.owner)
-        low, high = float(nodes[0, 1]), float(nodes[2, 1])
-        own = float(actor.me.wanted[2, 1])
-        level = min(max(own - 0.1 * actor.me.height, low), high - 0.02 * self.size)
+        low, high = float(nodes[PELVIS, 1]), float(nodes[SHOULDERS, 1])
+        me = actor.me
+        own = float(me.floor + me.hip_height + me.belly + me.chest)
+        level = min(max(own - 0.1 * me.height, low + 0.05 * self.size), high - 0.06 * self.size)
         return level + (0.035 if k == 0 else -0.035) * actor.me.height
 
     def _open(self, actor: Actor) -> None:

@@ -120,7 +120,7 @@ def pace_of(person: Record) -> tuple[float, float]:
     leg = leg_of(person)
     speed = speed_of(person)
     # Who turns or is pushed steps as briskly as one who walks slowly.
-    return max(stride_rate(speed, leg), 0.22 * math.sqrt(GRAVITY / leg)), duty(speed, leg)
+    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), duty(speed, leg)
 
 
 @compiled

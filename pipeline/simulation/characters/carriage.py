@@ -131,7 +131,7 @@ def _go(person: Record, crowd: Crowd, wx: float, wz: float, dt: float) -> None:
     pelvis = person.node + PELVIS
     for c in range(2):
         axis = 2 * c
-        off = crowd.p[pelvis, axis] - person.wanted[PELVIS, axis]
+        off = crowd.nodes[pelvis].p[axis] - person.wanted[PELVIS, axis]
         loose = 0.012 * leg
         off -= min(max(off, -loose), loose)
         if person.posture == SITTING or person.frozen:

@@ -19,8 +19,8 @@ def feel(person: Record, crowd: Crowd, dt: float) -> None:
     owner = crowd.owners[person.owner]
     first, count = owner.links[0], owner.links[1]
     for link in range(first, first + count):
-        other = crowd.touched_owner[link]
+        other = crowd.links[link].touched_owner
         if other >= 0 and other != person.owner:
-            blow = crowd.energy[link] / (STUNS * owner.mass)
+            blow = crowd.links[link].energy / (STUNS * owner.mass)
             if blow > 0.1:
                 person.dazed = max(person.dazed, min(blow, 1.0))

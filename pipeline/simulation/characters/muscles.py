@@ -50,11 +50,11 @@ def pull(person: Record, crowd: Crowd, dt: float) -> None:
         else:
             quick = firm(k) * (1.0 - (1.0 - WEAKEST) * person.dazed)
             for c in range(3):
-                v = (crowd.p[node, c] - crowd.before[node, c]) / dt
+                v = (crowd.nodes[node].p[c] - crowd.nodes[node].before[c]) / dt
                 along = (person.wanted[k, c] - person.before[k, c]) / dt
-                off = person.wanted[k, c] - crowd.p[node, c]
-                crowd.acceleration[node, c] += quick * (quick * off + 2.0 * (along - v))
-            crowd.acceleration[node, 1] += GRAVITY
+                off = person.wanted[k, c] - crowd.nodes[node].p[c]
+                crowd.nodes[node].acceleration[c] += quick * (quick * off + 2.0 * (along - v))
+            crowd.nodes[node].acceleration[1] += GRAVITY
         for c in range(3):
             person.before[k, c] = person.wanted[k, c]
 
@@ -64,12 +64,12 @@ def _step(person: Record, crowd: Crowd, k: int, dt: float) -> None:
     """Lock a foot that stands, and send one that swings along its line."""
     node = person.node + FOOT + k
     if person.doing[k] == STANCE:
-        crowd.lock[node] = LOCKED
+        crowd.nodes[node].lock = LOCKED
         for c in range(3):
-            crowd.place[node, c] = person.ankles[k, c]
+            crowd.nodes[node].place[c] = person.ankles[k, c]
         return
-    crowd.lock[node] = FREE
+    crowd.nodes[node].lock = FREE
     for c in range(3):
-        v = (person.ankles[k, c] - crowd.p[node, c]) / dt
-        crowd.before[node, c] = crowd.p[node, c] - min(max(v, -FASTEST), FASTEST) * dt
-    crowd.acceleration[node, 1] += GRAVITY
+        v = (person.ankles[k, c] - crowd.nodes[node].p[c]) / dt
+        crowd.nodes[node].before[c] = crowd.nodes[node].p[c] - min(max(v, -FASTEST), FASTEST) * dt
+    crowd.nodes[node].acceleration[1] += GRAVITY

@@ -221,8 +221,8 @@ def _off_balance(person: Record, crowd: Crowd) -> tuple[float, float]:
     """Return how far the centre of mass is from over the middle of the feet [m]."""
     x = z = weight = 0.0
     for i in range(person.node, person.node + COUNT):
-        mass = 1.0 / max(crowd.inverse_mass[i], 1e-9)
-        x, z, weight = x + mass * crowd.p[i, 0], z + mass * crowd.p[i, 2], weight + mass
+        mass = 1.0 / max(crowd.nodes[i].inverse_mass, 1e-9)
+        x, z, weight = x + mass * crowd.nodes[i].p[0], z + mass * crowd.nodes[i].p[2], weight + mass
     return (
         x / weight - 0.5 * (person.stood[0, 0] + person.stood[1, 0]),
         z / weight - 0.5 * (person.stood[0, 2] + person.stood[1, 2]),
@@ -259,7 +259,7 @@ def stretch(person: Record, crowd: Crowd) -> None:
     """Let the link between spine and shoulders be as long as breath has it."""
     link = crowd.owners[person.owner].links[0] + CHEST
     long = length(minus(row(person.wanted, SHOULDERS), row(person.wanted, SPINE)))
-    crowd.reach[link, 0] = crowd.reach[link, 1] = long
+    crowd.links[link].reach[0] = crowd.links[link].reach[1] = long
 
 
 @compiled

@@ -49,6 +49,25 @@ SWING = math.radians(23.0)
 
 
 @compiled
+def stoop(person: Record, dt: float) -> None:
+    """Bow, and then crouch, as far as hands have to go down."""
+    low = 0.0
+    arm = person.upper_arm + person.forearm
+    height = person.hip_height + person.belly + person.chest
+    for k in range(2):
+        if person.arm[k] == PLACED and person.seated == 0.0:
+            shoulder = person.floor + height
+            low = max(low, shoulder - 0.92 * arm - person.arm_at[k, 1])
+    # Two thirds of the way down to a bow of 0.9, which is at 42 degrees, are the legs'.
+    bow = min(low / (0.45 * height), 1.0) * 0.95
+    crouch = min(max(low - 0.12 * height, 0.0) / person.hip_height, 0.62)
+    person.bow, person.bow_rate = sprung(person.bow, person.bow_rate, bow, 4.0, dt)
+    person.crouch, person.crouch_rate = sprung(
+        person.crouch, person.crouch_rate, crouch, 4.0, dt
+    )
+
+
+@compiled
 def hold_arms(person: Record, dt: float) -> None:
     """Say where elbows and hands should be."""
     chest, frame = chest_frame(person)

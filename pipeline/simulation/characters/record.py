@@ -87,8 +87,13 @@ PERSON = np.dtype(
         # Where it looks: yaw in the world and pitch [rad], and their rates.
         ("gaze", "f8", 2),
         ("gaze_rate", "f8", 2),
-        # How far it sits, 0 to 1, and its rate.
+        # How far it sits, 0 to 1; how far it bows, as a tangent, and crouches, as a part of its
+        # legs, to reach what is low, and their rates.
         ("seated", "f8"),
+        ("bow", "f8"),
+        ("bow_rate", "f8"),
+        ("crouch", "f8"),
+        ("crouch_rate", "f8"),
         ("breath", "f8"),
         # Of each arm: how much its hand is where it is told to be, 0 to 1, and where that is in
         # the frame of the chest [m]; rates of both.
@@ -107,6 +112,8 @@ PERSON = np.dtype(
         ("near", "f8"),
         ("pace", "f8"),
         ("aside", "f8", 2),
+        # Whom it does not step aside for, by owner, -1 for nobody.
+        ("partner", "i8"),
         ("faces", "?"),
         ("facing", "f8"),
         ("looks", "?"),
@@ -147,6 +154,7 @@ def persons_of(
         _measure(persons[i], who)
         persons[i].node = first
         persons[i].heading = headings[i]
+        persons[i].partner = -1
         persons[i].at[:] = at[i]
         persons[i].floor = ground[i]
         persons[i].gaze[:] = headings[i], 0.0

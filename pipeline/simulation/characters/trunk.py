@@ -48,7 +48,7 @@ COUNTER = math.radians(6.0)
 MOST_TWIST = math.radians(90.0)
 """Of the shoulders against the pelvis."""
 
-MOST_LEAN = 0.8
+MOST_LEAN = 1.1
 """Tangent of the lean of the trunk."""
 
 CHEST = tuple(SEGMENTS).index("chest")
@@ -163,7 +163,7 @@ def _height(person: Record, stance: float) -> float:
     bounce = 0.955 * stood - 0.035 * leg * swing
     height = (1.0 - some) * stood + some * ((1.0 - run) * walk + run * bounce)
     sat = eased(person.seated)
-    height = (1.0 - sat) * height + sat * (person.seat[1] - person.floor)
+    height = (1.0 - sat) * (height - person.crouch * leg) + sat * (person.seat[1] - person.floor)
     return _within_reach(person, height)
 
 
@@ -183,10 +183,11 @@ def _within_reach(person: Record, height: float) -> float:
 
 @compiled
 def seat_back(person: Record) -> float:
-    """Return how far the pelvis is behind the feet, for one who sits or is about to [m]."""
+    """Return how far the pelvis is behind the feet, of one who sits or bows [m]."""
     # First back, then down: whoever folds straight down falls on their heels.
     back: float = person.seat[0] * math.sin(0.5 * math.pi * eased(person.seated))
-    return back
+    # Who bows or crouches keeps the balance with the hips.
+    return back + 0.09 * person.height * person.bow + 0.25 * person.crouch * leg_of(person)
 
 
 @compiled
@@ -205,6 +206,9 @@ def _lean(person: Record, crowd: Crowd, dt: float) -> None:
         c, s = math.cos(person.heading), math.sin(person.heading)
         lean = 0.62 * on_way + person.seat[2] * eased(person.seated)
         along_x, along_z = along_x + lean * c, along_z - lean * s
+    elif person.bow > 0.02:
+        c, s = math.cos(person.heading), math.sin(person.heading)
+        along_x, along_z = along_x + person.bow * c, along_z - person.bow * s
     elif not person.stepping:
         x, z = _off_balance(person, crowd)
         along_x -= 1.2 * x / leg

@@ -18,6 +18,7 @@ from pipeline.simulation.characters.record import (
     HAND,
     HIP,
     KNEE,
+    PLACED,
     REACHING,
     SHOULDER,
     SITTING,

@@ -53,9 +53,9 @@ KEPT = _kept()
 """Whether machine code can be kept."""
 
 
-def is_made() -> bool:
-    """Tell whether machine code was made before."""
-    return KEPT and any(Path(numba.config.CACHE_DIR).rglob("*.nbi"))
+def is_made(room: str) -> bool:
+    """Tell whether machine code of a room was made before."""
+    return KEPT and any(Path(numba.config.CACHE_DIR).glob(f"{room}_*/*.nbi"))
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:

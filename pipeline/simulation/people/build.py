@@ -60,12 +60,12 @@ class Build:
         """Half the distance of the shoulders [m]."""
         return self.proportions.shoulders * self.proportions.height
 
-    def outline(self, rows: Sequence[Sequence[float]], breadth: float = 1.0) -> Array:
+    def outline(self, rows: Sequence[Sequence[float]], breadth: float | Array = 1.0) -> Array:
         """Return the rows of a `stack` in metres.
 
         Args:
             rows: (n, 5) as parts of a grown-up's height.
-            breadth: what reaches to either side is multiplied by.
+            breadth: what reaches to either side is multiplied by, of all rows or (n,) of each.
         """
         table = np.array(rows, dtype=float)
         table[:, 0] = self.level(table[:, 0])

@@ -10,10 +10,19 @@ from pipeline.simulation.seeds import generator
 Hair = Literal["short", "bob", "bun", "long", "none"]
 Stature = Literal["slim", "medium", "sturdy"]
 
-SKINS = ("skin", "dark skin")
-HAIRS = ("black fur", "chestnut fur", "fur", "sand fur", "red fur")
-SHIRTS = ("red cloth", "blue cloth", "green cloth", "white cloth")
-TROUSERS = ("blue cloth", "black cloth", "leather")
+LIPS = {
+    "fair skin": "lips",
+    "skin": "lips",
+    "tan skin": "lips",
+    "brown skin": "dark lips",
+    "dark skin": "dark lips",
+}
+"""Skins, and the lips that go with them."""
+
+LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
+DARK_HAIR = ("black fur", "black fur", "chestnut fur")
+SHIRTS = ("red cloth", "green cloth", "white cloth", "yellow cloth", "blue cloth")
+TROUSERS = ("denim", "black cloth", "grey cloth")
 SHOES = ("leather", "black cloth", "white cloth")
 
 
@@ -33,10 +42,10 @@ class Clothes:
         build: how stout.
     """
 
-    skin: str = "skin"
+    skin: str = "fair skin"
     hair: str = "chestnut fur"
     shirt: str = "red cloth"
-    trousers: str = "blue cloth"
+    trousers: str = "denim"
     shoes: str = "leather"
     style: Hair = "short"
     short_sleeves: bool = True
@@ -51,13 +60,13 @@ def clothes_of(name: str, seed: int, child: bool = False) -> Clothes:
     def one(*options: str) -> str:
         return options[int(chance.integers(len(options)))]
 
-    skin, hair = one(*SKINS), one(*HAIRS)
-    shirt = one(*SHIRTS)
-    trousers = one(*(material for material in TROUSERS if material != shirt))
+    skin = one(*LIPS)
+    hair = one(*(LIGHT_HAIR if LIPS[skin] == "lips" else DARK_HAIR))
+    shirt, trousers = one(*SHIRTS), one(*TROUSERS)
     style = one("short", "short", "bob", "bun", "long")
     return Clothes(
         skin=skin,
-        hair="black fur" if skin == "dark skin" else hair,
+        hair=hair,
         shirt=shirt,
         trousers=trousers,
         shoes=one(*SHOES),

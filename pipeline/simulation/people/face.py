@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import Field, ball, cone, cut, united
-from pipeline.simulation.people.patches import MIRROR, Patch, Surface, both, joined, polygonised, ramp
+from pipeline.simulation.people.patches import Patch, Surface, both, joined, polygonised, ramp
 from pipeline.simulation.people.tubes import globe, tube
 from pipeline.simulation.spatial import Array, normalized
 
@@ -49,7 +49,7 @@ class Head:
     def eye(self) -> tuple[Array, float]:
         """Middle (3,) and radius of the right eye [m]."""
         child = self.build.childish
-        radius = 0.088 + 0.016 * child
+        radius = 0.082 + 0.020 * child
         return self.at(0.300 - 0.02 * child, 0.015 - 0.045 * child, 0.150), radius * self.size
 
 
@@ -58,9 +58,9 @@ def skin(head: Head) -> Patch:
     s, build = head.size, head.build
     centre = head.centre
     base = float(build.level(0.826))
-    low = (centre[0] - 0.55 * s, base - 0.03 * s, -0.52 * s)
+    low = (centre[0] - 0.55 * s, base - 0.20 * s, -0.52 * s)
     high = (centre[0] + 0.66 * s, centre[1] + 0.56 * s, 0.52 * s)
-    net = polygonised(_flesh(head), low, high, 0.047 * s, symmetric=True)
+    net = polygonised(_flesh(head), low, high, 0.057 * s, symmetric=True)
     y = net.vertices[:, 1]
     chin = float(head.at(0.0, -0.42, 0.0)[1])
     share = ramp(y, base + 0.15 * (chin - base), chin)
@@ -73,22 +73,44 @@ def _flesh(head: Head) -> Field:
     jaw = 1.0 - 0.10 * child
     solids = [
         ball(at(-0.045, 0.115, 0.0), s * np.array([0.430, 0.385, 0.345])),
-        ball(at(0.090, -0.130 - 0.02 * child, 0.0), s * np.array([0.285, 0.330, 0.262 + 0.02 * child])),
+        ball(
+            at(0.090, -0.130 - 0.02 * child, 0.0),
+            s * np.array([0.285, 0.330, 0.262 + 0.02 * child]),
+        ),
         cone(at(0.215, -0.385, -0.035), at(0.215, -0.385, 0.035), 0.105 * s * jaw, 0.105 * s * jaw),
         *pair(lambda m: ball(at(0.175, -0.150, 0.130 * m), (0.135 + 0.02 * child) * s)),
-        *pair(lambda m: cone(at(0.330, 0.135, 0.05 * m), at(0.245, 0.125, 0.215 * m), 0.058 * s, 0.05 * s)),
+        *pair(
+            lambda m: cone(
+                at(0.330, 0.135, 0.05 * m), at(0.245, 0.125, 0.215 * m), 0.058 * s, 0.05 * s
+            )
+        ),
     ]
     skull = united(solids, 0.11 * s)
     sockets = united(
-        pair(lambda m: ball(at(0.425, 0.020 - 0.05 * child, 0.150 * m), s * np.array([0.10, 0.075, 0.095]))), 0.02 * s
+        pair(
+            lambda m: ball(
+                at(0.425, 0.020 - 0.05 * child, 0.150 * m), s * np.array([0.10, 0.075, 0.095])
+            )
+        ),
+        0.02 * s,
     )
     skull = cut(skull, sockets, 0.09 * s)
     nose = 1.0 - 0.28 * child
     features = [
         skull,
-        cone(at(0.345, 0.06, 0.0), at(0.375 + 0.075 * nose, -0.125, 0.0), 0.030 * s, 0.052 * s * nose),
+        cone(
+            at(0.345, 0.06, 0.0), at(0.375 + 0.075 * nose, -0.125, 0.0), 0.030 * s, 0.052 * s * nose
+        ),
         *pair(lambda m: ball(at(0.375, -0.150, 0.048 * m * nose), 0.038 * s)),
-        *pair(lambda m: cone(at(0.375, -0.252, 0.0), at(0.335, -0.262, 0.080 * m), 0.026 * s, 0.014 * s, (1.0, 0.8, 1.0))),
+        *pair(
+            lambda m: cone(
+                at(0.375, -0.252, 0.0),
+                at(0.335, -0.262, 0.080 * m),
+                0.026 * s,
+                0.014 * s,
+                (1.0, 0.8, 1.0),
+            )
+        ),
         cone(at(0.362, -0.292, -0.035), at(0.362, -0.292, 0.035), 0.030 * s, 0.030 * s),
         *pair(lambda m: ball(at(-0.035, -0.035, 0.335 * m), s * np.array([0.085, 0.135, 0.048]))),
         _neck(head),
@@ -118,7 +140,7 @@ def pupils(head: Head) -> Patch:
     """Return the dark of both eyes: lenses on the balls, where they look."""
     centre, radius = head.eye
     along = normalized(GLANCE)
-    return both(_lens(centre + 0.60 * radius * along, along, 0.50 * radius).follow("head"))
+    return both(_lens(centre + 0.50 * radius * along, along, 0.60 * radius).follow("head"))
 
 
 def _lens(centre: Array, along: Array, radius: float) -> Surface:
@@ -133,8 +155,8 @@ def _lens(centre: Array, along: Array, radius: float) -> Surface:
 def lids(head: Head) -> Patch:
     """Return both upper lids: caps over the eyes, low enough for a calm look."""
     centre, radius = head.eye
-    one = _cap(centre, 1.09 * radius, tilt=0.30, edge=0.18)
-    low = _cap(centre, 1.07 * radius, tilt=np.pi - 0.25, edge=0.42)
+    one = _cap(centre, 1.09 * radius, tilt=0.12, edge=0.36)
+    low = _cap(centre, 1.07 * radius, tilt=np.pi - 0.15, edge=0.58)
     return both(joined([one.follow("head"), low.follow("head")]))
 
 
@@ -166,20 +188,34 @@ def _cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
     solid = lofted(ring, np.array([[0.0, edge, 0.0], [0.0, 1.0, 0.0]]))
     c, s = np.cos(tilt), np.sin(tilt)
     x, y, z = solid.vertices.T
-    return Surface(centre + radius * np.stack([c * x + s * y, c * y - s * x, z], axis=-1), solid.faces)
+    return Surface(
+        centre + radius * np.stack([c * x + s * y, c * y - s * x, z], axis=-1), solid.faces
+    )
 
 
 def brows(head: Head) -> Patch:
     """Return both brows."""
     s, child = head.size, head.build.childish
     lower = 0.03 * child
-    line = [(0.392, 0.118 - lower, 0.060), (0.366, 0.146 - lower, 0.135), (0.290, 0.122 - lower, 0.225)]
+    line = [
+        (0.394, 0.136 - lower, 0.066),
+        (0.364, 0.150 - lower, 0.140),
+        (0.288, 0.118 - lower, 0.225),
+    ]
     points = np.array([head.at(*p) for p in line])
-    return both(_flattened(tube(points, s * np.array([0.020, 0.021, 0.012]), 6)).follow("head"))
+    return both(tube(points, s * np.array([0.016, 0.018, 0.010]), 6).follow("head"))
 
 
-def _flattened(surface: Surface) -> Surface:
-    return surface
-
-
-__all__ = ["MIRROR", "Head", "brows", "lids", "pupils", "skin", "whites"]
+def lips(head: Head) -> Patch:
+    """Return both lips."""
+    s, child = head.size, head.build.childish
+    wide, up = 0.088 - 0.012 * child, 0.01 * child
+    upper = [(0.338, -0.272, wide), (0.383, -0.258, 0.4 * wide), (0.390, -0.263, 0.0)]
+    lower = [(0.338, -0.274, wide), (0.372, -0.294, 0.4 * wide), (0.378, -0.297, 0.0)]
+    made = []
+    for half, thick in ((upper, 0.019), (lower, 0.023)):
+        line = half + [(x, y, -z) for x, y, z in half[-2::-1]]
+        points = np.array([head.at(x, y + up, z) for x, y, z in line])
+        radii = s * thick * np.array([0.4, 0.95, 1.0, 0.95, 0.4])
+        made.append(tube(points, radii, 6).follow("head"))
+    return joined(made)

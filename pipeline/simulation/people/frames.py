@@ -109,9 +109,7 @@ def frames_of(
         )
         R[f"hand_{side}"] = R[f"forearm_{side}"]
         leg = (p[f"hip_{side}"], p[f"knee_{side}"], p[f"foot_{side}"])
-        R[f"thigh_{side}"], R[f"shin_{side}"] = _limb(
-            R["pelvis"], *leg, -1.0, LEG_SPREAD * mirror
-        )
+        R[f"thigh_{side}"], R[f"shin_{side}"] = _limb(R["pelvis"], *leg, -1.0, LEG_SPREAD * mirror)
         sole = UP if soles is None else soles[..., k, :]
         R[f"foot_{side}"] = _foot(R[f"shin_{side}"], sole)
     rotations = np.stack([R[name] for name in FRAMES], axis=-3)

@@ -65,7 +65,9 @@ class Patch:
 
     def mirrored(self) -> Patch:
         """Return the same on the other side of the body, following its frames."""
-        return Patch(self.vertices * MIRROR, self.faces[:, ::-1], OTHER_SIDE[self.frames], self.share)
+        return Patch(
+            self.vertices * MIRROR, self.faces[:, ::-1], OTHER_SIDE[self.frames], self.share
+        )
 
 
 def _other_side(name: str) -> int:
@@ -101,6 +103,7 @@ def polygonised(
     cell: float,
     stretch: float = 1.0,
     symmetric: bool = False,
+    hem: float | None = None,
 ) -> Surface:
     """Return the surface on which a field is zero.
 
@@ -111,17 +114,58 @@ def polygonised(
         cell: distance of the samples [m].
         stretch: how much farther apart they are in height.
         symmetric: whether both sides of the body are alike, and sampled alike.
+        hem: height of an edge, which lies in the middle between samples, so that it is even [m].
     """
     steps = cell * np.array([1.0, stretch, 1.0])
-    axes = [_samples(*ends, symmetric and k == 2) for k, ends in enumerate(zip(low, high, steps, strict=True))]
+    axes = [
+        _samples(*ends, symmetric and k == 2)
+        for k, ends in enumerate(zip(low, high, steps, strict=True))
+    ]
+    if hem is not None:
+        axes[1] = axes[1] + (hem - axes[1][0] + 0.5 * steps[1]) % steps[1]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     values = field(grid.reshape(-1, 3)).reshape(grid.shape[:3])
     if symmetric:
         middle = len(axes[2]) // 2
         values[:, :, :middle] = values[:, :, : middle - 1 : -1]
+    _fill_pinches(values)
     vertices, faces = surface_nets(values, np.zeros(3), 1.0)
     places = grid[0, 0, 0] + vertices * steps
     return Surface(_drawn_on(field, places, 0.25 * cell), faces)
+
+
+def _fill_pinches(values: Array) -> None:
+    """Fill samples in which two parts of a solid would meet in an edge alone.
+
+    Where the inside samples of a square lie across from one another, four faces would share an
+    edge.
+    """
+    for _ in range(8):
+        found = False
+        for first, second in ((0, 1), (0, 2), (1, 2)):
+            a, b, c, d = _squares(values, first, second)
+            inside = [v < 0.0 for v in (a, b, c, d)]
+            across = (inside[0] == inside[2]) & (inside[1] == inside[3]) & (inside[0] != inside[1])
+            if across.any():
+                found = True
+                for corner, other, is_in in ((a, c, inside[0]), (b, d, inside[1])):
+                    nearer = across & ~is_in & (corner <= other)
+                    corner[nearer] = -1e-9
+        if not found:
+            return
+
+
+def _squares(values: Array, first: int, second: int) -> tuple[Array, Array, Array, Array]:
+    """Return the four corners of all squares of a grid along two of its axes, as views."""
+    n = values.shape
+
+    def corner(i: int, j: int) -> Array:
+        take = [slice(None)] * 3
+        take[first] = slice(i, n[first] - 1 + i)
+        take[second] = slice(j, n[second] - 1 + j)
+        return values[tuple(take)]
+
+    return corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)
 
 
 def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:

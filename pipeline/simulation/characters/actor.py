@@ -77,7 +77,7 @@ class Stage:
 
     def height(self, x: float, z: float) -> float:
         """Return the height of the ground [m]."""
-        return float(self.ground.field.height(np.asarray(x), np.asarray(z)))
+        return float(self.ground.height(np.asarray(x), np.asarray(z)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,9 @@ from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 STUNS = 0.5
 """Energy of a blow after which muscles are quite slack, for each kilogram of the body [J/kg]."""
 
+LEAST = 0.25
+"""Of that, what a body takes without a change."""
+
 RECOVERS = 2.2
 """How quickly they are not any more [1/s]."""
 
@@ -21,5 +24,5 @@ def feel(person: Record, links: Records, owners: Records, dt: float) -> None:
         other = links[link].touched_owner
         if other >= 0 and other != person.owner:
             blow = links[link].energy / (STUNS * owner.mass)
-            if blow > 0.1:
+            if blow > LEAST:
                 person.dazed = max(person.dazed, min(blow, 1.0))

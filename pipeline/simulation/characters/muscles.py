@@ -26,8 +26,11 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 TRUNK, LIMBS = 30.0, 24.0
 """How quickly muscles bring nodes where they should be [rad/s]."""
 
-FASTEST = 14.0
-"""Of a foot that swings [m/s]."""
+FARTHEST = 0.08
+"""That a muscle pulls, however far it has to [m]: no stronger than at this distance."""
+
+CATCHES_UP = 1.5
+"""How fast a foot that was stopped on its way goes after where it should be [m/s]."""
 
 WEAKEST = 0.12
 """What a blow leaves of the muscles' quickness."""
@@ -52,7 +55,7 @@ def pull(person: Record, nodes: Records, dt: float) -> None:
             for c in range(3):
                 v = (node.p[c] - node.before[c]) / dt
                 along = (person.wanted[k, c] - person.before[k, c]) / dt
-                off = person.wanted[k, c] - node.p[c]
+                off = min(max(person.wanted[k, c] - node.p[c], -FARTHEST), FARTHEST)
                 node.acceleration[c] += quick * (quick * off + 2.0 * (along - v))
             node.acceleration[1] += GRAVITY
         for c in range(3):
@@ -70,6 +73,8 @@ def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
         return
     node.lock = FREE
     for c in range(3):
-        v = (person.ankles[k, c] - node.p[c]) / dt
-        node.before[c] = node.p[c] - min(max(v, -FASTEST), FASTEST) * dt
+        along = person.wanted[FOOT + k, c] - person.before[FOOT + k, c]
+        after = person.wanted[FOOT + k, c] - along - node.p[c]
+        after = min(max(after, -CATCHES_UP * dt), CATCHES_UP * dt)
+        node.before[c] = node.p[c] - along - after
     node.acceleration[1] += GRAVITY

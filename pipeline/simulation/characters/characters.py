@@ -89,6 +89,7 @@ class Characters:
         )
         grips = np.cumsum([0, *(plan.grips for plan in self.plans)])
         persons["owner"] = acting
+        owners["acts"][acting] = True
         persons["grip"] = [grips[i] for i in acting]
         return persons
 

@@ -37,17 +37,17 @@ Structures = NDArray[np.void]
 PERSON_NODES = {name: k for k, name in enumerate(JOINTS)}
 """Where each joint of a person stands behind its first node."""
 
-FREE, LOCKED, LANDING = 0, 1, 2
-"""What a node's lock is."""
+FREE, LOCKED, LANDING, RESTING = 0, 1, 2, 3
+"""What a node's lock is; RESTING is that of all nodes of a character that sleeps."""
 
 NOBODY, TERRAIN, SOLID = -1, -2, -3
 """What is touched that is no link: nothing, the ground, a solid of another room."""
 
 NODE = np.dtype(
     [
-        # Where it is, where it was one sub-step ago, where it is locked [m]; what control adds
-        # to gravity in this sub-step [m/s²].
-        *((name, "f8", 3) for name in ("p", "before", "place", "acceleration")),
+        # Where it is, where it was one sub-step ago, where it is locked, where it was when it was
+        # last looked whether it rests [m]; what control adds to gravity in this sub-step [m/s²].
+        *((name, "f8", 3) for name in ("p", "before", "place", "anchor", "acceleration")),
         # 0 stays where it is; and in this sub-step, also 0 if it is locked [1/kg].
         ("inverse_mass", "f8"),
         ("give", "f8"),
@@ -104,6 +104,12 @@ OWNER = np.dtype(
         # it hurts now: 1 for a touch of twice that, and less from then on.
         ("threshold", "f8"),
         ("pain", "f8"),
+        # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s];
+        # how fast its fastest node is [m/s].
+        ("acts", "?"),
+        ("asleep", "?"),
+        ("watched", "f8"),
+        ("speed", "f8"),
         # The box around it, with its girth [m].
         ("low", "f8", 3),
         ("high", "f8", 3),
@@ -252,7 +258,7 @@ def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
 def _nodes(plans: Sequence[Plan], places: Sequence[Array], links: Structures) -> Structures:
     counts = [len(plan.rest) for plan in plans]
     nodes = np.zeros(sum(counts), NODE).view(np.recarray)
-    for name in ("p", "before", "place"):
+    for name in ("p", "before", "place", "anchor"):
         nodes[name] = np.concatenate([np.zeros((0, 3)), *places])
     mass = np.concatenate([np.zeros(0), *(plan.mass for plan in plans)])
     nodes["inverse_mass"] = nodes["give"] = 1.0 / mass

@@ -77,11 +77,11 @@ def settle(nodes: Records, limb: Record) -> None:
     upper, lower = limb.upper, limb.lower
     if far >= upper + lower:
         # It is stretched: both links have their share of it.
-        set_triple(nodes[limb.joint].p, plus(root, times(upper / (upper + lower), along)))
+        _put(nodes[limb.joint], plus(root, times(upper / (upper + lower), along)))
         return
     a = (upper * upper - lower * lower + far * far) / (2.0 * far)
     out = math.sqrt(max(upper * upper - a * a, 0.0))
-    set_triple(nodes[limb.joint].p, plus(root, plus(times(a, d), times(out, wanted))))
+    _put(nodes[limb.joint], plus(root, plus(times(a, d), times(out, wanted))))
 
 
 @inlined
@@ -165,6 +165,11 @@ def _turned(c: Vector, m: Vector, d: Vector) -> Vector:
 
 
 @inlined
+def _put(node: Record, place: Vector) -> None:
+    _move(node, minus(place, triple(node.p)))
+
+
+@inlined
 def _push(nodes: Records, limb: Record, way: Vector) -> None:
     """Move tip and joint against the root so that they come so much nearer to one another."""
     root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
@@ -174,10 +179,9 @@ def _push(nodes: Records, limb: Record, way: Vector) -> None:
     if weight == 0.0:
         return
     share = 1.0 / weight
-    for k in range(3):
-        tip.p[k] += share * tip.give * way[k]
-        joint.p[k] += share * 0.5 * joint.give * way[k]
-        root.p[k] -= share * 1.5 * root.give * way[k]
+    _move(tip, times(share * tip.give, way))
+    _move(joint, times(0.5 * share * joint.give, way))
+    _move(root, times(-1.5 * share * root.give, way))
 
 
 @inlined
@@ -188,7 +192,18 @@ def _swing(nodes: Records, limb: Record, way: Vector) -> None:
     if weight == 0.0:
         return
     share = 1.0 / weight
-    for k in range(3):
-        joint.p[k] += share * joint.give * way[k]
-        root.p[k] -= share * 0.5 * root.give * way[k]
-        tip.p[k] -= share * 0.5 * tip.give * way[k]
+    _move(joint, times(share * joint.give, way))
+    _move(root, times(-0.5 * share * root.give, way))
+    _move(tip, times(-0.5 * share * tip.give, way))
+
+
+@inlined
+def _move(node: Record, way: Vector) -> None:
+    """Move a node so that this stops what it does against it, and gives it no speed."""
+    went = minus(triple(node.p), triple(node.before))
+    against, squared = -dot(went, way), dot(way, way)
+    if squared == 0.0:
+        return
+    stopped = min(max(against / squared, 0.0), 1.0)
+    set_triple(node.p, plus(triple(node.p), way))
+    set_triple(node.before, plus(triple(node.before), times(1.0 - stopped, way)))

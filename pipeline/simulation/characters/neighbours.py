@@ -103,11 +103,15 @@ def find_pairs(
     found = 0
     for n in range(len(own)):
         a, b = own[n, 0], own[n, 1]
+        if owners[links[a].owner].asleep:
+            continue
         if found < len(pairs) and _side_by_side(nodes, links[a], links[b]):
             pairs[found, 0], pairs[found, 1] = a, b
             found += 1
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
+        if one.asleep and other.asleep:
+            continue
         for a in range(one.links[0], one.links[0] + one.links[1]):
             if links[a].girth == 0.0 or not _in_box(nodes, links[a], other):
                 continue

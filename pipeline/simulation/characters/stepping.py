@@ -10,6 +10,7 @@ from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
 from pipeline.simulation.characters.projecting import finish, hold, project
+from pipeline.simulation.characters.resting import look_who_rests, wake_near
 from pipeline.simulation.characters.touching import are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
 from pipeline.simulation.dynamics.compiled import Records, compiled, entry
@@ -54,6 +55,7 @@ def advance(
         steer(crowd, persons, grid, h)
         _sub_step(crowd, grid, level, room, log, gravity, h, n / count)
     _feel(crowd.links, crowd.owners, dt)
+    look_who_rests(crowd.nodes, crowd.links, crowd.owners, crowd.grips, h, dt)
 
 
 @compiled
@@ -73,19 +75,23 @@ def _sub_step(
     grow_old(links, h)
     enclose(nodes, owners)
     near = room.near[: find_near(owners, room.order, room.near)]
+    wake_near(nodes, owners, near)
     pairs = room.pairs[: find_pairs(nodes, links, owners, own, near, room.pairs)]
     for _ in range(ROUNDS):
         for c in range(len(owners)):
-            project(nodes, links, middles, limbs, owners[c])
+            if not owners[c].asleep:
+                project(nodes, links, middles, limbs, owners[c])
         hold(nodes, grips)
         for n in range(len(pairs)):
             a, b = pairs[n, 0], pairs[n, 1]
             if are_near(nodes, links[a], links[b]):
                 meet(nodes, links, owners, (a, b), h, moment, log)
         for c in range(len(owners)):
-            stand(nodes, links, owners[c], grid, level, h, moment, log)
+            if not owners[c].asleep:
+                stand(nodes, links, owners[c], grid, level, h, moment, log)
     for c in range(len(owners)):
-        finish(nodes, links, middles, limbs, owners[c])
+        if not owners[c].asleep:
+            finish(nodes, links, middles, limbs, owners[c])
 
 
 @compiled

@@ -16,6 +16,7 @@ import math
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
 from pipeline.simulation.characters.layout import NOBODY
+from pipeline.simulation.characters.resting import WAKES, wake
 from pipeline.simulation.characters.segments import closest
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
@@ -83,14 +84,19 @@ def meet(
     away = minus(plus(p, times(s, u)), place)
     squared = dot(away, away)
     reach = a.girth + b.girth
-    w_a, w_b = _lightness(nodes, a), _lightness(nodes, b)
-    if squared >= reach * reach or w_a + w_b == 0.0:
+    if squared >= reach * reach:
         return
     one, other = owners[a.owner], owners[b.owner]
     apart = math.sqrt(squared)
     n = times(1.0 / apart, away) if apart > TINY else _aside(one, other, u, v)
     slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
     nearer = -dot(slip, n)
+    if nearer > WAKES * h:
+        wake(nodes, one)
+        wake(nodes, other)
+    w_a, w_b = _lightness(nodes, a), _lightness(nodes, b)
+    if w_a + w_b == 0.0:
+        return
     share = 1.0 / (w_a + w_b)
     if a.owner != b.owner:
         speed = max(nearer, 0.0) / h

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.layout import LOCKED
+from pipeline.simulation.characters.layout import LOCKED, RESTING
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 
 
@@ -36,9 +36,13 @@ def _move(node: Record, gravity: float, h: float) -> None:
             pull[k] = 0.0
         node.give = 0.0
         return
-    node.give = node.inverse_mass
-    if node.give == 0.0:
+    if node.lock == RESTING or node.inverse_mass == 0.0:
+        for k in range(3):
+            before[k] = p[k]
+            pull[k] = 0.0
+        node.give = 0.0
         return
+    node.give = node.inverse_mass
     keeps = math.exp(-(node.air + node.grounded) * h)
     for k in range(3):
         went = p[k] - before[k]

@@ -105,8 +105,8 @@ def meet(
         new = a.touched_owner != b.owner or a.age[0] > PAUSE
         if new and speed > ABOVE:
             note(log, moment, pair, place, n, (speed, energy))
-        _sense(a, pair[1], b.owner, energy)
-        _sense(b, pair[0], a.owner, energy)
+        sense(a, pair[1], b.owner, energy)
+        sense(b, pair[0], a.owner, energy)
     depth = reach - apart
     stopped = min(depth, max(nearer, 0.0))
     parted = min(depth - stopped, PARTING * h)
@@ -192,7 +192,7 @@ def _shift(nodes: Records, link: Record, move: Vector, part: Vector, back: Vecto
 
 
 @inlined
-def _sense(link: Record, other: int, whose: int, energy: float) -> None:
+def sense(link: Record, other: int, whose: int, energy: float) -> None:
     """Let a link know of a touch; the hardest one counts."""
     if link.age[0] > 0.0 or energy > link.energy:
         link.touched, link.touched_owner = other, whose

@@ -48,32 +48,36 @@ class Appearance:
     Attributes:
         inventory: for the take.
         people: (P,) first frames of people and dolls.
+        acting: (A,) which of these hold themselves.
         joints: (P, 16) their nodes.
         things: the others.
     """
 
     inventory: Inventory
     people: Numbers
+    acting: Numbers
     joints: Numbers
     things: tuple[Thing, ...]
 
-    def pose(
-        self, p: Array, spins: Array, gaze: Array | None, soles: Array | None
-    ) -> tuple[Array, Array]:
+    def pose(self, p: Array, spins: Array, gaze: Array, soles: Array) -> tuple[Array, Array]:
         """Return rotations (K, J, 3, 3) and places (K, J, 3) of all frames.
 
         Args:
             p: (K, N, 3) nodes [m].
             spins: (K, T, 3, 3) rotations of things; those of balls count.
-            gaze: (K, P, 3) where people look, a direction; as their chests if left out.
-            soles: (K, P, 2, 3) what is up for their feet.
+            gaze: (K, A, 3) where those look who hold themselves, a direction.
+            soles: (K, A, 2, 3) what is up for their feet.
         """
         count = len(self.inventory.nodes)
         R = np.empty((len(p), count, 3, 3))
         places = np.empty((len(p), count, 3))
         if len(self.people):
             which = self.people[:, None] + np.arange(len(FRAMES))
-            R[:, which], places[:, which] = frames_of(p[:, self.joints], gaze, soles)
+            limp = np.setdiff1d(np.arange(len(which)), self.acting)
+            for some, how in ((limp, (None, None)), (self.acting, (gaze, soles))):
+                if len(some):
+                    posed = frames_of(p[:, self.joints[some]], *how)
+                    R[:, which[some]], places[:, which[some]] = posed
         for k, thing in enumerate(self.things):
             own = p[:, slice(*thing.nodes)]
             turned = spins[:, k]
@@ -93,10 +97,12 @@ def appearance(
     """Return what is seen of characters."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     people, joints, things = list[int](), list[Array](), list[Thing]()
+    acting = list[int]()
     first = 0
     for member, plan in zip(cast, plans, strict=True):
         frame = len(nodes)
         if proportions_of(member) is not None:
+            acting += [len(people)] if member.acts else []
             people.append(frame)
             joints.append(first + np.arange(len(JOINTS)))
             seen = _person(member, frame, len(meshes), seed, rows)
@@ -110,6 +116,7 @@ def appearance(
     return Appearance(
         Inventory(tuple(nodes), (), tuple(meshes), tuple(parts)),
         np.array(people, dtype=np.int64),
+        np.array(acting, dtype=np.int64),
         np.array(joints, dtype=np.int64).reshape(-1, len(JOINTS)),
         tuple(things),
     )

@@ -52,20 +52,18 @@ SWING = math.radians(23.0)
 @compiled
 def stoop(person: Record, dt: float) -> None:
     """Bow, and then crouch, as far as hands have to go down."""
-    low = 0.0
+    low = person.down
     arm = person.upper_arm + person.forearm
     height = person.hip_height + person.belly + person.chest
     for k in range(2):
         if person.arm[k] == PLACED and person.seated == 0.0:
             shoulder = person.floor + height
-            low = max(low, shoulder - 0.92 * arm - person.arm_at[k, 1])
-    # Two thirds of the way down to a bow of 0.9, which is at 42 degrees, are the legs'.
-    bow = min(low / (0.45 * height), 1.0) * 0.95
-    crouch = min(max(low - 0.12 * height, 0.0) / person.hip_height, 0.62)
+            low = max(low, shoulder - 0.82 * arm - person.arm_at[k, 1])
+    bow = min(low / (0.3 * height), 1.0)
     person.bow, person.bow_rate = sprung(person.bow, person.bow_rate, bow, 4.0, dt)
-    person.crouch, person.crouch_rate = sprung(
-        person.crouch, person.crouch_rate, crouch, 4.0, dt
-    )
+    lowered = (person.belly + person.chest) * (1.0 - 1.0 / math.sqrt(1.0 + person.bow**2))
+    crouch = min(max(low - lowered, 0.0) / person.hip_height, 0.62)
+    person.crouch, person.crouch_rate = sprung(person.crouch, person.crouch_rate, crouch, 4.0, dt)
 
 
 @compiled
@@ -107,7 +105,9 @@ def _swung(person: Record, k: int) -> Vector:
     angle = SWING * (some * swing * (0.9 + 0.5 * run) + 0.05)
     bend = math.radians(12.0) + some * math.radians(9.0) * (1.0 + 0.8 * swing)
     bend += run * math.radians(62.0)
-    angle -= 0.3 * run
+    # It hangs down, however the trunk leans.
+    c, s = math.cos(person.heading), math.sin(person.heading)
+    angle += 0.9 * math.atan(person.lean[0] * c - person.lean[1] * s) - 0.3 * run
     out = 0.11 - 0.05 * run
     side = 1.0 if k == 1 else -1.0
     upper, fore = person.upper_arm, person.forearm

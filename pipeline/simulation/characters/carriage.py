@@ -12,10 +12,9 @@ import math
 
 from pipeline.simulation.characters.ballistic import sprung
 from pipeline.simulation.characters.gait import GAIN, leg_of, speed_of, wrapped
-from pipeline.simulation.characters.layout import Crowd
-from pipeline.simulation.characters.record import PELVIS, SITTING
+from pipeline.simulation.characters.record import FOOT, PELVIS, SITTING
 from pipeline.simulation.characters.strides import eased, relative
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.grid import Grid, surface
 
@@ -24,6 +23,12 @@ MOST = 0.22
 
 GIVES = 7.0
 """How quickly the carriage comes along with a pelvis that is pushed off [1/s]."""
+
+LOOSE, SHOVED = 0.012, 0.1
+"""How far a pelvis is off that nobody minds, and that makes somebody go along, in legs."""
+
+STAGGER = 0.5
+"""How fast legs come after who is shoved, as a part of √(g l); who is thrown is thrown."""
 
 RESTS = 1.6
 """How quickly one who stands shifts over the middle of the feet [1/s]."""
@@ -42,13 +47,13 @@ TURN = 2.6
 
 
 @compiled
-def lead(person: Record, crowd: Crowd, ground: Grid, dt: float) -> None:
+def lead(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
     """Go on with the carriage by one sub-step."""
     wx, wz = _walk_vector(person)
     ease = _ease(person, wx, wz, ground)
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
-    _go(person, crowd, wx, wz, dt)
+    _go(person, nodes, wx, wz, dt)
     relative_speed = relative(speed_of(person), leg_of(person))
     walking = eased(relative_speed / 0.3) if person.stepping else 0.0
     person.walking, person.walking_rate = sprung(
@@ -120,7 +125,7 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
 
 
 @compiled
-def _go(person: Record, crowd: Crowd, wx: float, wz: float, dt: float) -> None:
+def _go(person: Record, nodes: Records, wx: float, wz: float, dt: float) -> None:
     """Move the carriage with its velocity, and along with the body."""
     leg, most = leg_of(person), MOST * GRAVITY
     gain_x, gain_z = GAIN * (wx - person.going[0]), GAIN * (wz - person.going[1])
@@ -128,17 +133,26 @@ def _go(person: Record, crowd: Crowd, wx: float, wz: float, dt: float) -> None:
     if size > most:
         gain_x, gain_z = gain_x * most / size, gain_z * most / size
     person.gaining[0], person.gaining[1] = gain_x, gain_z
-    pelvis = person.node + PELVIS
+    node = nodes[person.node + PELVIS]
+    sits = person.posture == SITTING or person.seated > 0.03
     for c in range(2):
         axis = 2 * c
-        off = crowd.nodes[pelvis].p[axis] - person.wanted[PELVIS, axis]
-        loose = 0.012 * leg
-        off -= min(max(off, -loose), loose)
-        if person.posture == SITTING or person.frozen:
-            off = 0.0
+        off = node.p[axis] - person.wanted[PELVIS, axis]
+        loose = LOOSE * leg
+        beyond = 0.0 if sits else off - min(max(off, -loose), loose)
+        # Who is shoved goes with the shove: as fast as the body, not faster.
+        shoved = min(abs(beyond) / (SHOVED * leg), 1.0)
+        v = (node.p[axis] - node.before[axis]) / dt
         gain = gain_x if c == 0 else gain_z
-        person.going[c] += (gain + GIVES * GIVES * off) * dt
-        person.at[c] += (person.going[c] + GIVES * off) * dt
+        person.going[c] += (gain + GIVES * shoved * (v - person.going[c])) * dt
+        shift = GIVES * beyond * dt
+        person.at[c] += person.going[c] * dt + shift
+        # Where it should be moves over to where it is; that is no motion of its own.
+        for k in range(FOOT):
+            person.before[k, axis] += shift
+    most = max(1.1 * person.pace, STAGGER * math.sqrt(GRAVITY * leg))
+    share = min(most / max(speed_of(person), 1e-9), 1.0)
+    person.going[0], person.going[1] = share * person.going[0], share * person.going[1]
     if not person.stepping and person.posture != SITTING and person.seated < 0.03:
         for c in range(2):
             middle = 0.5 * (person.stood[0, 2 * c] + person.stood[1, 2 * c])

@@ -10,8 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipeline.simulation.characters.actor import Stage
 from pipeline.simulation.characters.appearance import appearance
+from pipeline.simulation.characters.bearing import gaze_of, soles_of
+from pipeline.simulation.characters.direction import Direction
 from pipeline.simulation.characters.events import new_log
+from pipeline.simulation.characters.footfalls import footfalls
 from pipeline.simulation.characters.layout import crowd_of
 from pipeline.simulation.characters.making import before_of, plan_of, proportions_of, start_of
 from pipeline.simulation.characters.neighbours import room_for
@@ -24,14 +28,18 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.grid import grid_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Character
 
 SUB_STEPS = 240.0
 """Of a second, at least."""
 
-Kept = tuple[Array, Array]
-"""Nodes and the rotations of balls in a row."""
+SHOES = "leather"
+"""What people step with."""
+
+Kept = tuple[Array, Array, Array, Array]
+"""Of a row: nodes, rotations of balls, where people look, and what is up for their soles."""
 
 
 class Characters:
@@ -59,6 +67,10 @@ class Characters:
         self._look = appearance(cast, self.plans, world.seed, world.clock.rows)
         self.inventory = self._look.inventory
         self._firsts = np.array([thing.nodes[0] for thing in self._look.things], dtype=np.int64)
+        bodies = [proportions_of(member) is not None for member in cast]
+        people = frozenset(i for i, one in enumerate(bodies) if one)
+        stage = Stage([member.name for member in cast], self.crowd, world.ground, people)
+        self.direction = Direction(stage, self.persons, dt)
         self.rolling = Rolling(self.crowd.nodes["radius"][self._firsts])
         self._facts = Facts()
         self._kept: list[Kept] = []
@@ -85,18 +97,29 @@ class Characters:
 
     def read(self, orders: Orders) -> None:
         """Take in what the script asks of its members from this step on."""
+        self.direction.read(orders)
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         dt = self.world.clock.dt
+        self.direction.before()
         before = self.crowd.p[self._firsts]
         advance(
             *(self.crowd, self.persons, self.grid, self.level, self.room, self.log),
             *(GRAVITY, dt, self.count),
         )
         self._roll(before)
-        contacts = self.telling.contacts(self.log, step)
-        self._facts = Facts(contacts, touched=self.telling.touched(self.log))
+        contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
+        arrived, touched = self.direction.arrived(), self.telling.touched(self.log)
+        self._facts = Facts(contacts, arrived=arrived, touched=touched)
+
+    def _footfalls(self, step: int) -> tuple[Contact, ...]:
+        """Return what feet came down in a step."""
+        owners = [int(owner) for owner in self.persons["owner"]]
+        names = [self.cast[owner].name for owner in owners]
+        masses = [float(self.crowd.owners["mass"][owner]) for owner in owners]
+        world = self.world
+        return tuple(footfalls(self.persons, names, masses, SHOES, world.ground, world.clock, step))
 
     def _roll(self, before: Array) -> None:
         p, radius = self.crowd.p[self._firsts], self.rolling.radius
@@ -105,12 +128,13 @@ class Characters:
 
     def keep(self) -> None:
         """Keep the present state as the next row."""
-        self._kept.append((self.crowd.p.copy(), self.rolling.R))
+        gaze, soles = gaze_of(self.persons), soles_of(self.persons, self.world.ground)
+        self._kept.append((self.crowd.p.copy(), self.rolling.R, gaze, soles))
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept."""
-        p, spins = (np.array(values) for values in zip(*self._kept, strict=True))
-        rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, None, None)
+        p, spins, gaze, soles = (np.array(values) for values in zip(*self._kept, strict=True))
+        rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, gaze, soles)
         rows.alive[:] = True
         self._kept.clear()
 

@@ -23,19 +23,21 @@ from pipeline.simulation.dynamics.grid import Grid
 @compiled
 def steer(crowd: Crowd, persons: Records, ground: Grid, h: float) -> None:
     """Let everybody act for a sub-step of `h` [s], see `layout`."""
+    nodes, links, _, _, _, _, owners = crowd
     if len(persons) > 0 and persons[0].since == 0.0:
         avoid(persons)
     for i in range(len(persons)):
         person = persons[i]
-        feel(person, crowd, h)
+        feel(person, links, owners, h)
         if not person.frozen:
-            lead(person, crowd, ground, h)
+            lead(person, nodes, ground, h)
             tread(person, ground.frame, ground.vertices, h)
             sit(person, h)
             look(person, h)
             stoop(person, h)
-            hold_trunk(person, crowd, h)
+            hold_trunk(person, nodes, h)
             hold_legs(person)
             hold_arms(person, h)
-        stretch(person, crowd)
-        pull(person, crowd, h)
+        person.since += h
+        stretch(person, links, owners)
+        pull(person, nodes, h)

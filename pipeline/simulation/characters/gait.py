@@ -101,7 +101,6 @@ def tread(person: Record, frame: Record, vertices: Array, dt: float) -> None:
     if person.stepping:
         before = person.phase
         person.phase = (before + rate * dt) % 1.0
-    person.since += dt
     for k in range(2):
         if person.doing[k] == SWING:
             _swing(person, k, rate, stance, frame, vertices)
@@ -121,7 +120,7 @@ def pace_of(person: Record) -> tuple[float, float]:
     leg = leg_of(person)
     speed = speed_of(person)
     # Who turns or is pushed steps as briskly as one who walks slowly.
-    return max(stride_rate(speed, leg), 0.22 * math.sqrt(GRAVITY / leg)), duty(speed, leg)
+    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), duty(speed, leg)
 
 
 @compiled
@@ -224,7 +223,7 @@ def _swing(
         person.doing[k] = STANCE
         person.landed[k] += 1
         person.landed_at[k] = person.since
-        person.landing[k] = 4.0 * person.arch[k] * rate / (1.0 - stance) * 0.25
+        person.landing[k] = 3.0 * person.arch[k] * rate / (1.0 - stance)
         person.stood[k] = person.land[k]
         person.yaw[k] = person.yaw_land[k]
         return

@@ -11,7 +11,7 @@ themselves, so that they hold at any rate of sub-steps.
 
 from __future__ import annotations
 
-from pipeline.simulation.characters.layout import FREE, LOCKED, Crowd
+from pipeline.simulation.characters.layout import FREE, LOCKED
 from pipeline.simulation.characters.record import (
     COUNT,
     ELBOW,
@@ -20,14 +20,17 @@ from pipeline.simulation.characters.record import (
     HEAD,
     STANCE,
 )
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 
 TRUNK, LIMBS = 30.0, 24.0
 """How quickly muscles bring nodes where they should be [rad/s]."""
 
-FASTEST = 14.0
-"""Of a foot that swings [m/s]."""
+FARTHEST = 0.08
+"""That a muscle pulls, however far it has to [m]: no stronger than at this distance."""
+
+CATCHES_UP = 1.5
+"""How fast a foot that was stopped on its way goes after where it should be [m/s]."""
 
 WEAKEST = 0.12
 """What a blow leaves of the muscles' quickness."""
@@ -41,35 +44,37 @@ def firm(k: int) -> float:
 
 
 @compiled
-def pull(person: Record, crowd: Crowd, dt: float) -> None:
+def pull(person: Record, nodes: Records, dt: float) -> None:
     """Act on all nodes of a person for a sub-step."""
     for k in range(COUNT):
-        node = person.node + k
+        node = nodes[person.node + k]
         if k >= FOOT:
-            _step(person, crowd, k - FOOT, dt)
+            _step(person, nodes, k - FOOT, dt)
         else:
             quick = firm(k) * (1.0 - (1.0 - WEAKEST) * person.dazed)
             for c in range(3):
-                v = (crowd.nodes[node].p[c] - crowd.nodes[node].before[c]) / dt
+                v = (node.p[c] - node.before[c]) / dt
                 along = (person.wanted[k, c] - person.before[k, c]) / dt
-                off = person.wanted[k, c] - crowd.nodes[node].p[c]
-                crowd.nodes[node].acceleration[c] += quick * (quick * off + 2.0 * (along - v))
-            crowd.nodes[node].acceleration[1] += GRAVITY
+                off = min(max(person.wanted[k, c] - node.p[c], -FARTHEST), FARTHEST)
+                node.acceleration[c] += quick * (quick * off + 2.0 * (along - v))
+            node.acceleration[1] += GRAVITY
         for c in range(3):
             person.before[k, c] = person.wanted[k, c]
 
 
 @compiled
-def _step(person: Record, crowd: Crowd, k: int, dt: float) -> None:
+def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
     """Lock a foot that stands, and send one that swings along its line."""
-    node = person.node + FOOT + k
+    node = nodes[person.node + FOOT + k]
     if person.doing[k] == STANCE:
-        crowd.nodes[node].lock = LOCKED
+        node.lock = LOCKED
         for c in range(3):
-            crowd.nodes[node].place[c] = person.ankles[k, c]
+            node.place[c] = person.ankles[k, c]
         return
-    crowd.nodes[node].lock = FREE
+    node.lock = FREE
     for c in range(3):
-        v = (person.ankles[k, c] - crowd.nodes[node].p[c]) / dt
-        crowd.nodes[node].before[c] = crowd.nodes[node].p[c] - min(max(v, -FASTEST), FASTEST) * dt
-    crowd.nodes[node].acceleration[1] += GRAVITY
+        along = person.wanted[FOOT + k, c] - person.before[FOOT + k, c]
+        after = person.wanted[FOOT + k, c] - along - node.p[c]
+        after = min(max(after, -CATCHES_UP * dt), CATCHES_UP * dt)
+        node.before[c] = node.p[c] - along - after
+    node.acceleration[1] += GRAVITY

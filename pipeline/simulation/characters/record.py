@@ -120,6 +120,8 @@ PERSON = np.dtype(
         ("look_at", "f8", 3),
         ("arm", "i8", 2),
         ("arm_at", "f8", (2, 3)),
+        # How far its shoulders are to come down [m].
+        ("down", "f8"),
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),

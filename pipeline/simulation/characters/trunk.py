@@ -19,7 +19,6 @@ import math
 
 from pipeline.simulation.characters.ballistic import sprung
 from pipeline.simulation.characters.gait import leg_of, pace_of, speed_of, wrapped
-from pipeline.simulation.characters.layout import Crowd
 from pipeline.simulation.characters.record import (
     COUNT,
     HEAD,
@@ -31,7 +30,7 @@ from pipeline.simulation.characters.record import (
     STANCE,
 )
 from pipeline.simulation.characters.strides import eased, relative, running
-from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.vectors import Vector, length, minus, put, row
 from pipeline.simulation.people.proportions import SEGMENTS
@@ -107,7 +106,7 @@ def turn_of(person: Record, about: float) -> float:
 
 
 @compiled
-def hold_trunk(person: Record, crowd: Crowd, dt: float) -> None:
+def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
     """Say where the nodes of the trunk should be."""
     _follow_ground(person, dt)
     _, stance = pace_of(person)
@@ -130,7 +129,7 @@ def hold_trunk(person: Record, crowd: Crowd, dt: float) -> None:
     for k in range(2):
         side = person.hips if k == 1 else -person.hips
         put(person.wanted, HIP + k, from_frame(pelvis, frame, 0.0, 0.0, side))
-    _lean(person, crowd, dt)
+    _lean(person, nodes, dt)
     _hold_chest(person, pelvis, rotation, dt)
 
 
@@ -191,7 +190,7 @@ def seat_back(person: Record) -> float:
 
 
 @compiled
-def _lean(person: Record, crowd: Crowd, dt: float) -> None:
+def _lean(person: Record, nodes: Records, dt: float) -> None:
     """Lean so that the centre of mass is over the feet; into a run; and into what gains speed."""
     leg, speed = leg_of(person), speed_of(person)
     run = running(speed, leg)
@@ -210,7 +209,7 @@ def _lean(person: Record, crowd: Crowd, dt: float) -> None:
         c, s = math.cos(person.heading), math.sin(person.heading)
         along_x, along_z = along_x + person.bow * c, along_z - person.bow * s
     elif not person.stepping:
-        x, z = _off_balance(person, crowd)
+        x, z = _off_balance(person, nodes)
         along_x -= 1.2 * x / leg
         along_z -= 1.2 * z / leg
     size = max(math.hypot(along_x, along_z) / MOST_LEAN, 1.0)
@@ -221,12 +220,13 @@ def _lean(person: Record, crowd: Crowd, dt: float) -> None:
 
 
 @compiled
-def _off_balance(person: Record, crowd: Crowd) -> tuple[float, float]:
+def _off_balance(person: Record, nodes: Records) -> tuple[float, float]:
     """Return how far the centre of mass is from over the middle of the feet [m]."""
     x = z = weight = 0.0
     for i in range(person.node, person.node + COUNT):
-        mass = 1.0 / max(crowd.nodes[i].inverse_mass, 1e-9)
-        x, z, weight = x + mass * crowd.nodes[i].p[0], z + mass * crowd.nodes[i].p[2], weight + mass
+        node = nodes[i]
+        mass = 1.0 / max(node.inverse_mass, 1e-9)
+        x, z, weight = x + mass * node.p[0], z + mass * node.p[2], weight + mass
     return (
         x / weight - 0.5 * (person.stood[0, 0] + person.stood[1, 0]),
         z / weight - 0.5 * (person.stood[0, 2] + person.stood[1, 2]),
@@ -259,11 +259,11 @@ def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> N
 
 
 @compiled
-def stretch(person: Record, crowd: Crowd) -> None:
+def stretch(person: Record, links: Records, owners: Records) -> None:
     """Let the link between spine and shoulders be as long as breath has it."""
-    link = crowd.owners[person.owner].links[0] + CHEST
+    link = owners[person.owner].links[0] + CHEST
     long = length(minus(row(person.wanted, SHOULDERS), row(person.wanted, SPINE)))
-    crowd.links[link].reach[0] = crowd.links[link].reach[1] = long
+    links[link].reach[0] = links[link].reach[1] = long
 
 
 @compiled

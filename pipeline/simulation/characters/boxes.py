@@ -54,7 +54,8 @@ def meet_box(
         link = links[n]
         if link.girth == 0.0 or not _may_touch(nodes, link, other):
             continue
-        parts = min(int(link.reach[0] / APART) + 1, MOST)
+        # Of another box its corners: edges meet edges as links do.
+        parts = 1 if one.edge > 0.0 else min(int(link.reach[0] / APART) + 1, MOST)
         if link.ends[0] == link.ends[1]:
             _meet(nodes, links, one, other, box, (n, 0.0), h, moment, log)
             continue

@@ -104,11 +104,14 @@ OWNER = np.dtype(
         # it hurts now: 1 for a touch of twice that, and less from then on.
         ("threshold", "f8"),
         ("pain", "f8"),
-        # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s];
-        # how fast its fastest node is [m/s].
+        # Radius of the edges of a box, whose nodes are its eight corners; 0 of what is none [m].
+        ("edge", "f8"),
+        # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s],
+        # and how often it did not go far; how fast its fastest node is [m/s].
         ("acts", "?"),
         ("asleep", "?"),
         ("watched", "f8"),
+        ("drowsy", "i8"),
         ("speed", "f8"),
         # The box around it, with its girth [m].
         ("low", "f8", 3),
@@ -221,6 +224,7 @@ class Plan(NamedTuple):
         bounciness: speed after / before an impact.
         threshold: energy of a touch that hurts [J].
         grips: how many things it can hold.
+        edge: radius of the edges of a box, whose nodes are its eight corners [m].
     """
 
     rest: Array
@@ -236,6 +240,7 @@ class Plan(NamedTuple):
     bounciness: float = 0.0
     threshold: float = np.inf
     grips: int = 0
+    edge: float = 0.0
 
 
 def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
@@ -304,7 +309,7 @@ def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Str
         spans[name] = _firsts(counts), counts
     for name, (first, counts) in spans.items():
         owners[name] = np.stack([first, counts], axis=1)
-    for name in ("friction", "bounciness", "ground", "threshold"):
+    for name in ("friction", "bounciness", "ground", "threshold", "edge"):
         owners[name] = [getattr(plan, name) for plan in plans]
     owners["mass"] = [plan.mass[np.isfinite(plan.mass)].sum() for plan in plans]
     return owners

@@ -32,6 +32,9 @@ from pipeline.simulation.dynamics.vectors import (
 TINY = 1e-9
 """A length that is none [m]."""
 
+SHORT = 0.996
+"""Part of its length that a link may be pressed to."""
+
 BACK = 0.05
 """Cosine below which a turn has no shortest way."""
 
@@ -81,6 +84,9 @@ def settle(nodes: Records, limb: Record) -> None:
         return
     a = (upper * upper - lower * lower + far * far) / (2.0 * far)
     out = math.sqrt(max(upper * upper - a * a, 0.0))
+    # What presses on a joint may press it nearer to straight, and so root and tip apart.
+    least = math.sqrt(max((SHORT * upper) ** 2 - a * a, 0.0))
+    out = min(max(dot(minus(triple(nodes[limb.joint].p), root), wanted), least), out)
     _put(nodes[limb.joint], plus(root, plus(times(a, d), times(out, wanted))))
 
 

@@ -87,7 +87,7 @@ def find_near(owners: Records, order: Numbers, near: Numbers) -> int:
 def find_pairs(
     nodes: Records, links: Records, owners: Records, own: Numbers, near: Numbers, pairs: Numbers
 ) -> int:
-    """Find links that may touch, those of one character first.
+    """Find links that may touch, those of one character first; what is no box meets boxes as wholes.
 
     Args:
         nodes: of all characters.
@@ -110,7 +110,7 @@ def find_pairs(
             found += 1
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
-        if one.asleep and other.asleep:
+        if (one.asleep and other.asleep) or (one.edge > 0.0) != (other.edge > 0.0):
             continue
         for a in range(one.links[0], one.links[0] + one.links[1]):
             if links[a].girth == 0.0 or not _in_box(nodes, links[a], other):

@@ -43,10 +43,6 @@ JOINT_DAMPING = 3.0
 FOLDED = math.radians(150.0)
 """How far elbows and knees bend."""
 
-STRAIGHT = 0.9995
-"""What a limb is long at most, in the sum of its links: a straight one would not know where
-its joint goes."""
-
 LEG = (0.5, -0.85, 0.12), 88.0, (0.85, 0.5, 0.1), 35.0
 ARM = (0.6, -0.25, 0.75), 115.0, (-0.6, -0.7, 0.45), 100.0
 """Middle of the cone, half its angle, where the joint points, how far aside [degrees]; on the
@@ -193,7 +189,7 @@ def _folded(a: str, b: str, c: str, rest: Array) -> Link:
     """Keep a limb from folding too far, and from becoming quite straight."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(FOLDED))
-    return Link(_ends(a, c), least=least, most=STRAIGHT * (x + y), damping=0.0)
+    return Link(_ends(a, c), least=least, most=x + y)
 
 
 def _limbs(rest: Array) -> Structures:

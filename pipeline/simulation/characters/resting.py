@@ -16,8 +16,9 @@ from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inl
 WATCH = 0.25
 """Time after which it is looked whether somebody has moved [s]."""
 
-MOVED = 0.007
-"""How far what rests may have moved in that time [m]."""
+MOVED, MORE, MOST = 0.006, 0.002, 0.03
+"""How far what rests may have moved in that time; how much more for each time that it did not
+go far, and how far that is [m]."""
 
 TOUCHES = 0.1
 """How long ago it has to have touched something [s]."""
@@ -58,7 +59,7 @@ def wake_near(nodes: Records, owners: Records, near: Numbers) -> None:
 @compiled
 def wake(nodes: Records, owner: Record) -> None:
     """Wake somebody."""
-    owner.watched = 0.0
+    owner.watched, owner.drowsy = 0.0, 0
     if not owner.asleep:
         return
     owner.asleep = False
@@ -97,7 +98,9 @@ def _watch(nodes: Records, links: Records, owner: Record) -> None:
         farthest = max(farthest, squared)
     for n in range(owner.links[0], owner.links[0] + owner.links[1]):
         held = held or min(links[n].age[0], links[n].age[1]) < TOUCHES
-    if not held or farthest > MOVED * MOVED:
+    far = math.sqrt(farthest)
+    owner.drowsy = owner.drowsy + 1 if far < MOST else 0
+    if not held or far > min(MOVED + MORE * owner.drowsy, MOST):
         return
     owner.asleep, owner.speed = True, 0.0
     for i in range(first, end):

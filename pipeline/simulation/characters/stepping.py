@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+from pipeline.simulation.characters.boxes import meet_box, part
 from pipeline.simulation.characters.control import steer
 from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
-from pipeline.simulation.characters.layout import Crowd
+from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
 from pipeline.simulation.characters.projecting import finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
@@ -86,12 +87,35 @@ def _sub_step(
             a, b = pairs[n, 0], pairs[n, 1]
             if are_near(nodes, links[a], links[b]):
                 meet(nodes, links, owners, (a, b), h, moment, log)
+        _meet_boxes(nodes, links, owners, near, h, moment, log)
         for c in range(len(owners)):
             if not owners[c].asleep:
                 stand(nodes, links, owners[c], grid, level, h, moment, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish(nodes, links, middles, limbs, owners[c])
+
+
+@compiled
+def _meet_boxes(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    near: Numbers,
+    h: float,
+    moment: float,
+    log: Log,
+) -> None:
+    for n in range(len(near)):
+        one, other = owners[near[n, 0]], owners[near[n, 1]]
+        if one.asleep and other.asleep:
+            continue
+        if one.edge > 0.0 and other.edge > 0.0:
+            part(nodes, one, other, h)
+        if other.edge > 0.0:
+            meet_box(nodes, links, one, other, h, moment, log)
+        if one.edge > 0.0:
+            meet_box(nodes, links, other, one, h, moment, log)
 
 
 @compiled

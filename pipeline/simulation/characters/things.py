@@ -58,6 +58,7 @@ def box(size: tuple[float, float, float], mass: float) -> Plan:
         links=links,
         ground=10.0,
         friction=0.6,
+        edge=girth,
     )
 
 

@@ -89,6 +89,11 @@ def meet(
     one, other = owners[a.owner], owners[b.owner]
     apart = math.sqrt(squared)
     n = times(1.0 / apart, away) if apart > TINY else _aside(one, other, u, v)
+    if one.edge > 0.0 and other.edge > 0.0 and _points_in(one, other, n):
+        # Edges that have gone through one another are moved back through.
+        apart, n = -apart, times(-1.0, n)
+        if -apart > 0.5 * reach:
+            return
     slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
     nearer = -dot(slip, n)
     if nearer > WAKES * h:
@@ -105,8 +110,8 @@ def meet(
         new = a.touched_owner != b.owner or a.age[0] > PAUSE
         if new and speed > ABOVE:
             note(log, moment, pair, place, n, (speed, energy))
-        _sense(a, pair[1], b.owner, energy)
-        _sense(b, pair[0], a.owner, energy)
+        sense(a, pair[1], b.owner, energy)
+        sense(b, pair[0], a.owner, energy)
     depth = reach - apart
     stopped = min(depth, max(nearer, 0.0))
     parted = min(depth - stopped, PARTING * h)
@@ -165,10 +170,16 @@ def _aside(one: Record, other: Record, u: Vector, v: Vector) -> Vector:
     if size < TINY:
         return (0.0, 1.0, 0.0)
     n = times(1.0 / size, n)
+    return times(-1.0, n) if _points_in(one, other, n) else n
+
+
+@inlined
+def _points_in(one: Record, other: Record, n: Vector) -> bool:
+    """Tell whether a direction points from the middle of one to that of the other."""
     towards = 0.0
     for k in range(3):
         towards += n[k] * (one.low[k] + one.high[k] - other.low[k] - other.high[k])
-    return n if towards >= 0.0 else times(-1.0, n)
+    return towards < 0.0
 
 
 @inlined
@@ -192,7 +203,7 @@ def _shift(nodes: Records, link: Record, move: Vector, part: Vector, back: Vecto
 
 
 @inlined
-def _sense(link: Record, other: int, whose: int, energy: float) -> None:
+def sense(link: Record, other: int, whose: int, energy: float) -> None:
     """Let a link know of a touch; the hardest one counts."""
     if link.age[0] > 0.0 or energy > link.energy:
         link.touched, link.touched_owner = other, whose

@@ -10,6 +10,7 @@ import importlib
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from render.errors import DenoiseError
 from render.exposure import Exposure, Image
@@ -18,10 +19,11 @@ from render.words.film import Denoise
 THREADS = 2
 """Threads of the denoiser; part of the key of a frame."""
 
-_QUALITY = {"fast": "Fast", "high": "High"}
+MEMORY = 256
+"""What the denoiser may take beside its pictures [MiB]: it goes over large ones tile by tile. Like
+the threads a constant, for tiles that are laid otherwise round otherwise."""
 
-FLOOR = np.float32(0.05)
-"""Added to colours that light is divided by: what is black or bare metal has a gleam yet."""
+_QUALITY = {"fast": "Fast", "high": "High"}
 
 WITHOUT = "write `film: {denoise: off}` to do without"
 
@@ -46,7 +48,10 @@ class Denoiser:
             self._device: Any = self._oidn.Device(self._oidn.DeviceType.CPU)
             self._device.num_threads = THREADS
             self._device.commit()
-            self.key = f"oidn {self._oidn.oidn_version()} threads {THREADS}"
+            self._filter = self._device.new_filter("RT")
+            self._filter.hdr = True
+            self._filter.max_memory_mb = MEMORY
+            self.key = f"oidn {self._oidn.oidn_version()} threads {THREADS} memory {MEMORY}"
         except (self._oidn.Error, RuntimeError) as error:
             self._fail("does not start", error, f"install mitsuba-oidn anew, or {WITHOUT}")
 
@@ -61,26 +66,31 @@ class Denoiser:
         Light that came straight from a lamp is clean and keeps its sharp edges. The other is
         divided by the colour of the surface, which leaves the soft light that fell on it;
         that is cleaned, and coloured again by clean colours: no grain of the ground is taken
-        for noise, and none of it is lost.
+        for noise, and none of it is lost. Where its few samples met the sky alone, the light
+        is that of the surfaces beside.
 
         Raises:
             DenoiseError: the denoiser is missing or failed.
         """
         if mode == "off":
             return exposure.light
-        fallen = exposure.indirect / (exposure.dye + FLOOR)
-        soft = exposure.enlarged(self._cleaned(fallen, mode))
-        return exposure.direct + (exposure.color + FLOOR) * soft
+        known = exposure.dye.max(axis=-1, keepdims=True) > 0.0
+        fallen = exposure.indirect / np.where(known, exposure.dye, np.float32(1.0))
+        soft = exposure.enlarged(self._cleaned(_filled(fallen, known), mode))
+        return exposure.direct + exposure.color * soft
 
     def _cleaned(self, light: Image, mode: Literal["fast", "high"]) -> Image:
         self.require()
-        quality = getattr(self._oidn.Quality, _QUALITY[mode])
+        cleaned = np.empty_like(light)
         try:
-            return np.asarray(
-                self._oidn.denoise(light, hdr=True, quality=quality, device=self._device)
-            )
+            self._filter.quality = getattr(self._oidn.Quality, _QUALITY[mode])
+            self._filter.set_image("color", light)
+            self._filter.set_image("output", cleaned)
+            self._filter.commit()
+            self._filter.execute()
         except (self._oidn.Error, RuntimeError) as error:
             raise DenoiseError(f"the denoiser failed: {error}; {WITHOUT}") from error
+        return cleaned
 
     def require(self) -> None:
         """Make sure that it is there.
@@ -90,3 +100,27 @@ class Denoiser:
         """
         if self._fault:
             raise DenoiseError(self._fault)
+
+
+def _filled(light: Image, known: NDArray[np.bool_]) -> Image:
+    """Return light with what is not known taken from the nearest that is, coarser and coarser.
+
+    Args:
+        light: (H, W, 3), 0 where it is not known.
+        known: (H, W, 1).
+    """
+    height, width = known.shape[:2]
+    if known.all() or max(height, width) == 1:
+        return light
+    count = _halved(known.astype(np.float32))
+    wide = _filled(_halved(light) / np.maximum(count, np.float32(1.0)), count > 0.0)
+    near = wide.repeat(2, axis=0)[:height].repeat(2, axis=1)[:, :width]
+    return np.where(known, light, near)
+
+
+def _halved(picture: Image) -> Image:
+    """Return the sums of two by two pixels; a last row or column that is odd stands alone."""
+    height, width = picture.shape[:2]
+    even = np.pad(picture, ((0, height % 2), (0, width % 2), (0, 0)))
+    rows = even[0::2] + even[1::2]
+    return np.asarray(rows[:, 0::2] + rows[:, 1::2], np.float32)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Image = NDArray[np.float32]
+
+GLEAM = 0.05
+"""Added to the colours of surfaces: light is divided by them, and what is black or bare metal has a
+gleam yet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,7 +21,7 @@ class Exposure:
 
     Attributes:
         direct: (H, W, 3) light of lamps, seen or by way of the surface that is seen; linear sRGB.
-        color: (H, W, 3) diffuse colour of the surface that is seen, 0 to 1, black in the sky.
+        color: (H, W, 3) diffuse colour of the surface that is seen and `GLEAM`; 0 in the sky.
         indirect: (H, W, 3) all other light: of the sky, and from surface to surface; or, at half
             the size, (H / 2, W / 2, 3).
         dye: the colour again, as the samples of `indirect` have met it, and of its size.
@@ -38,13 +42,24 @@ class Exposure:
         return soft if soft.shape == self.direct.shape else _doubled(_doubled(soft, 0), 1)
 
     @staticmethod
-    def mean(exposures: Sequence[Exposure]) -> Exposure:
-        """Return the mean of exposures that are equally long."""
-        if len(exposures) == 1:
-            return exposures[0]
-        count = np.float32(len(exposures))
-        parts = [[e.direct, e.color, e.indirect, e.dye] for e in exposures]
-        return Exposure(*(np.asarray(sum(p[1:], p[0]) / count) for p in zip(*parts, strict=True)))
+    def mean(exposures: Iterable[Exposure]) -> Exposure:
+        """Return the mean of exposures that are equally long.
+
+        No more than two are held at a time, for pictures of a film's size are large.
+        """
+        sums: list[Image] = []
+        count = np.float32(0)
+        for one in exposures:
+            parts = one.direct, one.color, one.indirect, one.dye
+            if not sums:
+                sums = [part.copy() for part in parts]
+            else:
+                for total, part in zip(sums, parts, strict=True):
+                    total += part
+            count += np.float32(1)
+        for total in sums:
+            total /= count
+        return Exposure(*sums)
 
 
 def _doubled(picture: Image, axis: int) -> Image:

@@ -10,7 +10,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from render.exposure import Exposure, Image
+from render.exposure import GLEAM, Exposure, Image
 
 STRIDE = 7919
 """Between the seeds of two passes."""
@@ -29,7 +29,7 @@ class PathTracer:
         self._scene, self._rays = scene, rays
         self._light = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth + 1})
         # Around the path tracer it would double the time.
-        self._color = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
+        self._color = mi.load_dict({"type": "aov", "aovs": "color:albedo,far:depth"})
 
     def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
         """Return light and colour; see `tracer.Tracer`. It does not part direct from indirect."""
@@ -37,7 +37,9 @@ class PathTracer:
         seed = (seed + STRIDE * passes.start) & 0xFFFFFFFF
         light = self._rendered(self._light, sensor, seed, len(passes))
         # The same seed leads through the same places of the pixels.
-        color = self._rendered(self._color, sensor, seed, len(passes))[..., -3:].clip(0.0, 1.0)
+        seen = self._rendered(self._color, sensor, seed, len(passes))
+        surface = seen[..., -1:] > 0.0
+        color = (seen[..., -4:-1].clip(0.0, 1.0) + np.float32(GLEAM)) * surface
         return Exposure(np.zeros_like(light), color, light, color)
 
     def moved(self) -> None:

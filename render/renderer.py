@@ -111,15 +111,18 @@ class Renderer:
         stage = self._staged(shot)
         count = len(shot.moments)
         each = max(round(film.passes / count), 1)
-        exposures = []
-        for k, moment in enumerate(shot.moments):
-            if k:
-                with self.split.timed("update"):
-                    stage.move(moment)
-            passes = range(k * each, (k + 1) * each)
-            with self.split.timed("trace"):
-                exposures.append(stage.expose(shot.seed, passes, count * each))
-        return Exposure.mean(exposures)
+
+        def exposures() -> Iterator[Exposure]:
+            for k, moment in enumerate(shot.moments):
+                if k:
+                    with self.split.timed("update"):
+                        stage.move(moment)
+                passes = range(k * each, (k + 1) * each)
+                with self.split.timed("trace"):
+                    exposure = stage.expose(shot.seed, passes, count * each)
+                yield exposure
+
+        return Exposure.mean(exposures())
 
     def _staged(self, shot: Shot) -> Stage:
         from render.stage import Stage

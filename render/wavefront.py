@@ -32,7 +32,7 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from render.exposure import Exposure
+from render.exposure import GLEAM, Exposure
 from render.strata import grid
 from render.words.film import RAYS_A_PATH
 
@@ -282,7 +282,7 @@ def _looked(
     value, density, color = dr.dispatch(si.bsdf(), answer, si, si.to_local(lamp.d))
     if lamps:
         light += _reached(scene, si, lamp, density, value * arriving, si.is_valid(), coherent=True)
-    return sums[0] + light, sums[1] + color
+    return sums[0] + light, sums[1] + dr.select(si.is_valid(), color + GLEAM, 0.0)
 
 
 def _begun(scene: Any, pixels: Any, ray: Any, fresh: tuple[Any, Any]) -> Paths:
@@ -347,7 +347,7 @@ def _shaded(
     light += dr.select(
         onward.hit.is_valid(), 0.0, onward.weight * _sky(scene, onward, si, sky_is_asked)
     )
-    dye = dr.select(first, color, 0.0)
+    dye = dr.select(first, color + GLEAM, 0.0)
     return onward, _added(sums[0], paths, _finite(light)), _added(sums[1], paths, dye)
 
 

@@ -12,6 +12,7 @@ Source: T. Sobotka, AgX, 2022; the polynomial fit and the matrices are those of
 from __future__ import annotations
 
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,6 +38,12 @@ _POWER = 1.15
 _SATURATION = 1.12
 
 _STEPS = 8192
+
+
+Whole = TypeVar("Whole", np.uint8, np.uint16)
+
+ROWS = 128
+"""Rows of a picture that are developed together: they stay in the cache, and in little memory."""
 
 
 def linear(srgb: ArrayLike) -> NDArray[np.float64]:
@@ -67,17 +74,21 @@ def developed(light: NDArray[np.float32], stops: float) -> NDArray[np.uint8]:
     Returns:
         (H, W, 3) sRGB, ready to show.
     """
-    out = np.empty(light.shape, np.uint8)
-    for i, c in enumerate(_shown(light, stops)):
-        out[..., i] = np.clip(c * 255 + 0.5, 0, 255)
-    return out
+    return _quantized(light, stops, np.uint8)
 
 
 def developed16(light: NDArray[np.float32], stops: float) -> NDArray[np.uint16]:
     """Develop the light of a scene into a 16-bit sRGB picture; see `developed`."""
-    out = np.empty(light.shape, np.uint16)
-    for i, c in enumerate(_shown(light, stops)):
-        out[..., i] = np.clip(c * 65535 + 0.5, 0, 65535)
+    return _quantized(light, stops, np.uint16)
+
+
+def _quantized(light: NDArray[np.float32], stops: float, kind: type[Whole]) -> NDArray[Whole]:
+    most = np.iinfo(kind).max
+    out = np.empty(light.shape, kind)
+    for band in range(0, len(light), ROWS):
+        rows = slice(band, band + ROWS)
+        for i, c in enumerate(_shown(light[rows], stops)):
+            out[rows, ..., i] = np.clip(c * most + 0.5, 0, most)
     return out
 
 

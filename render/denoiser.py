@@ -19,7 +19,7 @@ from render.words.film import Denoise
 THREADS = 2
 """Threads of the denoiser; part of the key of a frame."""
 
-MEMORY = 256
+MEMORY = 128
 """What the denoiser may take beside its pictures [MiB]: it goes over large ones tile by tile. Like
 the threads a constant, for tiles that are laid otherwise round otherwise."""
 

@@ -113,8 +113,8 @@ def _follows(places: Array, stump: Stump) -> Array:
     along = (away * span).sum(axis=-1) / square
     off = away - np.clip(along, 0.0, 1.0)[:, None] * span
     distance = np.sqrt((off * off).sum(axis=-1))
-    near = _smooth((2.1 - distance / stump.radii[0]) / 0.9)
-    return near * _smooth((along + 0.35) / 1.2)
+    near = _smooth((2.5 - distance / stump.radii[0]) / 1.6)
+    return near * _smooth((along + 0.6) / 1.5)
 
 
 def _smooth(s: Array) -> Array:

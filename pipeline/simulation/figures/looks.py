@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 from pipeline.simulation.figures.body_skin import body_skin, stumps_of
 from pipeline.simulation.figures.flesh import SWELLING, Piece
-from pipeline.simulation.figures.limb_skins import limb_skin, runs
+from pipeline.simulation.figures.limb_skins import leaf_skin, limb_skin, runs
+from pipeline.simulation.figures.network import FEELER
 from pipeline.simulation.figures.skins import Skin, together
 from pipeline.simulation.figures.solids import BODY_FLATNESS
 from pipeline.simulation.figures.trimmings import trimmings
@@ -40,6 +41,10 @@ def looks_of(figure: Figure) -> Looks:
     skeleton = figure.skeleton
     skins, covered = dict[int, Skin](), set[int]()
     for limb in skeleton.limbs:
+        if figure.style == "mammal" and limb.kind == FEELER and len(limb.links) == 1:
+            link = limb.links[0]
+            skins[number[link]] = leaf_skin(link, skeleton.links[link])
+            continue
         for run in runs(limb, skeleton):
             swelling = SWELLING.get(limb.kind, 0.08)
             skins[number[run[0]]] = limb_skin(run, skeleton.links, swelling)

@@ -92,7 +92,7 @@ def _toes(tip: Array, along: Array, radius: float) -> list[Solid]:
     for degrees, length in ((0.0, 4.2), (32.0, 3.3), (-32.0, 3.3), (180.0, 1.8)):
         turn = np.radians(degrees)
         way = np.array([np.cos(turn), 0.0, np.sin(turn)])
-        low = tip - 0.45 * radius * UP
+        low = tip - 0.28 * radius * UP
         points = np.array(
             [
                 low,

@@ -90,6 +90,17 @@ def test_looks_are_closed_and_follow_links_that_hang_together(file: Path) -> Non
         assert any(winding(skin, middle)[0] > 0.5 for skin in looks.skins.values())
 
 
+@pytest.mark.parametrize("name", ["horse", "kangaroo", "beetle", "spider"])
+def test_looks_are_the_same_on_both_sides(name: str) -> None:
+    """What is in the middle between two legs follows neither."""
+    figure = shipped(name)
+    body = figure.looks.skins[0]
+    middle = np.abs(body.vertices[:, 2]) < 1e-9
+    legs = [limb.links[0] for limb in figure.skeleton.legs]
+    pulled = body.share * np.isin(body.links[:, 1], legs)
+    np.testing.assert_allclose(pulled[middle], 0.0, atol=1e-6)
+
+
 def _above(figure: Figure, joint: int) -> list[int]:
     """Return the joints that one hangs on, up to the next that moves a link, and the body."""
     found, parents = list[int](), figure.skeleton.parents

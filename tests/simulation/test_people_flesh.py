@@ -122,6 +122,16 @@ def test_they_are_the_same_on_both_sides(proportions: Proportions, clothes: Clot
         np.testing.assert_allclose(layer.mesh.weights[mirror], layer.mesh.weights, atol=1e-4)
 
 
+@EVERYONE
+def test_what_is_in_the_middle_follows_no_side(proportions: Proportions, clothes: Clothes) -> None:
+    sides = np.array([name[-2:] in ("_l", "_r") for name in FRAMES])
+    for layer in dressed(proportions, clothes):
+        mesh = layer.mesh
+        middle = np.abs(mesh.vertices[:, 2]) < 1e-6
+        pulled = (sides[mesh.nodes] * mesh.weights).sum(axis=1)
+        np.testing.assert_allclose(pulled[middle], 0.0, atol=1e-6)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
 def test_they_weigh_what_they_should(proportions: Proportions) -> None:

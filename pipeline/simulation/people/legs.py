@@ -98,6 +98,9 @@ def _hung(build: Build, places: Array, net: Surface) -> Patch:
     # The groin runs upward to the outside, and lies lower behind than before.
     groin = build.level(0.475) + 0.8 * np.abs(z) + 0.3 * x
     thigh = 1.0 - ramp(y, groin - 0.060 * girth, groin + 0.048 * girth)
+    # Between the legs, above where they part, trousers follow neither.
+    inner = 1.0 - ramp(y, build.level(0.375), build.level(0.425))
+    thigh = thigh * np.maximum(inner, ramp(np.abs(z), 0.0, 0.020 * girth))
     knee = build.level(0.285)
     shin = 1.0 - ramp(y, knee - 0.038 * girth, knee + 0.038 * girth)
     lower = y < 0.5 * (knee + build.level(CROTCH))

@@ -174,6 +174,21 @@ def test_feet_stand_on_the_ground_that_the_tip_stands_on(name: str) -> None:
     assert tried == len(skeleton.legs)
 
 
+def test_upright_heads_have_a_face() -> None:
+    """A nose ahead, ears aside, and eyes that are smaller than an animal's."""
+    figure = shipped("person")
+    looks, pieces = figure.looks, figure.pieces
+    eyes = [i for i, piece in enumerate(pieces) if ".eye_" in piece.name]
+    for i in eyes:
+        extents = [np.ptp(v, axis=0) for v in (looks.skins[i].vertices, pieces[i].solid.vertices)]
+        assert (extents[0] < 0.6 * extents[1]).all()
+    (limb,) = (limb for limb in figure.skeleton.limbs if limb.kind == "head")
+    head = next(i for i, piece in enumerate(pieces) if piece.link == limb.links[0])
+    reach = looks.skins[head].vertices - limb.tip
+    assert reach[:, 0].max() > 1.05 * limb.tip_radius
+    assert reach[:, 2].max() > 1.02 * limb.tip_radius
+
+
 def test_eyes_and_jaws_can_be_left_out() -> None:
     assert any(".eye_" in piece.name for piece in shipped("beetle").pieces)
     assert not any(".eye_" in piece.name for piece in shipped("beetle", eyes=False).pieces)

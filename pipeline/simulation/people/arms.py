@@ -6,7 +6,7 @@ import numpy as np
 
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import Field, cone, grown, half_space, stack, united, within
-from pipeline.simulation.people.patches import Patch, Surface, both, joined, polygonised, ramp
+from pipeline.simulation.people.patches import Patch, Surface, both, joined, kept, polygonised, ramp
 from pipeline.simulation.people.tubes import tube
 from pipeline.simulation.spatial import Array
 
@@ -37,6 +37,7 @@ CURL = (0.10, 0.45, 0.75)
 """How far the joints of a finger are bent [rad] at ease."""
 
 
+@kept
 def sleeves(build: Build, short: bool) -> Patch:
     """Return both sleeves, each beginning as a ball around its shoulder."""
     girth, z = build.girth, build.shoulders
@@ -57,6 +58,7 @@ def sleeves(build: Build, short: bool) -> Patch:
     return both(net.follow("upper_arm_r", "forearm_r", _below_elbow(build, net)))
 
 
+@kept
 def arms(build: Build, short: bool) -> Patch:
     """Return both hands, with as much of the arms as short sleeves show."""
     girth, z = build.girth, build.shoulders

@@ -14,7 +14,7 @@ from pipeline.simulation.people.fields import (
     within,
 )
 from pipeline.simulation.people.frames import FRAMES
-from pipeline.simulation.people.patches import Patch, Surface, both, polygonised, ramp
+from pipeline.simulation.people.patches import Patch, Surface, both, kept, polygonised, ramp
 from pipeline.simulation.spatial import Array
 
 SEAT = (
@@ -59,6 +59,7 @@ APART = 0.2
 """How much legs are spread to be polygonised: thighs all but touch."""
 
 
+@kept
 def trousers(build: Build, short: bool) -> Patch:
     """Return trousers, or shorts, of both legs."""
     girth, end = build.girth, 0.330 if short else 0.046
@@ -113,6 +114,7 @@ def _hung(build: Build, places: Array, net: Surface) -> Patch:
     return Patch(places, net.faces, frames, np.where(lower, shin, thigh))
 
 
+@kept
 def shins(build: Build) -> Patch:
     """Return the bare legs below shorts."""
     girth, z = build.girth, build.hips
@@ -126,6 +128,7 @@ def shins(build: Build) -> Patch:
     return both(net.follow("thigh_r", "shin_r", share))
 
 
+@kept
 def shoes(build: Build) -> Patch:
     """Return both shoes."""
     size, z = build.proportions.foot * build.proportions.height, build.hips

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import cone, stack, united
-from pipeline.simulation.people.patches import MIRROR, Patch, polygonised, ramp
+from pipeline.simulation.people.patches import MIRROR, Patch, kept, polygonised, ramp
 from pipeline.simulation.spatial import Array
 
 TORSO = (
@@ -35,6 +35,7 @@ YOKE = 0.0255
 """Radius of the shoulders."""
 
 
+@kept
 def shirt(build: Build) -> Patch:
     """Return the body of a shirt, between pelvis and chest."""
     girth = build.girth

@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.people.build import Build
-from pipeline.simulation.people.fields import Field, cone, grown, half_space, stack, united, within
+from pipeline.simulation.people.fields import (
+    HEM_ROUND,
+    Field,
+    cone,
+    grown,
+    half_space,
+    stack,
+    united,
+    within,
+)
 from pipeline.simulation.people.patches import Patch, Surface, both, joined, kept, polygonised, ramp
 from pipeline.simulation.people.tubes import tube
 from pipeline.simulation.spatial import Array
@@ -51,7 +60,7 @@ def sleeves(build: Build, short: bool) -> Patch:
     )
     end = build.level(0.715 if short else 0.500)
     field = united([arm, shoulder], 0.02 * girth)
-    field = within(field, half_space((0.0, end, 0.0), (0.0, -1.0, 0.0)), 0.005 * girth)
+    field = within(field, half_space((0.0, end, 0.0), (0.0, -1.0, 0.0)), HEM_ROUND * girth)
     wide = 0.045 * girth
     low, high = (-wide, end - 0.02 * girth, z - wide), (wide, top + 0.045 * girth, z + wide)
     net = polygonised(field, low, high, 0.0150 * girth, stretch=1.0 if short else 1.5, hem=end)

@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import (
+    HEM_ROUND,
     Field,
     cone,
     half_space,
@@ -36,7 +37,7 @@ LEG = (
     (0.350, 0.005, 0.041, 0.038, 0.039),
     (0.430, 0.005, 0.049, 0.047, 0.046),
     (0.480, 0.003, 0.052, 0.054, 0.047),
-    (0.530, 0.000, 0.042, 0.046, 0.036),
+    (0.530, 0.000, 0.038, 0.043, 0.032),
 )
 """Outline of a leg in trousers."""
 
@@ -67,7 +68,7 @@ def trousers(build: Build, short: bool) -> Patch:
     leg = stack(build.outline(LEG), build.hips)
     if short:
         hem = half_space((0.0, build.level(end), 0.0), (0.0, -1.0, 0.0))
-        leg = within(leg, hem, 0.006 * girth)
+        leg = within(leg, hem, HEM_ROUND * girth)
     whole = united([pelvis, leg], 0.030 * girth)
 
     def spread(places: Array) -> Array:

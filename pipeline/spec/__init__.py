@@ -1,6 +1,7 @@
 """The scene language: models, loading, errors with line and column."""
 
-from pipeline.spec.cast import Body, Creature, Group, Many, Member, Prop
+from pipeline.spec.cast import Body, Creature, Dancer, Group, Many, Member, Prop
+from pipeline.spec.dance import Dance, Subtask
 from pipeline.spec.digest import scene_digest, simulation_key
 from pipeline.spec.figure import Figure, Node
 from pipeline.spec.json_schema import figure_schema, schema
@@ -30,6 +31,8 @@ __all__ = [
     "Body",
     "BouldersTerrain",
     "Creature",
+    "Dance",
+    "Dancer",
     "DitchesTerrain",
     "Figure",
     "FlatTerrain",
@@ -48,6 +51,7 @@ __all__ = [
     "Scene",
     "StairsTerrain",
     "StonesTerrain",
+    "Subtask",
     "SumTerrain",
     "Terrain",
     "Walk",

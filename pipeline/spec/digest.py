@@ -32,7 +32,9 @@ def simulation_key(scene: Scene) -> str:
 
     Names of materials are in it, for parts carry them; how the materials look is not.
     """
-    return scene_digest(scene, SIMULATED)
+    # What no scene had when takes were first kept is left out where there is none of it.
+    later = ("dances",) if scene.dances else ()
+    return scene_digest(scene, (*SIMULATED, *later))
 
 
 def scene_digest(scene: Scene, parts: Collection[str]) -> str:

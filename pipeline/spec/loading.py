@@ -9,6 +9,7 @@ from pathlib import Path
 from pipeline.errors import Problem, SceneError, UsageError
 from pipeline.spec.body_files import bodies_named_in_full
 from pipeline.spec.checking import check, in_order, problems_of_faults
+from pipeline.spec.dance_files import DanceSearch
 from pipeline.spec.figure import Figure
 from pipeline.spec.figure_files import FigureFile, Search
 from pipeline.spec.files import read_bytes, read_file
@@ -155,6 +156,8 @@ def _scene(
     tree, wrong = override(tree, overrides)
     search = Search(beside, file)
     tree = search.complete(tree)
+    dances = DanceSearch(beside)
+    tree = dances.complete(tree)
     tree, nameless = named_in_full(tree, beside)
     tree, missing = bodies_named_in_full(tree, beside)
     tree, silent = sound_named_in_full(tree, beside)
@@ -166,9 +169,9 @@ def _scene(
         words = plain(tree)
         faults = [*faults_of_timing(words), *faults_of_references(words)]
         invalid = _merged(invalid, problems_of_faults(tree, faults))
-    problems = [*problems, *wrong, *nameless, *search.problems, *invalid]
+    problems = [*problems, *wrong, *nameless, *search.problems, *dances.problems, *invalid]
     if scene is None or problems:
-        raise SceneError(in_order(problems, [file, *search.files]))
+        raise SceneError(in_order(problems, [file, *search.files, *dances.files]))
     return scene.standing_in(tree)
 
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
-from pipeline.spec.cast import Creature, Member, called, names_of
+from pipeline.spec.cast import Creature, Dancer, Member, called, names_of
+from pipeline.spec.dance import Dance
 from pipeline.spec.detect import SceneSound
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
@@ -62,6 +63,7 @@ class Scene(Words):
     )
     terrain: Terrain = Field(FlatTerrain(), description="The ground.")
     figures: dict[Name, Figure] = Field({}, description="Drawings of figures, by name.")
+    dances: dict[Name, Dance] = Field({}, description="What dancers do, by name.")
     cast: Annotated[tuple[Member, ...], Field(min_length=1), AfterValidator(_named)] = Field(
         description="Who is in the scene."
     )
@@ -112,6 +114,11 @@ class Scene(Words):
     def creatures(self) -> list[tuple[int, Creature]]:
         """Its creatures, with their places in the cast."""
         return [(i, member) for i, member in enumerate(self.cast) if isinstance(member, Creature)]
+
+    @property
+    def dancers(self) -> list[tuple[int, Dancer]]:
+        """Its dancers, with their places in the cast."""
+        return [(i, member) for i, member in enumerate(self.cast) if isinstance(member, Dancer)]
 
     @property
     def all_moods(self) -> dict[str, Mood]:

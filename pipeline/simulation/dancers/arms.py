@@ -1,0 +1,161 @@
+"""Arms: what moves one arm, by fields on its hand or by torques of its joints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.simulation.dancers.fields import Fields, as_point, desired_velocity
+from pipeline.simulation.dancers.goals import Goal
+from pipeline.simulation.dancers.postures import Passage
+from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
+from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.spatial import Array
+
+EASE, CALM = 20.0, 0.6
+"""Stiffness [N m/rad] and damping [N m s/rad] that hold the elbow of an arm whose hand is pulled:
+without them the arm swings about the line from shoulder to hand like a marionette's."""
+
+STIFF_WRIST = np.radians([50.0, 0.0, 0.0])
+"""How wrists are held while a field pulls the hand [rad]."""
+
+
+class Arm:
+    """One arm of a dancer.
+
+    Args:
+        side: r or l.
+        torso: whose.
+        moving: the torso in motion.
+        rate: k of its fields [1/s].
+        winner: whether the strongest field acts alone.
+
+    Attributes:
+        by_fields: whether fields move it now.
+        fields: of its hand.
+    """
+
+    def __init__(self, side: str, torso: Torso, moving: Moving, rate: float, winner: bool) -> None:
+        self.side, self.moving, self.number = side, moving, HANDS.index(side)
+        self.palm = moving.pulled[self.number]
+        arm, wrist = torso.arm(side), torso.wrist(side)
+        self.own, self.wrist = arm, wrist
+        self.all = slice(arm.start, wrist.stop)
+        self.fields = Fields(moving.places[self.palm], rate, winner)
+        self.by_fields = False
+        self.ease: list[float] = moving.q[arm].tolist()
+        self._written: Passage | None = None
+        self.passage: Passage | None = None
+        self.traced: Passage | None = None
+        hinges = torso.linkage.hinges[self.all]
+        self.stiffness = np.array([hinge.stiffness for hinge in hinges])
+        self.lead = np.array([hinge.damping for hinge in hinges]) / self.stiffness
+        moving.share(arm.start, arm.stop, self.number, 1.0, CALM)
+
+    def drive(self, by_fields: bool) -> None:
+        """Let fields or torques move it from now on."""
+        if by_fields == self.by_fields:
+            return
+        self.by_fields = by_fields
+        self.moving.share(
+            self.own.start, self.own.stop, self.number, 0.0 if by_fields else 1.0, CALM
+        )
+        if by_fields:
+            self.fields.stay(self.moving.places[self.palm])
+        else:
+            self.moving.push[self.own] = 0.0
+            self.moving.targets[self.all] = self.moving.q[self.all]
+
+    def pull(self, goal: Goal, now: float, land: float) -> None:
+        """Send the hand to a goal by fields."""
+        self.ease = goal.held[: len(ARM)].tolist()
+        self.turn_wrist(STIFF_WRIST, now, land)
+        self.traced = None
+        if goal.words.trace is not None:
+            keys = [np.array(self.fields.point), *self.moving.places[list(goal.spots)]]
+            self.traced = Passage(keys, now, land)
+        elif goal.spots:
+            self.fields.go(goal.spots, now, land, self.moving.places, goal.press)
+
+    def turn(
+        self,
+        postures: Sequence[Array],
+        now: float,
+        land: float,
+        meets: Array | None = None,
+    ) -> None:
+        """Send the joints through postures (7,), in `meets` of which a hand touches [rad]."""
+        self.passage = Passage([self.desired(now), *postures], now, land, meets)
+
+    def desired(self, now: float) -> Array:
+        """Return (7,) where the joints are to be now [rad]."""
+        q: Array = self.moving.q[self.all].copy()
+        return q if self.passage is None or self.by_fields else self.passage.at(now)[0]
+
+    def control(self, now: float) -> None:
+        """Write what the arm is to do from now on."""
+        if self.by_fields:
+            self._pull(now)
+            first = self.wrist.start - self.all.start
+            self._servo(now, first)
+        else:
+            self._servo(now, 0)
+
+    def _servo(self, now: float, first: int) -> None:
+        """Let servos follow the passage: what leads the angles makes them follow the speeds too."""
+        passage = self.passage
+        if passage is None or passage is self._written:
+            return
+        q, speed = passage.at(now)
+        if passage.is_over(now):
+            self._written = passage
+        else:
+            q = q + self.lead * speed
+        self.moving.targets[self.all.start + first : self.all.stop] = q[first:]
+
+    def _pull(self, now: float) -> None:
+        moving, fields = self.moving, self.fields
+        hand = moving.places[self.palm]
+        if self.traced is not None:
+            point, speed = (as_point(value) for value in self.traced.at(now))
+            fields.point = point
+            velocity = desired_velocity(point, as_point(hand), fields.rate, speed)
+        else:
+            velocity = fields.desired(hand, now, moving.places)
+        moving.velocities[self.number] = velocity
+        free = _free(moving.jacobian(self.number)[:, self.own].tolist())
+        torque = 0.0
+        for f, wanted, angle in zip(free, self.ease, moving.q[self.own].tolist(), strict=True):
+            torque += f * EASE * (wanted - angle)
+        moving.push[self.own] = [torque * f for f in free]
+
+    def turn_wrist(self, angles: Array, now: float, land: float) -> None:
+        """Turn the wrist to angles (3,) while a field pulls the hand [rad]."""
+        posture = self.moving.q[self.all].copy()
+        if self.passage is not None:
+            posture[len(ARM) :] = self.passage.at(now)[0][len(ARM) :]
+        goal = posture.copy()
+        goal[len(ARM) :] = angles
+        self.passage = Passage([posture, goal], now, land)
+
+
+def _free(jacobian: list[list[float]]) -> list[float]:
+    """Return the motion of four joints that leaves the hand where it is, of unit length.
+
+    It is the generalised vector product of the rows of the Jacobian (3, 4); zero where the arm
+    is stretched and has no such motion alone. A torque along it pulls at no hand at rest.
+    """
+    (a, b, c, d), (e, f, g, h), (i, j, k, m) = jacobian
+    gm_hk, fm_hj, fk_gj = g * m - h * k, f * m - h * j, f * k - g * j
+    em_hi, ek_gi, ej_fi = e * m - h * i, e * k - g * i, e * j - f * i
+    free = (
+        b * gm_hk - c * fm_hj + d * fk_gj,
+        -(a * gm_hk - c * em_hi + d * ek_gi),
+        a * fm_hj - b * em_hi + d * ej_fi,
+        -(a * fk_gj - b * ek_gi + c * ej_fi),
+    )
+    # Near a stretched arm it fades out; its direction is no longer certain there.
+    length = math.hypot(*free) + 1e-3
+    return [value / length for value in free]

@@ -1,0 +1,152 @@
+"""Dancers: all dancers of a scene, each a torso of its own.
+
+Source: Matarić et al. 1998.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.simulation.dancers.build import is_child, proportions_of
+from pipeline.simulation.dancers.dancing import Dancing, practised
+from pipeline.simulation.dancers.goals import choreography_of
+from pipeline.simulation.dancers.looks import Look, inventory_of, links_of_frames
+from pipeline.simulation.dancers.moves import beat_of, moves_of
+from pipeline.simulation.dancers.touching import Strike
+from pipeline.simulation.people.clothes import clothes_of
+from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array, heading
+from pipeline.simulation.take import Contact
+from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.spec.cast import Dancer
+from pipeline.spec.dance import Dance
+
+
+class Dancers:
+    """All dancers of a scene.
+
+    Raises:
+        SceneError: a place is out of reach, or tempo and durations contradict one another.
+    """
+
+    def __init__(self, cast: Sequence[tuple[int, Dancer, Dance]], world: World) -> None:
+        self.world, clock = world, world.clock
+        self.members = [member for _, member, _ in cast]
+        until = float(clock.time_of(clock.last_step))
+        self.looks, self.dancing = list[Look](), list[Dancing]()
+        for i, member, dance in cast:
+            who = proportions_of(member)
+            path = f"cast[{i}]"
+            moves = moves_of(member, dance, until, path)
+            held = member.compensate_gravity
+            choreography = choreography_of(who, dance, member.dance, held)
+            beat = beat_of(member, dance)
+            self.dancing.append(practised(member, choreography, moves, beat, clock.dt))
+            self.looks.append(_look(member, who, dance, world.seed))
+        torsos = [one.torso for one in self.dancing]
+        self.inventory = inventory_of(self.looks, torsos, clock.rows)
+        self.R_WB = [heading(math.radians(member.heading_deg)) for member in self.members]
+        self.p_WB = [_place(member, world) for member in self.members]
+        self._links = links_of_frames()
+        self._rows: list[tuple[Array, Array, Array]] = []
+        self._step, self._strikes = 0, list[tuple[int, Strike]]()
+
+    def read(self, orders: Orders) -> None:
+        """Take in nothing: dancers follow their dance."""
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to the next."""
+        self._step = step
+        for k, one in enumerate(self.dancing):
+            self._strikes += [(k, strike) for strike in one.advance()]
+
+    def keep(self) -> None:
+        """Keep the present state as the next row."""
+        R, p, values = list[Array](), list[Array](), list[Array]()
+        for k, (one, look) in enumerate(zip(self.dancing, self.looks, strict=True)):
+            R_BL, p_BL = self._frames(k)
+            still = np.broadcast_to(np.eye(3), (len(look.drums), 3, 3))
+            tops = look.rest()[len(self._links) :]
+            R_BN, p_BN = np.concatenate([R_BL, still]), np.concatenate([p_BL, tops])
+            R_WB = self.R_WB[k]
+            R.append((R_WB[None, :, :, None] * R_BN[:, None, :, :]).sum(axis=2))
+            p.append(self.p_WB[k] + (p_BN[:, None, :] * R_WB).sum(axis=2))
+            values += [one.moving.q.copy(), one.moving.torques()]
+        self._rows.append((np.concatenate(R), np.concatenate(p), np.concatenate(values)))
+
+    def write(self, rows: Rows) -> None:
+        """Write all rows kept."""
+        for k, (R, p, values) in enumerate(self._rows):
+            rows.rotations[k], rows.positions[k], rows.values[k] = R, p, values
+        rows.alive[:] = True
+        self._rows.clear()
+
+    def facts(self) -> Facts:
+        """Return what hands have touched in the last step."""
+        contacts = tuple(self._contact(k, strike) for k, strike in self._strikes)
+        self._strikes.clear()
+        return Facts(contacts)
+
+    def _frames(self, k: int) -> tuple[Array, Array]:
+        """Return rotations (15, 3, 3) and places (15, 3) of a person's frames where it stands."""
+        R, p = self.dancing[k].moving.poses()
+        places = p[self._links]
+        # Legs stand as they do at rest.
+        rest, fixed = self.looks[k].rest()[: len(self._links)], np.array(self._links) == 0
+        places[fixed] = rest[fixed]
+        return R[self._links], places
+
+    def _contact(self, k: int, strike: Strike) -> Contact:
+        look, member = self.looks[k], self.members[k]
+        dt = self.world.clock.dt
+        begin = self._step * dt
+        fraction = min(max((strike.time - begin) / dt, 0.0), math.nextafter(1.0, 0.0))
+        R, p = self.R_WB[k], self.p_WB[k]
+        place = p + (R * strike.place).sum(axis=1)
+        normal = (R * strike.normal).sum(axis=1)
+        drum = look.drums.get(strike.other)
+        who = look.proportions
+        mass = who.mass * (SEGMENT_MASSES["hand"] + 0.5 * SEGMENT_MASSES["forearm"])
+        skin = strike.other in ("head", "neck") or strike.other.startswith("hand")
+        surface = look.clothes.skin if skin else look.clothes.shirt
+        return Contact(
+            step=self._step,
+            fraction=fraction,
+            performer=member.name,
+            part=strike.hand,
+            other=strike.other,
+            place=_three(place),
+            normal=_three(normal),
+            speed=strike.speed,
+            energy=0.5 * mass * strike.speed**2,
+            material=look.clothes.skin,
+            surface=surface if drum is None else drum.material,
+            size=2.0 * drum.radius if drum is not None else who.hand * who.height,
+            kind="hit",
+        )
+
+
+def _look(member: Dancer, who: Proportions, dance: Dance, seed: int) -> Look:
+    clothes = clothes_of(member.name, seed, is_child(member))
+    if member.material is not None:
+        clothes = replace(clothes, shirt=member.material)
+    return Look(member.name, who, clothes, dict(dance.drums))
+
+
+def _place(member: Dancer, world: World) -> Array:
+    """Return where a dancer stands (3,) [m]."""
+    x, z = member.at
+    floor = 0.0
+    if member.parent is None:
+        floor = float(world.ground.height(np.array(x), np.array(z)))
+    return np.array([x, floor, z])
+
+
+def _three(v: Array) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return x, y, z

@@ -1,0 +1,229 @@
+"""Dancing: one dancer in motion, sub-step by sub-step, in the frame that it stands in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.simulation.dancers.arms import Arm
+from pipeline.simulation.dancers.carriage import Carriage
+from pipeline.simulation.dancers.fields import RATE
+from pipeline.simulation.dancers.goals import Choreography, rest_posture
+from pipeline.simulation.dancers.moves import Move
+from pipeline.simulation.dancers.rehearsal import postures_of, ready_postures
+from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
+from pipeline.simulation.dancers.touching import Strike, Touching
+from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.spatial import Array
+from pipeline.spec.cast import Dancer
+from pipeline.spec.dance import Controller
+from pipeline.spec.dancer import Arms, Gains
+
+TICKS = 96
+"""How often a second controllers look at least; what depends on speeds alone acts at every step."""
+
+EARLY = 0.008
+"""How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
+
+EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.15
+"""How far from its time a touch is taken for the one that was meant [s]; how much of an error is
+made up for the next time, and how much in all [s]."""
+
+PRACTICE = 3
+"""How many bars are practised."""
+
+HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
+
+
+class Dancing:
+    """A dancer in motion.
+
+    Args:
+        words: of the dancer.
+        choreography: its dance, on its torso.
+        moves: of each hand, in the order of time.
+        beat: duration of a beat [s].
+        dt: that it is advanced by at once [s].
+        late: how late its hands come to each place of the bar, as far as it knows [s].
+    """
+
+    def __init__(
+        self,
+        words: Dancer,
+        choreography: Choreography,
+        moves: Mapping[str, Sequence[Move]],
+        beat: float,
+        dt: float,
+        late: Mapping[tuple[int, int], float] | None = None,
+    ) -> None:
+        self.words, self.goals = words, choreography.goals
+        self.torso = tuned(choreography.torso, words.gains)
+        self.ticks = max(math.ceil(dt * TICKS - 1e-9), 1)
+        self.tick = dt / self.ticks
+        self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
+        self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
+        self.postures = postures_of(choreography) if self._needs_postures() else ()
+        self._stand(ready_postures(choreography) if choreography.ready else {})
+        rate = RATE * words.gains.rate
+        self.arms = [
+            Arm(side, self.torso, self.moving, rate, words.combine == "winner") for side in HANDS
+        ]
+        self.moves = [list(moves[side]) for side in HANDS]
+        self._next = [0] * len(HANDS)
+        self.late = dict(late or {})
+        self._current: list[Move | None] = [None] * len(HANDS)
+        self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
+        self.touching = Touching(self.moving)
+        self.count = 0
+        for arm in self.arms:
+            arm.drive(self._controller(arm.side, None) == "force-field")
+            if not arm.by_fields:
+                self.moving.targets[arm.all] = self.moving.q[arm.all]
+        self.looks_at: int | None = None
+
+    @property
+    def now(self) -> float:
+        """The time since it began [s]."""
+        return self.count * self.tick
+
+    def advance(self) -> list[Strike]:
+        """Go on by one step of the world; return what its hands have touched."""
+        found = list[Strike]()
+        for _ in range(self.ticks):
+            now = self.count * self.tick
+            self._set_out(now)
+            self._control(now)
+            found += self._go(now)
+            self.count += 1
+        return found
+
+    def _go(self, now: float) -> list[Strike]:
+        """Go on by one tick; return what hands have touched in it."""
+        found, done, step = list[Strike](), 0, self.tick / self.substeps
+        while done < self.substeps:
+            before = now + done * step
+            done += self.moving.advance(self.substeps - done)
+            if done < self.substeps or self.moving.is_touching:
+                strikes = self.touching.look(now + done * step, step, before)
+                self._learn(strikes)
+                found += strikes
+        return found
+
+    def _learn(self, strikes: Sequence[Strike]) -> None:
+        """Hear how late hands came, to set out for the same the earlier the next time."""
+        for strike in strikes:
+            clap = strike.other.startswith("hand")
+            for solid in (strike.hand, strike.other) if clap else (strike.hand,):
+                k = HANDS.index(solid[-1])
+                move = self._current[k]
+                if move is None or not (clap or self.goals[move.subtask].surface):
+                    continue
+                late = strike.time - move.land + EARLY
+                if abs(late) < EXPECTED:
+                    learnt = self.late.get(move.place, 0.0) + LEARNS * late
+                    self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
+                    self._current[k] = None
+
+    def _control(self, now: float) -> None:
+        for arm in self.arms:
+            arm.control(now)
+        moving = self.moving
+        hand = None if self.looks_at is None else moving.places[self.looks_at]
+        eyes, R = moving.place_of(HEAD), moving.turned(CHEST)
+        moving.targets[:6] = self.carriage.control(now, self.tick, eyes, R, hand)
+
+    def _set_out(self, now: float) -> None:
+        """Begin the moves whose time has come."""
+        for k, arm in enumerate(self.arms):
+            rows, i = self.moves[k], self._next[k]
+            while i < len(rows) and rows[i].begin <= now + 1e-9:
+                self._begin(arm, rows[i], now)
+                i += 1
+            self._next[k] = i
+
+    def _begin(self, arm: Arm, move: Move, now: float) -> None:
+        goal = self.goals[move.subtask]
+        self._current[HANDS.index(arm.side)] = move
+        land = move.land - self.late.get(move.place, 0.0)
+        by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
+        arm.drive(by_fields)
+        self.looks_at = arm.palm
+        self.carriage.given.update(goal.trunk)
+        if by_fields:
+            if goal.is_for_fields:
+                arm.pull(goal, now, land)
+            return
+        if goal.words.is_of_joints:
+            posture = np.where(goal.given, goal.held, arm.desired(now))
+            arm.turn((posture,), now, land)
+        else:
+            rehearsed = self.postures[move.subtask]
+            arm.turn(rehearsed.keys, now, land, rehearsed.meets)
+
+    def _controller(self, side: str, own: Controller | None) -> Controller:
+        given = self.words.controller
+        if own is not None:
+            return own
+        if isinstance(given, Arms):
+            return given.r if side == "r" else given.l
+        return given
+
+    def _needs_postures(self) -> bool:
+        """Tell whether any subtask is done by torques."""
+        return any(
+            self._controller(goal.words.hand, goal.words.controller) == "joint-torque"
+            for goal in self.goals
+        )
+
+    def _stand(self, ready: Mapping[str, Array]) -> None:
+        for side in HANDS:
+            own = slice(self.torso.arm(side).start, self.torso.wrist(side).stop)
+            self.moving.q[own] = ready.get(side, rest_posture())
+        self.moving.targets[:] = self.moving.q
+        self.moving.settle()
+
+
+def practised(
+    words: Dancer,
+    choreography: Choreography,
+    moves: Mapping[str, Sequence[Move]],
+    beat: float,
+    dt: float,
+) -> Dancing:
+    """Return a dancer about to begin, who has practised if anything is to be on a certain beat.
+
+    A few bars are danced beforehand, to hear how late hands come.
+    """
+    late = None
+    if any(goal.words.on is not None for goal in choreography.goals):
+        trial = Dancing(words, choreography, moves, beat, dt)
+        lands = [m.land for rows in moves.values() for m in rows if m.bar < PRACTICE]
+        while trial.now < max(lands, default=0.0):
+            trial.advance()
+        late = trial.late
+    return Dancing(words, choreography, moves, beat, dt, late)
+
+
+def tuned(torso: Torso, gains: Gains) -> Torso:
+    """Return a torso whose servos and fields work as hard as the author says."""
+    if gains == Gains():
+        return torso
+    links = tuple(
+        replace(
+            link,
+            hinges=tuple(
+                replace(
+                    hinge,
+                    stiffness=hinge.stiffness * gains.stiffness,
+                    damping=hinge.damping * gains.damping,
+                )
+                for hinge in link.hinges
+            ),
+        )
+        for link in torso.linkage.links
+    )
+    linkage = replace(torso.linkage, links=links, drag=torso.linkage.drag * gains.drag)
+    return replace(torso, linkage=linkage)

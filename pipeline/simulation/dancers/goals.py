@@ -1,0 +1,222 @@
+"""Goals: what each subtask of a dance comes to on one person, for both controllers.
+
+Places become spots of the torso, whose links carry them; angles become postures. What is said
+in angles is a place for a field as well: there the hand is by them, which takes no inverse
+kinematics. What turns a hand alone is nothing to a field.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.dancers.places import (
+    Surface,
+    body_places,
+    drum_place,
+    in_proportion,
+    link_number,
+)
+from pipeline.simulation.dancers.torso import (
+    ARM,
+    HAND_RADIUS,
+    LINKS,
+    PALM,
+    WRIST,
+    Torso,
+    sided,
+    torso_of,
+)
+from pipeline.simulation.dynamics.linkage import Disc, Spot
+from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.people.proportions import JOINTS, Proportions
+from pipeline.simulation.spatial import Array
+from pipeline.spec.dance import Dance, Subtask, Where
+
+CHEST = LINKS.index("chest")
+
+REST = {"shoulder_flexion": 4.0, "shoulder_abduction": 9.0, "elbow_flexion": 14.0}
+"""How arms hang, where it is not 0 [degrees]."""
+
+EASY = {
+    "shoulder_flexion": 35.0,
+    "shoulder_abduction": 18.0,
+    "shoulder_rotation": 20.0,
+    "elbow_flexion": 70.0,
+    "wrist_pronation": 50.0,
+}
+"""How arms are held that reach for something, unless a subtask says otherwise [degrees]."""
+
+SPREAD = 0.02
+"""How much farther than its length an arm may be sent, as a part of it: hands press."""
+
+
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """A subtask on one person.
+
+    Attributes:
+        words: the subtask.
+        spots: numbers of the places on the way and of the last, none where it only turns.
+        held: (7,) angles of the arm and wrist that it is held near to [rad].
+        given: (7,) which of these the author gave.
+        trunk: joint -> angle of waist and neck that the author gave [rad].
+        surface: what is touched.
+        press: how far under it the last place is [m].
+    """
+
+    words: Subtask
+    spots: tuple[int, ...]
+    held: Array
+    given: Array
+    trunk: dict[str, float]
+    surface: Surface | None
+    press: float
+
+    @property
+    def is_for_fields(self) -> bool:
+        """Whether a force on the hand can do it."""
+        return bool(self.spots)
+
+
+@dataclass(frozen=True, eq=False)
+class Choreography:
+    """A dance on one person.
+
+    Attributes:
+        torso: with all places.
+        goals: one a subtask.
+        ready: side -> number of the spot where its hand is at first.
+    """
+
+    torso: Torso
+    goals: tuple[Goal, ...]
+    ready: dict[str, int]
+
+
+def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool) -> Choreography:
+    """Return a dance on one person.
+
+    Args:
+        who: the person.
+        dance: its words.
+        name: of the dance, for messages.
+        compensated: whether the arms' weight is.
+
+    Raises:
+        SceneError: a place is out of reach.
+    """
+    surfaces = body_places(who)
+    surfaces |= {drum: drum_place(who, words) for drum, words in dance.drums.items()}
+    plain = Moving(torso_of(who).linkage, 1e-3)
+    spots, rows, problems = list[Spot](), list[list[str]](), list[Problem]()
+    for i, one in enumerate(dance.subtasks):
+        own = list(_spots(who, one, i, surfaces, plain))
+        rows.append([spot.name for spot, _ in own])
+        path = f"dances.{name}.subtasks[{i}]"
+        problems += _too_far(who, one.hand, own, path)
+        spots += [spot for spot, _ in own]
+    for side, place in dance.ready.items():
+        spots.append(_spot(who, f"ready.{side}", place, surfaces))
+        problems += _too_far(who, side, [(spots[-1], f"ready.{side}")], f"dances.{name}")
+    if problems:
+        raise SceneError(problems)
+    discs = tuple(
+        Disc(drum, np.array(w.at) - [0.0, 0.5 * w.height, 0.0], w.radius, w.height)
+        for drum, w in dance.drums.items()
+    )
+    torso = torso_of(who, tuple(spots), discs, compensated)
+    goals = tuple(
+        _goal(who, one, tuple(torso.spot(spot) for spot in row), surfaces)
+        for one, row in zip(dance.subtasks, rows, strict=True)
+    )
+    return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in dance.ready})
+
+
+def rest_posture() -> Array:
+    """Return (7,) how an arm hangs [rad]."""
+    return np.radians([REST.get(joint, 0.0) for joint in (*ARM, *WRIST)])
+
+
+def easy_posture() -> Array:
+    """Return (7,) how an arm is held that reaches for something [rad]."""
+    return np.radians([EASY.get(joint, 0.0) for joint in (*ARM, *WRIST)])
+
+
+def _goal(
+    who: Proportions, one: Subtask, spots: tuple[int, ...], surfaces: dict[str, Surface]
+) -> Goal:
+    names = (*ARM, *WRIST)
+    angles = {word.removesuffix("_deg"): math.radians(a) for word, a in one.joints.items()}
+    easy = easy_posture()
+    held = np.array([angles.get(joint, easy[k]) for k, joint in enumerate(names)])
+    given = np.array([joint in angles for joint in names])
+    trunk = {joint: angle for joint, angle in angles.items() if joint not in names}
+    surface = surfaces.get(one.touch or "")
+    # How far its middle is from the surface when a hand touches.
+    radius = HAND_RADIUS * who.height
+    press = (
+        0.0 if surface is None else radius - float((surface.aim - surface.place) @ surface.normal)
+    )
+    return Goal(one, spots, held, given, trunk, surface, press)
+
+
+def _spots(
+    who: Proportions, one: Subtask, i: int, surfaces: dict[str, Surface], plain: Moving
+) -> Iterator[tuple[Spot, str]]:
+    """Yield the places of a subtask and the words that they are said in."""
+    for k, place in enumerate(one.via):
+        yield _spot(who, f"{i}.via.{k}", place, surfaces), f"via[{k}]"
+    if one.touch is not None:
+        surface = surfaces[one.touch]
+        link = link_number(surface)
+        if one.lift:
+            lifted = surface.aim + one.lift * surface.normal
+            yield Spot(f"{i}.lift", link, lifted), "lift"
+        yield Spot(f"{i}.touch", link, surface.aim), "touch"
+    elif one.reach is not None:
+        yield _spot(who, f"{i}.reach", one.reach, surfaces), "reach"
+    elif one.trace is not None:
+        for k, position in enumerate(one.trace):
+            yield _spot(who, f"{i}.trace.{k}", position, surfaces), f"trace[{k}]"
+    elif any(f"{joint}_deg" in one.joints for joint in ARM):
+        yield Spot(f"{i}.joints", CHEST, _hand_by_angles(one, plain)), "joints"
+
+
+def _spot(who: Proportions, name: str, place: Where, surfaces: dict[str, Surface]) -> Spot:
+    if isinstance(place, str):
+        surface = surfaces[place]
+        return Spot(name, link_number(surface), surface.aim)
+    return Spot(name, CHEST, in_proportion(who, place))
+
+
+def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
+    """Return (3,) where the hand is when the joints of its arm are as they are given [m]."""
+    names = [hinge.name for hinge in plain.linkage.hinges]
+    plain.q[:] = 0.0
+    for joint in ARM:
+        angle = one.joints.get(f"{joint}_deg", REST.get(joint, 0.0))
+        plain.q[names.index(sided(joint, one.hand))] = math.radians(angle)
+    plain.settle()
+    spots = [spot.name for spot in plain.linkage.spots]
+    place: Array = plain.places[spots.index(f"palm_{one.hand}")].copy()
+    return place
+
+
+def _too_far(
+    who: Proportions, side: str, own: list[tuple[Spot, str]], path: str
+) -> Iterator[Problem]:
+    shoulder = who.rest()[JOINTS.index(f"shoulder_{side}")]
+    length = (who.upper_arm + who.forearm + PALM * who.hand) * who.height
+    for spot, word in own:
+        away = float(np.linalg.norm(spot.place - shoulder))
+        if away > (1.0 + SPREAD) * length and word != "joints":
+            message = (
+                f"is {away:.2f} m from the shoulder, and the arm reaches {length:.2f} m; "
+                "bring it nearer"
+            )
+            yield Problem(f"{path}.{word}", message)

@@ -1,0 +1,127 @@
+"""Measuring: a dancer dances alone, and each of its movements is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.dancers.build import proportions_of
+from pipeline.simulation.dancers.dancing import practised
+from pipeline.simulation.dancers.goals import choreography_of
+from pipeline.simulation.dancers.jerk import Jerk, floor_between, jerk_of, same_way_smoothly
+from pipeline.simulation.dancers.moves import Move, beat_of, moves_of
+from pipeline.simulation.dancers.torso import HANDS
+from pipeline.simulation.spatial import Array
+from pipeline.spec.cast import Dancer
+from pipeline.spec.dance import Dance
+
+AFTER = 1.0
+"""How long it is watched after the last move [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Danced:
+    """What a dancer did.
+
+    Attributes:
+        times: (K,) [s].
+        hands: side -> (K, 3) middle of the palm, where the dancer stands [m].
+        speeds: (K, 20) of the joints [rad/s].
+        torques: (K, 20) that drove them [N m].
+        moves: side -> what it was to do.
+    """
+
+    times: Array
+    hands: dict[str, Array]
+    speeds: Array
+    torques: Array
+    moves: dict[str, list[Move]]
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """One movement.
+
+    Attributes:
+        subtask: its number in the dance.
+        jerk: of the hand.
+        floor: least that any movement between the same ends has [m²/s⁵].
+        same_way: of the same way with the speed of least jerk.
+        energy: that went through the joints, ∫ |τ · q'| dt [J].
+        torque: greatest of any joint [N m].
+    """
+
+    subtask: int
+    jerk: Jerk
+    floor: float
+    same_way: Jerk
+    energy: float
+    torque: float
+
+
+def dance_through(member: Dancer, dance: Dance, path: str, rate: float, until: float) -> Danced:
+    """Let a dancer dance alone.
+
+    Args:
+        member: its words.
+        dance: what it dances.
+        path: of the dancer in its scene, for messages.
+        rate: steps of the world a second.
+        until: no move begins later [s].
+
+    Raises:
+        SceneError: it cannot.
+    """
+    who = proportions_of(member)
+    moves = moves_of(member, dance, until, path)
+    choreography = choreography_of(who, dance, member.dance, member.compensate_gravity)
+    one = practised(member, choreography, moves, beat_of(member, dance), 1.0 / rate)
+    last = max((move.land for rows in moves.values() for move in rows), default=0.0)
+    count = round((min(last, until) + AFTER) * rate)
+    moving, palms = one.moving, [arm.palm for arm in one.arms]
+    rows = [(moving.places[palms].copy(), moving.v.copy(), moving.torques())]
+    for _ in range(count):
+        one.advance()
+        rows.append((moving.places[palms].copy(), moving.v.copy(), moving.torques()))
+    hands, speeds, torques = (np.array(column) for column in zip(*rows, strict=True))
+    times = np.arange(count + 1) / rate
+    return Danced(
+        times, {side: hands[:, k] for k, side in enumerate(HANDS)}, speeds, torques, moves
+    )
+
+
+def measure(danced: Danced) -> list[Measured]:
+    """Measure every move of a dancer, in the order of time."""
+    rows = [(move, side) for side, moves in danced.moves.items() for move in moves]
+    rows.sort(key=lambda row: (row[0].land, row[1]))
+    return [_measured(danced, move, side) for move, side in rows if _is_seen(danced, move)]
+
+
+def first_of_each(measured: Sequence[Measured]) -> dict[int, Measured]:
+    """Return the first movement of each subtask, by its number."""
+    found: dict[int, Measured] = {}
+    for one in measured:
+        found.setdefault(one.subtask, one)
+    return found
+
+
+def _is_seen(danced: Danced, move: Move) -> bool:
+    return move.land <= float(danced.times[-1])
+
+
+def _measured(danced: Danced, move: Move, side: str) -> Measured:
+    times, hand = danced.times, danced.hands[side]
+    span = move.begin, move.land
+    inside = (times >= move.begin) & (times <= move.land)
+    h = float(times[1] - times[0])
+    power = np.abs(danced.torques[inside] * danced.speeds[inside]).sum(axis=1)
+    return Measured(
+        move.subtask,
+        jerk_of(times, hand, *span),
+        floor_between(times, hand, *span),
+        same_way_smoothly(times, hand, *span),
+        float(power.sum() * h),
+        float(np.abs(danced.torques[inside]).max(initial=0.0)),
+    )

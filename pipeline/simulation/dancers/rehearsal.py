@@ -1,0 +1,108 @@
+"""Rehearsal: the key postures of places, found by letting a field bring the hand there once.
+
+Joint torques need angles for everything. What a dance says by places is therefore danced once
+by fields, slowly and alone, and the angles in which the arm comes to rest at each place are
+kept as its postures, as an animator would find them by hand. No inverse kinematics are solved.
+A hand that touches presses; servos do so as well when they aim beyond the posture by the torque
+that the field had there, over their stiffness.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pipeline.simulation.dancers.arms import Arm
+from pipeline.simulation.dancers.fields import RATE
+from pipeline.simulation.dancers.goals import Choreography, Goal, easy_posture, rest_posture
+from pipeline.simulation.dancers.torso import ARM, HANDS
+from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.spatial import Array
+
+STEP, TICK = 0.002, 2
+"""Step [s], and how many of them a control lasts."""
+
+WAY, REST = 0.45, 0.35
+"""How long a hand takes to a place, and rests there until it is still [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rehearsed:
+    """The postures of one subtask.
+
+    Attributes:
+        keys: (7,) each, one at each of its places, or of its angles [rad].
+        meets: (7,) in which the hand touches, before the last; None where it touches nothing.
+    """
+
+    keys: tuple[Array, ...]
+    meets: Array | None = None
+
+
+def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
+    """Return the postures of every subtask."""
+    torso = choreography.torso
+    moving = Moving(torso.linkage, STEP)
+    arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
+    for arm in arms.values():
+        moving.q[arm.all] = moving.targets[arm.all] = rest_posture()
+    moving.settle()
+    found, now = list[Rehearsed](), 0.0
+    for goal in choreography.goals:
+        arm = arms[goal.words.hand]
+        if goal.words.is_of_joints:
+            found.append(_taken_up(arm, moving, goal))
+            continue
+        keys, met = list[Array](), moving.q[arm.all]
+        for spot in goal.spots:
+            now = _visit(arm, moving, goal, spot, now)
+            met = moving.q[arm.all].copy()
+            keys.append(met + moving.given()[arm.all] / arm.stiffness)
+        found.append(Rehearsed(tuple(keys), met if goal.surface is not None else None))
+    return tuple(found)
+
+
+def ready_postures(choreography: Choreography) -> dict[str, Array]:
+    """Return the postures (7,) in which hands are ready, by side; hands go there past all drums."""
+    linkage = replace(choreography.torso.linkage, discs=())
+    torso = replace(choreography.torso, linkage=linkage)
+    moving, found = Moving(linkage, STEP), dict[str, Array]()
+    for side, spot in choreography.ready.items():
+        arm = Arm(side, torso, moving, RATE, False)
+        arm.drive(True)
+        arm.ease = easy_posture()[: len(ARM)].tolist()
+        _bring(arm, moving, easy_posture(), spot, 0.0)
+        found[side] = moving.q[arm.all].copy()
+    return found
+
+
+def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
+    """Put an arm into angles that are given."""
+    posture = np.where(goal.given, goal.held, moving.q[arm.all])
+    arm.drive(False)
+    moving.targets[arm.all] = moving.q[arm.all] = posture
+    moving.v[arm.all] = 0.0
+    moving.settle()
+    return Rehearsed((posture,))
+
+
+def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
+    """Bring the hand to one place of a subtask; return the time then."""
+    arm.drive(True)
+    return _bring(arm, moving, goal.held, spot, now)
+
+
+def _bring(arm: Arm, moving: Moving, held: Array, spot: int, now: float) -> float:
+    """Bring a hand to a place, the arm held near a posture (7,); return the time then."""
+    arm.ease = held[: len(ARM)].tolist()
+    arm.traced = None
+    arm.fields.go([spot], now, now + WAY, moving.places)
+    arm.turn_wrist(held[len(ARM) :], now, now + WAY)
+    for _ in range(round((WAY + REST) / (STEP * TICK))):
+        arm.control(now)
+        done = 0
+        while done < TICK:
+            done += moving.advance(TICK - done)
+        now += STEP * TICK
+    return now

@@ -1,0 +1,81 @@
+"""Touching: when a hand comes to touch the body, the other hand or a drum."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from pipeline.simulation.dynamics.mujoco_linkage import Moving, Touch
+from pipeline.simulation.spatial import Array
+
+AGAIN = 0.09
+"""How long a hand has to be clear of a solid to feel it again [s]."""
+
+TOGETHER = 0.03
+"""What a hand touches so soon after something else is felt as one [s]."""
+
+LEAST = 0.01
+"""Least speed of approach that is felt [m/s]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strike:
+    """A hand has touched something.
+
+    Attributes:
+        time: when, of the dancer's own clock [s].
+        hand: its solid.
+        other: the solid it touched.
+        place: (3,) [m].
+        normal: (3,) out of what was touched.
+        speed: of approach [m/s].
+    """
+
+    time: float
+    hand: str
+    other: str
+    place: Array
+    normal: Array
+    speed: float
+
+
+class Touching:
+    """What the hands of a torso touch."""
+
+    def __init__(self, moving: Moving) -> None:
+        self.moving = moving
+        self._last: dict[tuple[str, str], float] = {}
+        self._felt: dict[str, float] = {}
+
+    def look(self, now: float, step: float, since: float) -> list[Strike]:
+        """Return what hands have begun to touch.
+
+        Args:
+            now: the time at the end of the last step [s].
+            step: its duration [s].
+            since: when this was last asked [s].
+        """
+        found = list[Strike]()
+        if not self.moving.is_touching:
+            return found
+        for touch in self.moving.touches():
+            strike = self._strike(touch, now - step, since)
+            if strike is not None:
+                found.append(strike)
+        return found
+
+    def _strike(self, touch: Touch, then: float, since: float) -> Strike | None:
+        hand, other, normal = touch.one, touch.other, -touch.normal
+        if not hand.startswith("hand"):
+            hand, other, normal = other, hand, touch.normal
+        if not hand.startswith("hand") or touch.depth < 0.0:
+            return None
+        quiet = then - self._last.get((hand, other), -math.inf) > AGAIN
+        quiet = quiet and then - self._felt.get(hand, -math.inf) > TOGETHER
+        self._last[hand, other] = then
+        if not quiet or touch.speed < LEAST:
+            return None
+        self._felt[hand] = then
+        # It touched when it was less deep, at the speed it came with.
+        time = max(then - touch.depth / touch.speed, since)
+        return Strike(time, hand, other, touch.place, normal, touch.speed)

@@ -1,0 +1,341 @@
+"""Linkage in motion: hinges, limits, servos, pulled places and contacts, solved by MuJoCo.
+
+Every hinge has a position servo, T = k (θ_d - θ) + k_d (θ'_d - θ'), and every place that can be
+pulled a force F = c (v_desired - v) along each axis of the world. Both are actuators whose
+damping enters the step implicitly, which keeps stiff gains stable at a film's steps. `mujoco`
+is imported when the first linkage is built.
+
+Source: Todorov 2014 (MuJoCo); Matarić et al. 1998, sections 5 and 6.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.linkage import Capsule, Link, Linkage
+from pipeline.simulation.dynamics.mujoco_warnings import tell_warnings
+from pipeline.simulation.spatial import Array
+
+HARD = 0.009
+"""Time constant of contacts and limits [s]; critically damped, so that nothing rebounds."""
+
+ARMATURE = 0.004
+"""Inertia that every hinge has of its own [kg m²]: wrists would tremble at a film's steps."""
+
+FRICTION = 0.5
+"""Of skin on skin."""
+
+STRIDE = 2
+"""Steps after which it is looked whether something has come into contact."""
+
+LIMB, TRUNK = 1, 2
+"""Bits of what meets what."""
+
+BITS = {"limb": (LIMB, LIMB | TRUNK), "trunk": (TRUNK, LIMB), "nothing": (0, 0)}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Touch:
+    """Two solids that are in contact.
+
+    Attributes:
+        one, other: their names, in the order of the linkage.
+        depth: by which they overlap [m]; below 0 they are about to meet.
+        place: (3,) [m].
+        normal: (3,) from the one to the other.
+        speed: of approach [m/s].
+    """
+
+    one: str
+    other: str
+    depth: float
+    place: Array
+    normal: Array
+    speed: float
+
+
+class Moving:
+    """A linkage in motion.
+
+    Args:
+        linkage: what moves.
+        step: of the integration [s].
+
+    Attributes:
+        q: (n,) angles of the hinges, a view [rad].
+        v: (n,) their speeds, a view [rad/s].
+        places: (S, 3) of the spots, a view [m].
+        targets: (n,) angles that the servos aim at, a view to be written [rad].
+        velocities: (P, 3) that the pulled spots are to have, a view to be written [m/s].
+        push: (n,) torques beside all these, a view to be written [N m].
+        pulled: number of the spot that each force pulls.
+    """
+
+    def __init__(self, linkage: Linkage, step: float) -> None:
+        self.linkage = linkage
+        self.model, self.data, self._mujoco = _build(linkage, step)
+        n, pulled = len(linkage.hinges), len(linkage.pulled)
+        data, model = self.data, self.model
+        self.q, self.v, self.places = data.qpos, data.qvel, data.site_xpos[1:]
+        self.targets = data.ctrl[:n]
+        self.velocities = data.ctrl[n:].reshape(pulled, 3)
+        self.push = data.qfrc_applied
+        numbers = [model.body(link.name).id for link in linkage.links]
+        self._bodies = numbers
+        spots = [spot.name for spot in linkage.spots]
+        self.pulled = [spots.index(name) for name in linkage.pulled]
+        self.solids = [model.geom(i).name for i in range(model.ngeom)]
+        self._gain, self._bias = model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
+        self._jacobian = np.zeros((3, n))
+        self._touching = 0
+        self.settle()
+
+    def settle(self) -> None:
+        """Work out where everything is after `q` was written."""
+        self._mujoco.mj_forward(self.model, self.data)
+
+    def advance(self, count: int) -> int:
+        """Go on with the targets, velocities and torques as they are.
+
+        Args:
+            count: steps at most; it stops where something has come into contact.
+
+        Returns:
+            Steps that were done.
+        """
+        model, data, step = self.model, self.data, self._mujoco.mj_step
+        done = 0
+        while done < count:
+            stride = min(STRIDE, count - done)
+            step(model, data, stride)
+            done += stride
+            touching = data.ncon
+            if touching > self._touching:
+                self._touching = touching
+                return done
+            self._touching = touching
+        return done
+
+    def share(self, first: int, last: int, pulled: int, servo: float, calm: float) -> None:
+        """Let the hinges `first` to `last` be driven by servos, and a spot be pulled.
+
+        Args:
+            first: number of the first hinge.
+            last: number of the hinge after the last.
+            pulled: number of the pulled spot that they carry.
+            servo: weight of the servos, 0 to 1; the force has the rest.
+            calm: damping that the hinges have at least [N m s/rad].
+        """
+        model, n = self.model, len(self.linkage.hinges)
+        own = slice(n + 3 * pulled, n + 3 * pulled + 3)
+        for rows, weight in ((slice(first, last), servo), (own, 1.0 - servo)):
+            model.actuator_gainprm[rows] = weight * self._gain[rows]
+            model.actuator_biasprm[rows] = weight * self._bias[rows]
+        hinges = model.actuator_biasprm[first:last, 2]
+        hinges[:] = np.minimum(hinges, -calm)
+
+    def jacobian(self, pulled: int) -> Array:
+        """Return (3, n) how fast a pulled spot moves by each hinge; overwritten by the next."""
+        spot = self.pulled[pulled] + 1
+        self._mujoco.mj_jacSite(self.model, self.data, self._jacobian, None, spot)
+        return self._jacobian
+
+    def place_of(self, link: int) -> Array:
+        """Return where a link's hinges are, a view (3,) [m]."""
+        place: Array = self.data.xpos[self._bodies[link]]
+        return place
+
+    def turned(self, link: int) -> Array:
+        """Return how a link is turned, row by row, a view (9,)."""
+        R: Array = self.data.xmat[self._bodies[link]]
+        return R
+
+    def poses(self) -> tuple[Array, Array]:
+        """Return rotations (L, 3, 3) and places (L, 3) of the links, as copies."""
+        R = self.data.xmat[self._bodies].reshape(-1, 3, 3)
+        return R, self.data.xpos[self._bodies]
+
+    def given(self) -> Array:
+        """Return (n,) what servos and forces give the hinges [N m]."""
+        result: Array = self.data.qfrc_actuator.copy()
+        return result
+
+    def torques(self) -> Array:
+        """Return (n,) what drives the hinges in all: servos, forces, compensation [N m]."""
+        data = self.data
+        result: Array = data.qfrc_actuator + data.qfrc_applied + data.qfrc_gravcomp
+        return result
+
+    def touches(self) -> list[Touch]:
+        """Return what is in contact, at the begin of the last step."""
+        data, found = self.data, list[Touch]()
+        for i in range(data.ncon):
+            one = data.contact[i]
+            row = int(one.efc_address)
+            if row < 0:
+                continue
+            names = self.solids[int(one.geom[0])], self.solids[int(one.geom[1])]
+            speed = -float(data.efc_vel[row])
+            place, normal = np.array(one.pos), np.array(one.frame[:3])
+            found.append(Touch(*names, -float(one.dist), place, normal, speed))
+        return found
+
+    @property
+    def is_touching(self) -> bool:
+        """Whether anything is in contact."""
+        return bool(self.data.ncon)
+
+
+# --- the model --------------------------------------------------------------------------
+
+
+def _build(linkage: Linkage, step: float) -> tuple[Any, Any, Any]:
+    import mujoco
+
+    tell_warnings(mujoco)
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False
+    option = spec.option
+    option.timestep = step
+    option.gravity = [0.0, -GRAVITY, 0.0]
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    spec.worldbody.add_site(name="world")
+    made = list[Any]()
+    for link in linkage.links:
+        made.append(_add_link(spec, mujoco, link, linkage.links, made))
+    for spot in linkage.spots:
+        body, origin = spec.worldbody, np.zeros(3)
+        if spot.link >= 0:
+            body, origin = made[spot.link], linkage.links[spot.link].place
+        body.add_site(name=spot.name, pos=spot.place - origin)
+    for disc in linkage.discs:
+        _add_disc(spec, mujoco, disc)
+    for one, other in linkage.apart:
+        spec.add_exclude(bodyname1=one, bodyname2=other)
+    _add_servos(spec, mujoco, linkage)
+    model = spec.compile()
+    _check_order(model, linkage)
+    return model, mujoco.MjData(model), mujoco
+
+
+def _add_link(
+    spec: Any, mujoco: Any, link: Link, links: Sequence[Link], made: Sequence[Any]
+) -> Any:
+    above, origin = spec.worldbody, np.zeros(3)
+    if link.parent >= 0:
+        above, origin = made[link.parent], links[link.parent].place
+    body = above.add_body(name=link.name, pos=link.place - origin)
+    body.gravcomp = 1.0 if link.weightless else 0.0
+    for hinge in link.hinges:
+        body.add_joint(
+            name=hinge.name,
+            type=mujoco.mjtJoint.mjJNT_HINGE,
+            axis=hinge.axis,
+            limited=1,
+            range=[hinge.lower, hinge.upper],
+            armature=ARMATURE,
+            solref_limit=[HARD, 1.0],
+            solimp_limit=[0.95, 0.99, 0.001, 0.5, 2.0],
+        )
+    volume = sum(_volume(solid) for solid in link.solids)
+    for solid in link.solids:
+        own, met = BITS[solid.meets]
+        mass = link.mass * _volume(solid) / volume
+        _add_capsule(body, mujoco, solid, link.place, mass, own, met)
+    return body
+
+
+def _add_capsule(
+    body: Any, mujoco: Any, solid: Capsule, origin: Array, mass: float, own: int, met: int
+) -> None:
+    body.add_geom(
+        name=solid.name,
+        type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+        fromto=(solid.ends - origin).ravel(),
+        size=[solid.radius, 0.0, 0.0],
+        mass=mass,
+        contype=own,
+        conaffinity=met,
+        **_matter(),
+    )
+
+
+def _matter() -> dict[str, Any]:
+    return {
+        "friction": [FRICTION, 0.0, 0.0],
+        "condim": 3,
+        "solref": [HARD, 1.0],
+        "solimp": [0.95, 0.99, 0.001, 0.5, 2.0],
+    }
+
+
+def _volume(solid: Capsule) -> float:
+    length = float(np.linalg.norm(solid.ends[1] - solid.ends[0]))
+    return math.pi * solid.radius**2 * (length + 4.0 / 3.0 * solid.radius)
+
+
+def _add_disc(spec: Any, mujoco: Any, disc: Any) -> None:
+    # Cylinders stand on their local Z.
+    spec.worldbody.add_geom(
+        name=disc.name,
+        type=mujoco.mjtGeom.mjGEOM_CYLINDER,
+        pos=disc.middle,
+        quat=[math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0],
+        size=[disc.radius, 0.5 * disc.height, 0.0],
+        contype=TRUNK,
+        conaffinity=LIMB,
+        **_matter(),
+    )
+
+
+def _add_servos(spec: Any, mujoco: Any, linkage: Linkage) -> None:
+    """Add the actuators: hinge by hinge, then x, y and z of each spot that is pulled."""
+    fixed, affine = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
+    for hinge in linkage.hinges:
+        spec.add_actuator(
+            name=hinge.name,
+            target=hinge.name,
+            trntype=mujoco.mjtTrn.mjTRN_JOINT,
+            gaintype=fixed,
+            gainprm=_padded([hinge.stiffness]),
+            biastype=affine,
+            biasprm=_padded([0.0, -hinge.stiffness, -hinge.damping]),
+            forcelimited=1,
+            forcerange=[-hinge.strength, hinge.strength],
+        )
+    for name in linkage.pulled:
+        for axis in range(3):
+            spec.add_actuator(
+                name=f"{name} {'xyz'[axis]}",
+                target=name,
+                refsite="world",
+                trntype=mujoco.mjtTrn.mjTRN_SITE,
+                gear=np.eye(6)[axis],
+                gaintype=fixed,
+                gainprm=_padded([linkage.drag]),
+                biastype=affine,
+                biasprm=_padded([0.0, 0.0, -linkage.drag]),
+                forcelimited=1,
+                forcerange=[-linkage.most_force, linkage.most_force],
+            )
+
+
+def _padded(values: Sequence[float]) -> list[float]:
+    return [*values, *[0.0] * (10 - len(values))]
+
+
+def _check_order(model: Any, linkage: Linkage) -> None:
+    """See that MuJoCo numbers hinges and spots as the linkage does: link by link, depth first."""
+    names = [model.joint(i).name for i in range(model.njnt)]
+    if names != [hinge.name for hinge in linkage.hinges]:
+        raise AssertionError("links have to stand depth first")
+    names = [model.site(i).name for i in range(1, model.nsite)]
+    if names != [spot.name for spot in linkage.spots]:
+        raise AssertionError("spots have to stand in the order of their links")

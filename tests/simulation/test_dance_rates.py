@@ -1,0 +1,48 @@
+"""The same dance at other frame rates and other steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.simulation.dancing import danced
+
+BOTH = ("force-field", "joint-torque")
+
+# Subtasks 1 to 5 and the way to 6.
+UNTIL = 1.0 + 5.5 * 0.6
+
+
+def hands(by: str, rate: float, steps: int) -> np.ndarray:
+    words = f"controller: {by}, tempo_bpm: 100, start: 1.0, steps_a_second: {steps}"
+    return np.array(danced(words, UNTIL, rate).hands)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", BOTH)
+def test_halving_the_step_moves_hands_by_less_than_two_millimetres(by: str) -> None:
+    coarse, fine = (hands(by, 96.0, steps) for steps in (1000, 2000))
+    apart = np.linalg.norm(coarse - fine, axis=-1)
+    assert apart.max() < 0.002
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", BOTH)
+@pytest.mark.parametrize(("rate", "steps"), [(96, 240), (96, 500), (100, 1000), (960, 2000)])
+def test_other_rates_and_steps_dance_the_same_dance(by: str, rate: int, steps: int) -> None:
+    seen = danced(
+        f"controller: {by}, tempo_bpm: 100, start: 1.0, steps_a_second: {steps}", UNTIL, rate
+    )
+    assert np.isfinite(np.array(seen.q)).all()
+    reference = hands(by, 96.0, 2000)
+    times = np.arange(1, len(reference) + 1) / 96.0
+    own = np.array(seen.hands)
+    at = np.array(seen.times)
+    found = np.stack(
+        [[np.interp(times, at, own[:, k, i]) for i in range(3)] for k in range(2)]
+    ).transpose(2, 0, 1)
+    inside = times <= at[-1]
+    apart = np.linalg.norm(found - reference, axis=-1)[inside]
+    # Where they have arrived they are at one place, on the way within what a control lasts.
+    assert np.median(apart) < 0.01
+    assert apart.max() < 0.08

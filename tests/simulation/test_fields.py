@@ -1,0 +1,224 @@
+"""Force fields: they converge, their speed is bell-shaped, their sums lie in the hull."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.simulation.curves import ease
+from pipeline.simulation.dancers.arms import Arm
+from pipeline.simulation.dancers.fields import (
+    FASTEST,
+    RATE,
+    Fields,
+    combined,
+    desired_velocity,
+    phase_of,
+    smooth,
+    strongest,
+)
+from pipeline.simulation.dancers.goals import rest_posture
+from pipeline.simulation.dancers.postures import Passage, natural_bends
+from pipeline.simulation.dancers.torso import HANDS, PALM, Torso, torso_of
+from pipeline.simulation.dynamics.linkage import Spot
+from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.people.proportions import ADULT, JOINTS
+from pipeline.simulation.spatial import Array
+
+TICK, STEPS = 1.0 / 96.0, 11
+
+SHOULDER = ADULT.rest()[JOINTS.index("shoulder_r")]
+REACH = (ADULT.upper_arm + ADULT.forearm + PALM * ADULT.hand) * ADULT.height
+
+places = st.tuples(*[st.floats(-1.0, 1.0, allow_subnormal=False)] * 3)
+
+
+def standing(spots: tuple[Spot, ...] = (), compensated: bool = True) -> tuple[Torso, Moving, Arm]:
+    """Return a torso whose right hand is pulled by fields; the left arm hangs."""
+    torso = torso_of(ADULT, spots, compensated=compensated)
+    moving = Moving(torso.linkage, TICK / STEPS)
+    for side in HANDS:
+        own = slice(torso.arm(side).start, torso.wrist(side).stop)
+        moving.q[own] = rest_posture()
+    moving.targets[:] = moving.q
+    moving.settle()
+    arms = [Arm(side, torso, moving, RATE, False) for side in HANDS]
+    arms[0].drive(True)
+    return torso, moving, arms[0]
+
+
+def go_on(moving: Moving, arm: Arm, seconds: float, begin: float = 0.0) -> Array:
+    """Let it move; return the hand's places (n, 3), one a tick [m]."""
+    rows = []
+    for k in range(round(seconds / TICK)):
+        arm.control(begin + k * TICK)
+        done = 0
+        while done < STEPS:
+            done += moving.advance(STEPS - done)
+        rows.append(moving.places[arm.palm].copy())
+    return np.array(rows)
+
+
+@given(st.lists(st.tuples(places, st.floats(0.01, 1.0)), min_size=1, max_size=6))
+def test_a_weighted_sum_has_its_point_in_the_hull_of_the_points(fields) -> None:
+    points = [point for point, _ in fields]
+    weights = np.array([weight for _, weight in fields])
+    weights /= weights.sum()
+    point = combined(points, weights.tolist())
+    # It is nowhere farther along any direction than the farthest of them.
+    chance = np.random.default_rng(1)
+    directions = chance.normal(size=(40, 3))
+    along = np.array(points) @ directions.T
+    own = np.array(point) @ directions.T
+    assert (own <= along.max(axis=0) + 1e-12).all()
+    # And the sum of the fields is zero there.
+    each = [RATE * (np.array(p) - point) for p in points]
+    np.testing.assert_allclose((weights[:, None] * each).sum(axis=0), 0.0, atol=1e-11)
+    assert strongest(points, weights.tolist()) == points[int(np.argmax(weights))]
+
+
+@given(places, places, st.floats(0.1, 50.0))
+def test_a_field_points_to_its_point_and_is_zero_at_it(point, x, rate) -> None:
+    v = np.array(desired_velocity(point, x, rate))
+    d = np.array(point) - x
+    assert np.linalg.norm(np.cross(v, d)) <= 1e-9
+    assert v @ d >= 0.0
+    assert np.linalg.norm(v) <= FASTEST + 1e-12
+    assert desired_velocity(point, point, rate) == (0.0, 0.0, 0.0)
+
+
+def test_the_smooth_step_is_that_of_least_jerk_and_is_inverted() -> None:
+    s = np.linspace(0, 1, 101)
+    np.testing.assert_allclose([smooth(float(x))[0] for x in s], ease(s), atol=1e-15)
+    h = 1e-6
+    for x in (0.1, 0.4, 0.77):
+        slope = (smooth(x + h)[0] - smooth(x - h)[0]) / (2 * h)
+        assert smooth(x)[1] == pytest.approx(slope, rel=1e-7)
+        assert phase_of(smooth(x)[0]) == pytest.approx(x, abs=1e-9)
+
+
+def test_weights_of_fields_stay_between_none_and_all_whatever_the_hand_does() -> None:
+    chance = np.random.default_rng(5)
+    for _ in range(20):
+        places = chance.uniform(-1, 1, (4, 3))
+        fields = Fields(np.zeros(3), RATE, False)
+        fields.go([0, 1, 2, 3], 0.0, 1.0, places)
+        low, high = np.minimum(places.min(axis=0), 0.0), np.maximum(places.max(axis=0), 0.0)
+        for now in np.arange(0.0, 2.5, 0.01):
+            fields.desired(chance.uniform(-1, 1, 3), float(now), places)
+            assert (np.array(fields.point) >= low - 1e-12).all()
+            assert (np.array(fields.point) <= high + 1e-12).all()
+        np.testing.assert_allclose(fields.point, places[3], atol=1e-12)
+
+
+@pytest.mark.parametrize("time", [0.5, 0.8, 1.2])
+@pytest.mark.parametrize("place", [(0.45, 1.3, 0.3), (0.3, 1.6, 0.45), (0.55, 1.15, 0.12)])
+def test_a_free_reach_has_one_peak_of_speed_and_the_shape_of_least_jerk(place, time) -> None:
+    torso, moving, arm = standing((Spot("goal", -1, np.array(place)),))
+    begin = moving.places[arm.palm].copy()
+    arm.fields.stay(begin)
+    arm.fields.go([torso.spot("goal")], 0.0, time, moving.places)
+    way = np.concatenate([begin[None], go_on(moving, arm, time + 0.3)])
+    assert np.linalg.norm(way[-1] - place) < 0.005
+    speed = np.linalg.norm(np.diff(way, axis=0), axis=1) / TICK
+    top = int(np.argmax(speed))
+    # Up to the peak it never falls, after it never rises, but for some hundredths of the peak.
+    little = 0.03 * speed[top]
+    assert (np.maximum.accumulate(speed[: top + 1]) - speed[: top + 1]).max() < little
+    assert (speed[top:] - np.minimum.accumulate(speed[top:])).max() < little
+    t = (np.arange(len(speed)) + 0.5) * TICK / time
+    bell = np.where(t < 1, 30 * t**2 * (1 - t) ** 2, 0.0)
+    assert np.corrcoef(speed, bell)[0, 1] > 0.95
+
+
+def clear(one: Array, other: Array, torso: Torso) -> bool:
+    """Tell whether the straight way from one place to another leaves an arm room at the trunk."""
+    for u in np.linspace(0, 1, 15):
+        x = one + u * (other - one)
+        for link in torso.linkage.links[:3]:
+            for solid in link.solids:
+                a, b = solid.ends
+                s = np.clip((x - a) @ (b - a) / max((b - a) @ (b - a), 1e-12), 0.0, 1.0)
+                if np.linalg.norm(x - a - s * (b - a)) < solid.radius + 0.13:
+                    return False
+    return True
+
+
+def reaches(count: int, seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    torso, moving, arm = standing()
+    home, done = moving.q.copy(), 0
+    while done < count:
+        moving.q[:], moving.v[:] = home, 0.0
+        lower = np.radians([-20, 0, -60, 10])
+        moving.q[torso.arm("r")] = chance.uniform(lower, np.radians([140, 80, 80, 130]))
+        moving.settle()
+        start = moving.places[arm.palm].copy()
+        goal = SHOULDER + chance.uniform(-1, 1, 3) * REACH
+        away = np.linalg.norm(goal - SHOULDER)
+        # Not behind the back or into the other arm, where elbows do not go.
+        if not 0.25 < away < REACH - 0.05 or goal[0] < 0.1 or abs(goal[2] - 0.2) > 0.35:
+            continue
+        if start[0] < -0.1:
+            continue
+        if goal[1] < 0.85 or moving.is_touching or not clear(start, goal, torso):
+            continue
+        arm.traced = Passage([start, goal], 0.0, 1.0)
+        arm.ease = np.radians([45, 25, 20, 70]).tolist()
+        way = go_on(moving, arm, 2.0)
+        assert np.linalg.norm(way[-1] - goal) < 0.01, (start, goal, way[-1])
+        done += 1
+
+
+@pytest.mark.slow
+def test_points_are_reached_from_random_starts() -> None:
+    reaches(50, 1)
+
+
+@pytest.mark.nightly
+def test_points_are_reached_from_five_hundred_random_starts() -> None:
+    reaches(500, 2)
+
+
+def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffness() -> None:
+    goal = np.array([0.42, 1.25, 0.25])
+    found = []
+    for compensated in (True, False):
+        torso, moving, arm = standing(compensated=compensated)
+        arm.fields.stay(goal)
+        go_on(moving, arm, 2.0)
+        x = moving.places[arm.palm]
+        found.append(x - goal)
+        # At rest the field alone bears what pulls at the hand: c k (goal - x).
+        force = torso.linkage.drag * RATE * (goal - x)
+        own = torso.arm("r")
+        J = moving.jacobian(0)[:, own]
+        balance = J.T @ force + moving.push[own] - moving.data.qfrc_bias[own]
+        balance += moving.data.qfrc_gravcomp[own]
+        np.testing.assert_allclose(balance, 0.0, atol=0.15)
+    assert np.linalg.norm(found[0]) < 0.001
+    assert found[1][1] < -0.003
+
+
+def test_a_spline_goes_through_its_postures_and_rests_at_both_ends() -> None:
+    chance = np.random.default_rng(2)
+    keys = [chance.normal(size=7) for _ in range(5)]
+    passage = Passage(keys, 1.0, 3.0)
+    times = np.linspace(1.0, 3.0, 4001)
+    q, v = (np.array(column) for column in zip(*(passage.at(float(t)) for t in times), strict=True))
+    for key in keys:
+        assert np.abs(q - key).max(axis=1).min() < 2e-3
+    np.testing.assert_allclose(np.gradient(q, times, axis=0)[5:-5], v[5:-5], atol=1e-3)
+    np.testing.assert_allclose(v[[0, -1]], 0.0, atol=1e-6)
+    np.testing.assert_array_equal(passage.at(9.0)[0], keys[-1])
+
+
+def test_the_spline_is_the_natural_one_that_others_compute() -> None:
+    interpolate = pytest.importorskip("scipy.interpolate")
+    chance = np.random.default_rng(7)
+    knots = np.cumsum(chance.uniform(0.1, 1.0, 6))
+    keys = chance.normal(size=(6, 3))
+    theirs = interpolate.CubicSpline(knots, keys, bc_type="natural")
+    np.testing.assert_allclose(natural_bends(knots, keys), theirs(knots, 2), atol=1e-10)

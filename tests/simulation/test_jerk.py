@@ -1,0 +1,109 @@
+"""The measure of smoothness, against closed forms and other people's filters."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import signal, stats
+
+from pipeline.simulation.curves import ease
+from pipeline.simulation.dancers.figure_three import COLUMNS, SUBTASKS
+from pipeline.simulation.dancers.jerk import (
+    CUTOFF,
+    LEAST,
+    ORDER,
+    RATE,
+    floor_between,
+    jerk_of,
+    low_passed,
+    rank_correlation,
+    resampled,
+    same_way_smoothly,
+    third_derivative,
+)
+from pipeline.spec import read_scene
+
+
+def reach(time: float, way: np.ndarray, rate: float = 96.0) -> tuple[np.ndarray, np.ndarray]:
+    """Return the straight reach of least jerk from 0 to `time`, with rest around it."""
+    t = np.arange(-1.0, time + 1.0, 1.0 / rate)
+    return t, ease(np.clip(t / time, 0, 1))[:, None] * way
+
+
+def test_the_filter_is_butterworths_forward_and_backward() -> None:
+    chance = np.random.default_rng(1)
+    t = np.arange(0, 6, 1 / RATE)
+    p = np.stack([np.sin(t), t**2 / 9, np.cumsum(chance.normal(size=len(t))) * 0.02], axis=-1)
+    sections = signal.butter(ORDER, CUTOFF, fs=RATE, output="sos")
+    theirs = signal.sosfiltfilt(sections, p, axis=0)
+    inner = slice(40, -40)
+    np.testing.assert_allclose(low_passed(p)[inner], theirs[inner], atol=2e-5)
+
+
+def test_resampling_and_differences_are_exact_for_cubics() -> None:
+    t = np.arange(0, 2, 1 / 96)
+    c = np.array([[1.0, -2, 0.5], [0.3, 1, -1], [2, 0, 1], [-0.7, 0.4, 3]])
+    p = sum(c[k] * t[:, None] ** k for k in range(4))
+    at, x = resampled(t, p)
+    np.testing.assert_allclose(x, sum(c[k] * at[:, None] ** k for k in range(4)), atol=1e-12)
+    np.testing.assert_allclose(third_derivative(x), np.broadcast_to(6 * c[3], x.shape), atol=1e-7)
+
+
+@pytest.mark.parametrize("rate", [96.0, 100.0, 240.0])
+def test_the_smoothest_reach_has_720_as_time_goes_on(rate: float) -> None:
+    # The filter takes what is above 10 Hz: ever less of a slower movement.
+    found = [
+        jerk_of(*reach(time, np.array([0.3, 0.4, 0]), rate), 0.0, time) for time in (1, 2, 4, 8)
+    ]
+    lost = [1 - one.dimensionless / LEAST for one in found]
+    assert all(0 < lost[k + 1] < lost[k] for k in range(3))
+    assert lost[0] < 0.12
+    assert lost[3] < 0.02
+    assert found[0].distance == pytest.approx(0.5, rel=1e-3)
+    assert found[1].mean == pytest.approx(found[1].integral / 2)
+
+
+def test_jerk_scales_with_the_fifth_power_of_time_and_the_second_of_length() -> None:
+    one = jerk_of(*reach(4, np.array([0.3, 0, 0])), 0.0, 4.0)
+    slow = jerk_of(*reach(8, np.array([0.3, 0, 0])), 0.0, 8.0)
+    long = jerk_of(*reach(4, np.array([0, 0.6, 0])), 0.0, 4.0)
+    assert slow.integral == pytest.approx(one.integral / 32, rel=0.05)
+    assert long.integral == pytest.approx(4 * one.integral, rel=1e-9)
+
+
+def test_no_movement_between_the_same_ends_has_less_than_the_floor() -> None:
+    chance = np.random.default_rng(4)
+    for _ in range(30):
+        t = np.arange(0, 4, 1 / 96)
+        p = sum(
+            chance.normal(size=3) / k**2 * np.sin(k * t[:, None] + chance.uniform(0, 6, 3))
+            for k in range(1, 6)
+        )
+        assert floor_between(t, p, 1.0, 3.0) <= jerk_of(t, p, 1.0, 3.0).integral * 1.02
+    t, p = reach(2, np.array([0.3, 0.4, 0]))
+    quintic = jerk_of(t, p, 0.0, 2.0).integral
+    assert floor_between(t, p, 0.0, 2.0) == pytest.approx(quintic, rel=0.06)
+
+
+def test_the_same_way_smoothly_is_itself_for_the_smoothest() -> None:
+    t, p = reach(1.5, np.array([0.3, 0.4, 0.2]))
+    own, other = jerk_of(t, p, 0.0, 1.5), same_way_smoothly(t, p, 0.0, 1.5)
+    assert other.integral == pytest.approx(own.integral, rel=0.02)
+
+
+def test_ranks_agree_as_others_compute_it() -> None:
+    chance = np.random.default_rng(6)
+    for _ in range(20):
+        a, b = chance.integers(0, 8, (2, 12)).astype(float)
+        assert rank_correlation(a, b) == pytest.approx(stats.spearmanr(a, b)[0], abs=1e-12)
+
+
+def test_figure_three_stands_beside_the_dance_of_the_library() -> None:
+    scene = read_scene("pronk: 1\nduration: 1\ncast: [{dancer: torso}]\n")
+    dance = scene.dances["macarena"]
+    assert len(dance.subtasks) == SUBTASKS
+    assert set(dance.durations) == set(COLUMNS)
+    for name, column in COLUMNS.items():
+        times = dance.durations[name]
+        assert [time is None for time in times] == [jerk is None for jerk in column]
+    assert sum(time or 0 for time in dance.durations["human"]) == pytest.approx(12.23)

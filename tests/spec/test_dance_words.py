@@ -1,0 +1,132 @@
+"""Dances in words: what is refused, where, and how it is said."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.dancers.moves import beat_of, moves_of
+from pipeline.simulation.dancers.places import body_places
+from pipeline.simulation.dancers.torso import ARM, AXES, WRIST
+from pipeline.simulation.people.proportions import ADULT
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import read_scene, simulation_key
+from pipeline.spec.dance import ARM_JOINTS, BODY_PLACES, TRUNK_JOINTS
+
+SCENE = """pronk: 1
+duration: 1
+dances:
+  own:
+    bar: 4
+    drums: {{tom: {{at: [0.4, 1.0, 0]}}}}
+    subtasks:
+      - {subtask}
+cast:
+  - {{dancer: torso, dance: own, {words}}}
+"""
+
+GOOD = "{touch: chest}"
+
+
+def told(subtask: str = GOOD, words: str = "start: 0.5") -> str:
+    with pytest.raises(SceneError) as caught:
+        Simulation(read_scene(SCENE.format(subtask=subtask, words=words)))
+    assert len(caught.value.problems) == 1, caught.value
+    return str(caught.value)
+
+
+def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
+    assert set(body_places(ADULT)) == set(BODY_PLACES)
+    assert ARM_JOINTS == (*ARM, *WRIST)
+    assert {*ARM_JOINTS, *TRUNK_JOINTS} == set(AXES)
+
+
+@pytest.mark.parametrize(
+    ("subtask", "words", "path", "message"),
+    [
+        ("{touch: sholder_l}", "", "subtasks[0].touch", "did you mean 'shoulder_l'"),
+        ("{touch: tam}", "", "subtasks[0].touch", "no place is called 'tam', did you mean 'tom'"),
+        ("{touch: chest, via: [nowhere]}", "", "subtasks[0].via[0]", "no place is called"),
+        ("{touch: chest, reach: [0.3, 1, 0]}", "", "subtasks[0].reach", "has a goal already"),
+        ("{hand: r}", "", "subtasks[0]", "has no goal: give touch, reach, trace or joints"),
+        ("{joints: {elbow_deg: 3}}", "", "joints.elbow_deg", "did you mean 'elbow_flexion_deg'"),
+        ("{reach: [1.2, 1, 0]}", "", "subtasks[0].reach", "is 1.28 m from the shoulder"),
+        ("{touch: chest, on: [6]}", "", "subtasks[0].on[0]", "the bar has beats 1 to 4"),
+        ("{touch: chest, beats: 9}", "", "dances.own.bar", "take 9 beats, and a bar has 4"),
+        (GOOD, "durations: human", "cast[0].durations", "no durations called 'human'"),
+        (GOOD, "durations: [1, 2]", "cast[0].durations", "2 times are given for the 1 subtasks"),
+        (GOOD, "durations: 2, tempo_bpm: 100", "cast[0].tempo_bpm", "is to take 2 s, and its"),
+        (GOOD, "combine: winner", "cast[0].combine", "joint torques are no fields"),
+        (GOOD, "tempo_bpm: 5", "cast[0].tempo_bpm", "10"),
+        (GOOD, "controller: magic", "cast[0].controller", "force-field"),
+    ],
+)
+def test_what_is_wrong_is_said_once_and_where(subtask, words, path, message) -> None:
+    text = told(subtask, words or "start: 0.5")
+    assert path in text
+    assert message in text
+    assert text.startswith("scene:")
+
+
+def test_a_dance_that_is_nowhere_gets_the_nearest_name() -> None:
+    with pytest.raises(SceneError, match="no dance is called 'macarana', did you mean 'macarena'"):
+        read_scene("pronk: 1\nduration: 1\ncast: [{dancer: torso, dance: macarana}]\n")
+
+
+def test_scripts_do_not_move_dancers() -> None:
+    text = "pronk: 1\nduration: 1\ncast: [{dancer: torso, name: a}]\n"
+    with pytest.raises(SceneError, match="'a' is a dancer, which no script moves"):
+        read_scene(text + "script: [{at: 0.5, who: a, do: stop}]\n")
+
+
+def test_a_dance_beside_the_scene_comes_before_the_library(tmp_path: Path) -> None:
+    (tmp_path / "dances").mkdir()
+    own = "pronk: 1\ndance: {subtasks: [{touch: belly}]}\n"
+    (tmp_path / "dances" / "macarena.yaml").write_text(own)
+    text = "pronk: 1\nduration: 1\ncast: [{dancer: torso}]\n"
+    assert len(read_scene(text, beside=tmp_path).dances["macarena"].subtasks) == 1
+    assert len(read_scene(text).dances["macarena"].subtasks) == 12
+    (tmp_path / "dances" / "macarena.yaml").write_text(own.replace("belly", "bely"))
+    with pytest.raises(SceneError, match="did you mean 'belly'") as caught:
+        read_scene(text, beside=tmp_path)
+    assert "macarena.yaml:2:" in str(caught.value)
+
+
+def test_scenes_without_dancers_keep_the_keys_of_their_takes() -> None:
+    text = "pronk: 1\nduration: 1\ncast: [{prop: {shape: box}}]\n"
+    dances = "dances: {one: {subtasks: [{touch: chest}]}}\n"
+    plain, more = read_scene(text), read_scene(text + dances)
+    assert simulation_key(plain) != simulation_key(more)
+    assert "dances" not in plain.model_fields_set
+
+
+def test_hands_arrive_on_beats_and_never_do_two_things_at_once() -> None:
+    text = "pronk: 1\nduration: 40\ncast: [{dancer: torso, tempo_bpm: 90, start: 2, bars: 2}]\n"
+    scene = read_scene(text)
+    member, dance = scene.dancers[0][1], scene.dances["macarena"]
+    moves = moves_of(member, dance, 40.0, "cast[0]")
+    beat = beat_of(member, dance)
+    assert beat == pytest.approx(60 / 90)
+    landings = sorted(m.land for rows in moves.values() for m in rows)
+    wanted = [2 + (16 * bar + k + 1) * beat for bar in range(2) for k in range(12)]
+    assert landings == pytest.approx(wanted)
+    for rows in moves.values():
+        for one, other in itertools.pairwise(rows):
+            assert one.begin < one.land <= other.begin
+
+
+def test_durations_follow_one_another() -> None:
+    text = "pronk: 1\nduration: 40\ncast: [{dancer: torso, durations: force, bars: 1}]\n"
+    scene = read_scene(text)
+    member, dance = scene.dancers[0][1], scene.dances["macarena"]
+    moves = moves_of(member, dance, 40.0, "cast[0]")
+    rows = sorted((m for some in moves.values() for m in some), key=lambda m: m.begin)
+    assert [m.subtask + 1 for m in rows] == [1, 2, 5, 6, 7, 8, 9, 10, 11, 12]
+    for one, other in itertools.pairwise(rows):
+        assert other.begin == pytest.approx(one.land)
+    assert [m.land - m.begin for m in rows] == pytest.approx(
+        [time for time in dance.durations["force"] if time]
+    )

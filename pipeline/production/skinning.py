@@ -90,7 +90,8 @@ class Skin:
         dual = 0.5 * _product(np.concatenate([np.zeros_like(share), shift], axis=-1), turned)
         real = share * turned
         real[:, :1] += 1.0 - share
-        norm = np.sqrt((real * real).sum(axis=-1, keepdims=True))
+        # A node that is not yet anywhere has no rotation at all.
+        norm = np.maximum(np.sqrt((real * real).sum(axis=-1, keepdims=True)), 1e-12)
         real, dual = real / norm, share * dual / norm
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
         result: Array = _turned(real, here) + moved

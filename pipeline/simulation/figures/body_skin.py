@@ -26,6 +26,9 @@ STOUT = 0.30
 REACH, LONGEST = 1.7, 0.55
 """Length of a stump in radii of its root, and at most in lengths of its link."""
 
+EVEN = 0.8
+"""How much nearer to one stump than to another what follows it alone is, in radii."""
+
 SLIM = 0.90
 """Radius of a stump's end as a part of the link's there: it ends inside the limb's skin."""
 
@@ -97,24 +100,41 @@ def body_skin(
     solid = body_solid(everywhere, thick, [*bones, *more], flatness)
     count = len(solid.vertices)
     links, share = np.zeros((count, 2), dtype=np.int64), np.zeros(count)
-    for stump in stumps:
-        follows = _follows(solid.vertices, stump)
-        nearer = follows > share
-        links[nearer, 1] = stump.link
-        share[nearer] = follows[nearer]
+    if stumps:
+        near = [_near(solid.vertices, stump) for stump in stumps]
+        follows, distances = (np.array(values) for values in zip(*near, strict=True))
+        nearest = distances.argmin(axis=0)
+        rows = np.arange(count)
+        links[:, 1] = np.array([stump.link for stump in stumps])[nearest]
+        share = follows[nearest, rows] * _apart(distances)
     return Skin(solid.vertices, solid.faces, links, share)
 
 
-def _follows(places: Array, stump: Stump) -> Array:
-    """Return how much places (n, 3) follow a limb: more along its stump, less away from it."""
+def _apart(distances: Array) -> Array:
+    """Return 0 halfway between two stumps (S, n), which follows neither, and 1 away from there.
+
+    Args:
+        distances: (S, n) of places from the stumps' lines, in radii.
+    """
+    if len(distances) == 1:
+        return np.ones(distances.shape[1])
+    first, second = np.sort(distances, axis=0)[:2]
+    return _smooth((second - first) / EVEN)
+
+
+def _near(places: Array, stump: Stump) -> tuple[Array, Array]:
+    """Return how much places (n, 3) follow a limb, and how far they are from it in radii.
+
+    They do more along its stump, and less away from it.
+    """
     span = stump.ends[1] - stump.ends[0]
     square = float((span * span).sum())
     away = places - stump.ends[0]
     along = (away * span).sum(axis=-1) / square
     off = away - np.clip(along, 0.0, 1.0)[:, None] * span
-    distance = np.sqrt((off * off).sum(axis=-1))
-    near = _smooth((2.1 - distance / stump.radii[0]) / 0.9)
-    return near * _smooth((along + 0.35) / 1.2)
+    distance: Array = np.sqrt((off * off).sum(axis=-1)) / stump.radii[0]
+    near = _smooth((2.5 - distance) / 1.6)
+    return near * _smooth((along + 0.6) / 1.5), distance
 
 
 def _smooth(s: Array) -> Array:

@@ -29,6 +29,9 @@ SOFT, HALF = 1.1, 0.42
 CAP = np.radians([18.0, 40.0, 62.0, 80.0])
 """Latitudes of the rings of an end."""
 
+EAR_LENGTH = 1.35
+"""Length of an ear in lengths of its link."""
+
 PEAK = np.log(0.5) / np.log(0.36)
 """Links are thickest at a third of their way, as a thigh is."""
 
@@ -91,6 +94,22 @@ def limb_skin(run: Sequence[int], links: Sequence[Link], swelling: float) -> Ski
     pairs = np.array([ring.links for ring in rings])[ringwise]
     shares = np.array([ring.share for ring in rings])[ringwise]
     return Skin(solid.vertices, solid.faces, pairs, shares)
+
+
+def leaf_skin(number: int, link: Link) -> Skin:
+    """Return an ear: a leaf on a link, flat in the plane that it was drawn in."""
+    span = EAR_LENGTH * (link.ends[1] - link.ends[0])
+    along, across = normalized(span), normalized(cross(link.normal, span))
+    s = np.linspace(0.0, 1.0, 12)
+    wide = max(link.radii) * (0.6 + 2.6 * np.sin(np.pi * s**0.7)) * (1.0 - 0.55 * s)
+    thick = 0.34 * wide
+    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
+    normal = cross(along, across)
+    flat = wide[:, None, None] * np.cos(angle)[:, None] * across
+    flat = flat + thick[:, None, None] * np.sin(angle)[:, None] * normal
+    places = link.ends[0] + s[:, None, None] * span + flat
+    ends = np.stack([link.ends[0] - wide[0] * along, link.ends[0] + span + 0.4 * wide[-1] * along])
+    return Skin.rigid(lofted(places, ends), number)
 
 
 def _rings(run: Sequence[int], links: Sequence[Link], swelling: float) -> list[_Ring]:

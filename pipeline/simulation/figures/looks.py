@@ -11,14 +11,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from pipeline.simulation.figures.body_skin import body_skin, stumps_of
-from pipeline.simulation.figures.flesh import SWELLING, Piece
-from pipeline.simulation.figures.limb_skins import limb_skin, runs
+from pipeline.simulation.figures.flesh import EYE_MATERIAL, SWELLING, Piece
+from pipeline.simulation.figures.limb_skins import leaf_skin, limb_skin, runs
+from pipeline.simulation.figures.network import FEELER
 from pipeline.simulation.figures.skins import Skin, together
-from pipeline.simulation.figures.solids import BODY_FLATNESS
-from pipeline.simulation.figures.trimmings import trimmings
+from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid
+from pipeline.simulation.figures.trimmings import has_face, trimmings
 
 if TYPE_CHECKING:
     from pipeline.simulation.figures.figure import Figure
+
+
+FACE_EYES = 0.55
+"""Size of the eyes in a face, as a part of those of an animal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,10 @@ def looks_of(figure: Figure) -> Looks:
     skeleton = figure.skeleton
     skins, covered = dict[int, Skin](), set[int]()
     for limb in skeleton.limbs:
+        if figure.style == "mammal" and limb.kind == FEELER and len(limb.links) == 1:
+            link = limb.links[0]
+            skins[number[link]] = leaf_skin(link, skeleton.links[link])
+            continue
         for run in runs(limb, skeleton):
             swelling = SWELLING.get(limb.kind, 0.08)
             skins[number[run[0]]] = limb_skin(run, skeleton.links, swelling)
@@ -57,6 +66,7 @@ def looks_of(figure: Figure) -> Looks:
         place = bearer.get(link, number[link])
         own = skins.get(place) or Skin.rigid(figure.pieces[place].solid, link)
         skins[place] = together([own, *more])
+    skins |= _eyes(figure)
     return Looks(skins, frozenset(covered))
 
 
@@ -65,6 +75,17 @@ def _piece_numbers(pieces: Sequence[Piece]) -> dict[int, int]:
     found: dict[int, int] = {}
     for i, piece in enumerate(pieces):
         found.setdefault(piece.link, i)
+    return found
+
+
+def _eyes(figure: Figure) -> dict[int, Skin]:
+    """Return the eyes of faces, which are smaller than those of animals."""
+    found = {}
+    for i, piece in enumerate(figure.pieces):
+        if piece.material == EYE_MATERIAL and has_face(figure.skeleton.links[piece.link]):
+            middle = piece.solid.vertices.mean(axis=0)
+            small = middle + FACE_EYES * (piece.solid.vertices - middle)
+            found[i] = Skin.rigid(Solid(small, piece.solid.faces), piece.link)
     return found
 
 

@@ -1,4 +1,4 @@
-"""Trimmings: hooves, paws, toes and claws on the tips of legs, and jaws on heads.
+"""Trimmings: hooves, paws, toes and claws on the tips of legs, jaws and faces on heads.
 
 They are drawn in the pose that a figure rests in, where soles are level, and hang on the last
 link of their limb. None reaches far beyond the ball that touches the ground.
@@ -13,13 +13,16 @@ import numpy as np
 
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.figures.network import HEAD
-from pipeline.simulation.figures.skeleton import Limb
+from pipeline.simulation.figures.skeleton import Limb, Link
 from pipeline.simulation.figures.skins import Skin
 from pipeline.simulation.figures.solids import Solid, ball, lofted
 from pipeline.simulation.spatial import UP, Array, cross, normalized
 
 if TYPE_CHECKING:
     from pipeline.simulation.figures.figure import Figure
+
+UPRIGHT = 0.8
+"""Rise of a head (the sine of its elevation) from which on it has a face."""
 
 AHEAD = np.array([1.0, 0.0, 0.0])
 
@@ -47,6 +50,8 @@ def trimmings(figure: Figure) -> Iterator[tuple[int, list[Skin]]]:
 
 def _made(figure: Figure, limb: Limb) -> Made | None:
     if limb.kind == HEAD:
+        if has_face(figure.skeleton.links[limb.links[-1]]):
+            return _face
         return _jaws if figure.jaws else None
     return FEET.get(figure.feet) if limb.kind == "leg" else None
 
@@ -92,7 +97,7 @@ def _toes(tip: Array, along: Array, radius: float) -> list[Solid]:
     for degrees, length in ((0.0, 4.2), (32.0, 3.3), (-32.0, 3.3), (180.0, 1.8)):
         turn = np.radians(degrees)
         way = np.array([np.cos(turn), 0.0, np.sin(turn)])
-        low = tip - 0.45 * radius * UP
+        low = tip - 0.28 * radius * UP
         points = np.array(
             [
                 low,
@@ -135,6 +140,20 @@ def _jaws(tip: Array, along: Array, radius: float) -> list[Solid]:
         )
         solids.append(_horn(points, radius * np.array([0.24, 0.20, 0.13, 0.03])))
     return solids
+
+
+def has_face(link: Link) -> bool:
+    """Tell whether a link stands upright, as a person's head does, whose eyes look ahead."""
+    span = link.ends[1] - link.ends[0]
+    return bool(span[1] > UPRIGHT * np.sqrt((span * span).sum()))
+
+
+def _face(tip: Array, along: Array, radius: float) -> list[Solid]:
+    """Return a nose and two ears."""
+    del along
+    places = [((0.97, -0.14, 0.0), (0.17, 0.21, 0.13))]
+    places += [((-0.06, -0.06, side), (0.15, 0.25, 0.09)) for side in (-0.97, 0.97)]
+    return [_blob(tip + radius * np.array(at), radius * np.array(size)) for at, size in places]
 
 
 def _blob(centre: Array, radii: Array) -> Solid:

@@ -5,8 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.people.build import Build
-from pipeline.simulation.people.fields import Field, cone, grown, half_space, stack, united, within
-from pipeline.simulation.people.patches import Patch, Surface, both, joined, polygonised, ramp
+from pipeline.simulation.people.fields import (
+    HEM_ROUND,
+    Field,
+    cone,
+    grown,
+    half_space,
+    stack,
+    united,
+    within,
+)
+from pipeline.simulation.people.patches import Patch, Surface, both, joined, kept, polygonised, ramp
 from pipeline.simulation.people.tubes import tube
 from pipeline.simulation.spatial import Array
 
@@ -37,6 +46,7 @@ CURL = (0.10, 0.45, 0.75)
 """How far the joints of a finger are bent [rad] at ease."""
 
 
+@kept
 def sleeves(build: Build, short: bool) -> Patch:
     """Return both sleeves, each beginning as a ball around its shoulder."""
     girth, z = build.girth, build.shoulders
@@ -50,13 +60,14 @@ def sleeves(build: Build, short: bool) -> Patch:
     )
     end = build.level(0.715 if short else 0.500)
     field = united([arm, shoulder], 0.02 * girth)
-    field = within(field, half_space((0.0, end, 0.0), (0.0, -1.0, 0.0)), 0.005 * girth)
+    field = within(field, half_space((0.0, end, 0.0), (0.0, -1.0, 0.0)), HEM_ROUND * girth)
     wide = 0.045 * girth
     low, high = (-wide, end - 0.02 * girth, z - wide), (wide, top + 0.045 * girth, z + wide)
     net = polygonised(field, low, high, 0.0150 * girth, stretch=1.0 if short else 1.5, hem=end)
     return both(net.follow("upper_arm_r", "forearm_r", _below_elbow(build, net)))
 
 
+@kept
 def arms(build: Build, short: bool) -> Patch:
     """Return both hands, with as much of the arms as short sleeves show."""
     girth, z = build.girth, build.shoulders

@@ -14,7 +14,7 @@ import numpy as np
 from pipeline.simulation.figures.solids import lofted
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import Field, ball, cone, cut, united
-from pipeline.simulation.people.patches import Patch, Surface, both, joined, polygonised, ramp
+from pipeline.simulation.people.patches import Patch, Surface, both, joined, kept, polygonised, ramp
 from pipeline.simulation.people.tubes import globe, tube
 from pipeline.simulation.spatial import Array, normalized
 
@@ -55,6 +55,7 @@ class Head:
         return self.at(0.300 - 0.02 * child, 0.015 - 0.045 * child, 0.150), radius * self.size
 
 
+@kept
 def skin(head: Head) -> Patch:
     """Return head, neck and ears, turning between chest and head along the neck."""
     s, build = head.size, head.build

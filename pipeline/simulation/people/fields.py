@@ -12,6 +12,9 @@ import numpy as np
 
 from pipeline.simulation.spatial import Array
 
+HEM_ROUND = 0.012
+"""Over what the edge of a hem is rounded, in girths: nets of sharper ones are ragged."""
+
 Field = Callable[[Array], Array]
 """From places (n, 3) to (n,) about the distance to the surface, negative inside [m]."""
 

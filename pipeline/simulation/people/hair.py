@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.simulation.people.face import Head
 from pipeline.simulation.people.fields import Field, ball, cone, half_space, united, within
-from pipeline.simulation.people.patches import Patch, polygonised, ramp
+from pipeline.simulation.people.patches import Patch, kept, polygonised, ramp
 
 Style = Callable[[Head], Field]
 
@@ -58,6 +58,7 @@ STYLES: Mapping[str, Style] = {"short": _short, "bob": _bob, "bun": _bun, "long"
 """All hair."""
 
 
+@kept
 def hair(head: Head, style: str) -> Patch:
     """Return the hair of a head; what hangs below the chin lies on the back."""
     s, c = head.size, head.centre

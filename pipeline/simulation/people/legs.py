@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import (
+    HEM_ROUND,
     Field,
     cone,
     half_space,
@@ -14,7 +15,7 @@ from pipeline.simulation.people.fields import (
     within,
 )
 from pipeline.simulation.people.frames import FRAMES
-from pipeline.simulation.people.patches import Patch, Surface, both, polygonised, ramp
+from pipeline.simulation.people.patches import Patch, Surface, both, kept, polygonised, ramp
 from pipeline.simulation.spatial import Array
 
 SEAT = (
@@ -36,7 +37,7 @@ LEG = (
     (0.350, 0.005, 0.041, 0.038, 0.039),
     (0.430, 0.005, 0.049, 0.047, 0.046),
     (0.480, 0.003, 0.052, 0.054, 0.047),
-    (0.530, 0.000, 0.042, 0.046, 0.036),
+    (0.530, 0.000, 0.038, 0.043, 0.032),
 )
 """Outline of a leg in trousers."""
 
@@ -59,6 +60,7 @@ APART = 0.2
 """How much legs are spread to be polygonised: thighs all but touch."""
 
 
+@kept
 def trousers(build: Build, short: bool) -> Patch:
     """Return trousers, or shorts, of both legs."""
     girth, end = build.girth, 0.330 if short else 0.046
@@ -66,7 +68,7 @@ def trousers(build: Build, short: bool) -> Patch:
     leg = stack(build.outline(LEG), build.hips)
     if short:
         hem = half_space((0.0, build.level(end), 0.0), (0.0, -1.0, 0.0))
-        leg = within(leg, hem, 0.006 * girth)
+        leg = within(leg, hem, HEM_ROUND * girth)
     whole = united([pelvis, leg], 0.030 * girth)
 
     def spread(places: Array) -> Array:
@@ -98,6 +100,9 @@ def _hung(build: Build, places: Array, net: Surface) -> Patch:
     # The groin runs upward to the outside, and lies lower behind than before.
     groin = build.level(0.475) + 0.8 * np.abs(z) + 0.3 * x
     thigh = 1.0 - ramp(y, groin - 0.060 * girth, groin + 0.048 * girth)
+    # Between the legs, above where they part, trousers follow neither.
+    inner = 1.0 - ramp(y, build.level(0.375), build.level(0.425))
+    thigh = thigh * np.maximum(inner, ramp(np.abs(z), 0.0, 0.020 * girth))
     knee = build.level(0.285)
     shin = 1.0 - ramp(y, knee - 0.038 * girth, knee + 0.038 * girth)
     lower = y < 0.5 * (knee + build.level(CROTCH))
@@ -110,6 +115,7 @@ def _hung(build: Build, places: Array, net: Surface) -> Patch:
     return Patch(places, net.faces, frames, np.where(lower, shin, thigh))
 
 
+@kept
 def shins(build: Build) -> Patch:
     """Return the bare legs below shorts."""
     girth, z = build.girth, build.hips
@@ -123,6 +129,7 @@ def shins(build: Build) -> Patch:
     return both(net.follow("thigh_r", "shin_r", share))
 
 
+@kept
 def shoes(build: Build) -> Patch:
     """Return both shoes."""
     size, z = build.proportions.foot * build.proportions.height, build.hips

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from pipeline.simulation.spatial import Array
 
 PINCH = 1e-9
 """How deep inside a sample is that was filled [m]."""
+
+kept = lru_cache(maxsize=256)
+"""For what many persons have alike: it is made once."""
 
 MIRROR = np.array([1.0, 1.0, -1.0])
 

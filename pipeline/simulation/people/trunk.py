@@ -9,14 +9,15 @@ from __future__ import annotations
 import numpy as np
 
 from pipeline.simulation.people.build import Build
-from pipeline.simulation.people.fields import cone, stack, united
-from pipeline.simulation.people.patches import MIRROR, Patch, polygonised, ramp
+from pipeline.simulation.people.fields import HEM_ROUND, cone, half_space, stack, united, within
+from pipeline.simulation.people.patches import MIRROR, Patch, kept, polygonised, ramp
 from pipeline.simulation.spatial import Array
 
 TORSO = (
-    (0.520, -0.003, 0.068, 0.077, 0.106),
-    (0.545, -0.003, 0.067, 0.074, 0.104),
-    (0.570, -0.002, 0.066, 0.069, 0.099),
+    (0.490, -0.003, 0.074, 0.083, 0.113),
+    (0.520, -0.003, 0.073, 0.081, 0.112),
+    (0.545, -0.003, 0.071, 0.077, 0.109),
+    (0.570, -0.002, 0.068, 0.071, 0.102),
     (0.605, 0.001, 0.063, 0.059, 0.090),
     (0.640, 0.002, 0.061, 0.054, 0.084),
     (0.680, 0.002, 0.063, 0.055, 0.085),
@@ -29,12 +30,14 @@ TORSO = (
 )
 """Outline of chest and waist in a shirt, from its hem to its collar; see `Build.outline`."""
 
-HEM = TORSO[0][0]
+HEM = 0.520
+"""Height of its hem."""
 
 YOKE = 0.0255
 """Radius of the shoulders."""
 
 
+@kept
 def shirt(build: Build) -> Patch:
     """Return the body of a shirt, between pelvis and chest."""
     girth = build.girth
@@ -42,7 +45,8 @@ def shirt(build: Build) -> Patch:
     neck = np.array([-0.008 * girth, build.level(0.832), 0.02 * girth])
     tip = np.array([0.0, build.level(0.811), build.shoulders - 0.006 * girth])
     right, left = (cone(neck * m, tip * m, 0.030 * girth, YOKE * girth) for m in (1.0, MIRROR))
-    field = united([torso, right, left], 0.035 * girth)
+    hem = half_space((0.0, build.level(HEM), 0.0), (0.0, -1.0, 0.0))
+    field = within(united([torso, right, left], 0.035 * girth), hem, HEM_ROUND * girth)
     wide = build.shoulders + 0.05 * girth
     low = (-0.1 * girth, build.level(0.49), -wide)
     high = (0.1 * girth, build.level(0.87), wide)

@@ -163,7 +163,7 @@ def reaches(count: int, seed: int) -> None:
             continue
         if start[0] < -0.1:
             continue
-        if goal[1] < 0.85 or moving.is_touching or not clear(start, goal, torso):
+        if goal[1] < 0.85 or moving.touches() or not clear(start, goal, torso):
             continue
         arm.traced = Passage([start, goal], 0.0, 1.0)
         arm.ease = np.radians([45, 25, 20, 70]).tolist()

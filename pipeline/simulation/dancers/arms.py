@@ -18,6 +18,10 @@ EASE, CALM = 20.0, 0.6
 """Stiffness [N m/rad] and damping [N m s/rad] that hold the elbow of an arm whose hand is pulled:
 without them the arm swings about the line from shoulder to hand like a marionette's."""
 
+SELDOM, SETTLES = 6, 0.3
+"""The elbow of a hand that has been where it goes for so long [s] is looked after at every sixth
+control alone: it hardly moves."""
+
 STIFF_WRIST = np.radians([50.0, 0.0, 0.0])
 """How wrists are held while a field pulls the hand [rad]."""
 
@@ -47,6 +51,7 @@ class Arm:
         self.by_fields = False
         self.ease: list[float] = moving.q[arm].tolist()
         self._written: Passage | None = None
+        self._controls = 0
         self.passage: Passage | None = None
         self.traced: Passage | None = None
         hinges = torso.linkage.hinges[self.all]
@@ -125,6 +130,9 @@ class Arm:
         else:
             velocity = fields.desired(hand, now, moving.places)
         moving.velocities[self.number] = velocity
+        self._controls += 1
+        if self._controls % SELDOM and self.traced is None and fields.is_there(now - SETTLES):
+            return
         free = _free(moving.jacobian(self.number)[:, self.own].tolist())
         torque = 0.0
         for f, wanted, angle in zip(free, self.ease, moving.q[self.own].tolist(), strict=True):

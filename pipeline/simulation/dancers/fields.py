@@ -153,9 +153,18 @@ class Fields:
         self.press = press
         self._begin(now, places)
 
+    def is_there(self, now: float) -> bool:
+        """Tell whether the point has come to its last place."""
+        if not self.legs or len(self.legs) < len(self.spots):
+            return False
+        return all(now >= leg.begin + leg.time for leg in self.legs)
+
     def desired(self, hand: Array, now: float, places: Array) -> Point:
         """Return the velocity that the `hand` (3,) is to have [m/s]."""
         x = as_point(hand)
+        if self.is_there(now):
+            self.point = as_point(places[self.spots[-1]])
+            return desired_velocity(self.point, x, self.rate)
         if len(self.legs) < len(self.spots):
             self._switch(x, now, places)
         weights, points, before, last = [1.0], [self.anchor], self.anchor, 1.0

@@ -18,6 +18,9 @@ EASE, CALM = 20.0, 0.6
 """Stiffness [N m/rad] and damping [N m s/rad] that hold the elbow of an arm whose hand is pulled:
 without them the arm swings about the line from shoulder to hand like a marionette's."""
 
+MOST_EASE = 8.0
+"""Greatest torque that does so [N m]."""
+
 SELDOM, SETTLES = 6, 0.3
 """The elbow of a hand that has been where it goes for so long [s] is looked after at every sixth
 control alone: it hardly moves."""
@@ -71,6 +74,7 @@ class Arm:
             self.fields.stay(self.moving.places[self.palm])
         else:
             self.moving.push[self.own] = 0.0
+            self.passage = None
             self.moving.targets[self.all] = self.moving.q[self.all]
 
     def pull(self, goal: Goal, now: float, land: float) -> None:
@@ -137,6 +141,7 @@ class Arm:
         torque = 0.0
         for f, wanted, angle in zip(free, self.ease, moving.q[self.own].tolist(), strict=True):
             torque += f * EASE * (wanted - angle)
+        torque = min(max(torque, -MOST_EASE), MOST_EASE)
         moving.push[self.own] = [torque * f for f in free]
 
     def turn_wrist(self, angles: Array, now: float, land: float) -> None:

@@ -66,7 +66,7 @@ class Dancing:
         self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
         self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
         self.postures = postures_of(choreography) if self._needs_postures() else ()
-        self._stand(ready_postures(choreography) if choreography.ready else {})
+        self._stand(ready_postures(choreography))
         rate = RATE * words.gains.rate
         self.arms = [
             Arm(side, self.torso, self.moving, rate, words.combine == "winner") for side in HANDS
@@ -126,6 +126,16 @@ class Dancing:
                     learnt = self.late.get(move.place, 0.0) + LEARNS * late
                     self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
                     self._meant[k].remove(move)
+
+    def missed(self) -> list[float]:
+        """Return how far each palm is from where its last move goes, 0 where that is no place [m]."""
+        found, places = list[float](), self.moving.places
+        for arm, k in zip(self.arms, self._next, strict=True):
+            rows = self.moves[HANDS.index(arm.side)]
+            spots = self.goals[rows[k - 1].subtask].spots if k else ()
+            away = places[arm.palm] - places[spots[-1]] if spots else np.zeros(3)
+            found.append(float(np.sqrt((away * away).sum())))
+        return found
 
     def _control(self, now: float) -> None:
         for arm in self.arms:

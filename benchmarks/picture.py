@@ -1,4 +1,4 @@
-"""The picture: seconds until a frame is as good as it should be, by four ways of rendering it.
+"""The picture: seconds until a frame is as good as it should be, by several ways of rendering it.
 
 Two scenes, sun and sky over textured ground and a studio with glossy bodies, are rendered with
 ever more samples, and each picture is compared with a reference of 4,096 samples by Mitsuba's
@@ -8,7 +8,8 @@ and 44 dB of PSNR and a FLIP of 0.05, 0.035 and 0.025, between measured counts b
 - loop: `path`, independent samples, the scene built anew for each frame, no denoiser, as a first
   script of Mitsuba's would do it;
 - path: `path` at its best: multijittered samples, the scene kept, and OIDN with colours;
-- ours: looks and paths, soft light cleaned apart from colours;
+- ours: looks and paths, soft light cleaned apart from colours, as in `final`;
+- half: the same with soft light at half the size, as in `preview`;
 - Cycles: where `bpy` is installed; it is told so where it is not.
 
     python benchmarks/picture.py [width] [samples of the reference]
@@ -46,7 +47,13 @@ SCENES = {"first_steps": 40, "toy": 30}
 """And the frame of each."""
 
 DEPTH = 4
-COUNTS = {"loop": (4, 16, 64, 256), "path": (1, 4, 16, 64), "ours": (1, 2, 4, 8, 16, 32)}
+COUNTS = {
+    "loop": (4, 16, 64, 256, 1024),
+    "path": (1, 4, 16, 64, 256),
+    "ours": (4, 8, 16, 32, 64, 128, 256),
+    "half": (1, 2, 4, 8, 16, 32),
+}
+"""Samples a pixel of each way; of ours, rays through each pixel."""
 DECIBELS, FLIPS = (36.0, 40.0, 44.0), (0.05, 0.035, 0.025)
 REPEATS = 3
 
@@ -91,7 +98,7 @@ def reference(shot: Shot, samples: int) -> Picture:
     if place.exists():
         return np.asarray(np.load(place), np.float32)
     stage = Stage(shot)
-    tracer = PathTracer(stage.scene, DEPTH)
+    tracer = PathTracer(stage.scene, stage.depth)
     part = min(64, samples)
     rounds = max(samples // part, 1)
     total = np.zeros((*shot.film.resolved().size[::-1], 3))
@@ -133,7 +140,9 @@ def _loop(shot: Shot, count: int) -> Callable[[int], Picture]:
     def render(seed: int) -> Picture:
         stage = Stage(shot)
         sensor = mi.load_dict(_plain_sensor(stage.sensor, shot, count))
-        plain = mi.load_dict({"type": "path", "max_depth": DEPTH, "rr_depth": DEPTH + 1})
+        plain = mi.load_dict(
+            {"type": "path", "max_depth": stage.depth, "rr_depth": stage.depth + 1}
+        )
         image = plain.render(stage.scene, sensor, seed=seed, spp=count)
         return np.array(image, np.float32)
 
@@ -170,7 +179,7 @@ def _path(shot: Shot, count: int) -> Callable[[int], Picture]:
     from render.stage import Stage
 
     stage, oidn = Stage(shot), _Albedo()
-    tracer = PathTracer(stage.scene, DEPTH)
+    tracer = PathTracer(stage.scene, stage.depth)
     return lambda seed: oidn.clean(
         tracer.expose(stage.sensor, 7919 * 65 * seed, range(count), count)
     )
@@ -198,17 +207,25 @@ class _Albedo:
         return np.asarray(cleaned, np.float32)
 
 
-def _ours(shot: Shot, count: int) -> Callable[[int], Picture]:
+def _ours(shot: Shot, count: int, soft_light: str = "full") -> Callable[[int], Picture]:
     from render.stage import Stage
 
+    words = {"soft_light": soft_light, "samples": count}
+    shot = replace(shot, film=shot.film.model_copy(update=words))
     stage, denoiser = Stage(shot), Denoiser()
-    return lambda seed: denoiser.clean(stage.expose(seed, range(count), count), "fast")
+    passes = shot.film.resolved().passes
+    return lambda seed: denoiser.clean(stage.expose(seed, range(passes), passes), "fast")
+
+
+def _half(shot: Shot, count: int) -> Callable[[int], Picture]:
+    return _ours(shot, count, "half")
 
 
 WAYS: dict[str, Callable[[Shot, int], Callable[[int], Picture]]] = {
     "loop": _loop,
     "path": _path,
     "ours": _ours,
+    "half": _half,
 }
 
 
@@ -235,7 +252,9 @@ def table(curves: dict[str, list[Point]]) -> None:
         cells = "".join(f"{'never' if s is None else f'{s:.3f}':>10s}" for s in found.values())
         ours = found["ours"]
         ratios = [
-            f"{way} {s / ours:.1f}" for way, s in found.items() if s and ours and way != "ours"
+            f"{way} {s / ours:.1f}"
+            for way, s in found.items()
+            if s and ours and way not in ("ours", "half")
         ]
         print(f"  {name:12s}{cells}   {', '.join(ratios)}")
 

@@ -94,7 +94,9 @@ PresetOption = Annotated[
 SizeOption = Annotated[
     str | None, typer.Option(metavar="WxH", help="Size of the frames, such as 1280x720.")
 ]
-SamplesOption = Annotated[int | None, typer.Option(min=1, max=65536, help="Light paths a pixel.")]
+SamplesOption = Annotated[
+    int | None, typer.Option(min=1, max=65536, help="Rays through each pixel.")
+]
 BackendOption = Annotated[
     BackendName, typer.Option(help="Variant of Mitsuba; the fastest that works if left out.")
 ]

@@ -69,7 +69,8 @@ class Denoiser:
         if mode == "off":
             return exposure.light
         fallen = exposure.indirect / (exposure.dye + FLOOR)
-        return exposure.direct + (exposure.color + FLOOR) * self._cleaned(fallen, mode)
+        soft = exposure.enlarged(self._cleaned(fallen, mode))
+        return exposure.direct + (exposure.color + FLOOR) * soft
 
     def _cleaned(self, light: Image, mode: Literal["fast", "high"]) -> Image:
         self.require()

@@ -18,8 +18,9 @@ class Exposure:
     Attributes:
         direct: (H, W, 3) light of lamps, seen or by way of the surface that is seen; linear sRGB.
         color: (H, W, 3) diffuse colour of the surface that is seen, 0 to 1, black in the sky.
-        indirect: (H, W, 3) all other light: of the sky, and from surface to surface.
-        dye: (H, W, 3) the colour again, as the samples of `indirect` have met it.
+        indirect: (H, W, 3) all other light: of the sky, and from surface to surface; or, at half
+            the size, (H / 2, W / 2, 3).
+        dye: the colour again, as the samples of `indirect` have met it, and of its size.
     """
 
     direct: Image
@@ -30,7 +31,11 @@ class Exposure:
     @property
     def light(self) -> Image:
         """All of it."""
-        return self.direct + self.indirect
+        return self.direct + self.enlarged(self.indirect)
+
+    def enlarged(self, soft: Image) -> Image:
+        """Return a picture of the size of soft light at that of the whole."""
+        return soft if soft.shape == self.direct.shape else _doubled(_doubled(soft, 0), 1)
 
     @staticmethod
     def mean(exposures: Sequence[Exposure]) -> Exposure:
@@ -40,3 +45,14 @@ class Exposure:
         count = np.float32(len(exposures))
         parts = [[e.direct, e.color, e.indirect, e.dye] for e in exposures]
         return Exposure(*(np.asarray(sum(p[1:], p[0]) / count) for p in zip(*parts, strict=True)))
+
+
+def _doubled(picture: Image, axis: int) -> Image:
+    """Return a picture twice as long along an axis, straight between the middles of pixels."""
+    near = np.moveaxis(picture, axis, 0)
+    before = np.concatenate([near[:1], near[:-1]])
+    after = np.concatenate([near[1:], near[-1:]])
+    twice = np.empty((2 * len(near), *near.shape[1:]), np.float32)
+    twice[0::2] = near + np.float32(0.25) * (before - near)
+    twice[1::2] = near + np.float32(0.25) * (after - near)
+    return np.moveaxis(twice, 0, axis)

@@ -22,10 +22,11 @@ class PathTracer:
     Args:
         scene: of Mitsuba.
         depth: longest path, in segments.
+        rays: paths through each pixel in a pass.
     """
 
-    def __init__(self, scene: Any, depth: int) -> None:
-        self._scene = scene
+    def __init__(self, scene: Any, depth: int, rays: int = 1) -> None:
+        self._scene, self._rays = scene, rays
         self._light = mi.load_dict({"type": "path", "max_depth": depth, "rr_depth": depth + 1})
         # Around the path tracer it would double the time.
         self._color = mi.load_dict({"type": "aov", "aovs": "color:albedo"})
@@ -43,6 +44,6 @@ class PathTracer:
         """Take note that the scene was changed in place: it keeps nothing of it."""
 
     def _rendered(self, integrator: Any, sensor: Any, seed: int, samples: int) -> Image:
-        image = integrator.render(self._scene, sensor, seed=seed, spp=samples)
+        image = integrator.render(self._scene, sensor, seed=seed, spp=samples * self._rays)
         # Reading the pixels waits for Mitsuba, so that times taken outside are honest.
         return np.array(image, np.float32)

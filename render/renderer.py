@@ -110,7 +110,7 @@ class Renderer:
         """Return the mean of all moments that the shutter is open."""
         stage = self._staged(shot)
         count = len(shot.moments)
-        each = max(round(film.samples / count), 1)
+        each = max(round(film.passes / count), 1)
         exposures = []
         for k, moment in enumerate(shot.moments):
             if k:

@@ -34,6 +34,7 @@ class Stage:
         build: the digest of what it was built for.
         scene: of Mitsuba.
         sensor: the camera in it.
+        depth: longest light path, in segments; glass takes more than the film asks for.
         handed_over: why Mitsuba's own path tracer is at work, or nothing.
     """
 
@@ -58,8 +59,8 @@ class Stage:
             }
         )
         self.sensor = self.scene.sensors()[0]
-        depth = self._film.depth + light_paths(shot.materials.values())
-        self._tracer, self.handed_over = tracer(self.scene, self._film.size, depth)
+        self.depth = self._film.depth + light_paths(shot.materials.values())
+        self._tracer, self.handed_over = tracer(self.scene, self._film, self.depth)
         self._values = mi.traverse(self.scene)
         self._shown: tuple[Mesh, ...] = shot.meshes
         self.move(shot.moments[0])

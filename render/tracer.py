@@ -12,13 +12,14 @@ import mitsuba as mi
 from render.exposure import Exposure
 from render.path_tracer import PathTracer
 from render.wavefront import Wavefront
+from render.words import FullFilm
 
 
 class Tracer(Protocol):
     """Traces one scene."""
 
     def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
-        """Return what the sensor sees, the mean of some passes of one path a pixel each.
+        """Return what the sensor sees, the mean of some passes; see `words.FullFilm.rays`.
 
         Args:
             sensor: of the scene.
@@ -33,16 +34,18 @@ class Tracer(Protocol):
         ...
 
 
-def tracer(scene: Any, size: tuple[int, int], depth: int) -> tuple[Tracer, str]:
+def tracer(scene: Any, film: FullFilm, depth: int) -> tuple[Tracer, str]:
     """Return the tracer for a scene, and why it is not ours, or nothing.
 
     Args:
         scene: of Mitsuba.
-        size: width and height of the picture [pixels].
-        depth: longest path, in segments.
+        film: size of the picture, and of its soft light.
+        depth: longest path, in segments; more than the film says where there is glass.
     """
     why = refusal(scene)
-    return (PathTracer(scene, depth), why) if why else (Wavefront(scene, size, depth), "")
+    if why:
+        return PathTracer(scene, depth, film.rays), why
+    return Wavefront(scene, film.size, depth, half=film.soft_light == "half"), ""
 
 
 def refusal(scene: Any) -> str:

@@ -10,7 +10,8 @@ in how the work is laid out, which decides the speed on a CPU:
 - A pass is traced in Python once and then played back, until something moves.
 - What lamps do for the surfaces that are seen, and these surfaces' colours, is sharp and cheap;
   what comes from the sky and from surface to surface is soft and dear. So the first has samples
-  of its own, several for each path of the second, and the two are handed on apart.
+  of its own, the *looks*, several for each path of the second, and the two are handed on apart;
+  for a preview the second is a picture half as wide and half as high.
 
 Sums are added up pass after pass and pixel by pixel, never by threads that meet, so that the
 same seed gives the same bits.
@@ -33,6 +34,7 @@ from numpy.typing import NDArray
 
 from render.exposure import Exposure
 from render.strata import grid
+from render.words.film import RAYS_A_PATH
 
 Image = NDArray[np.float32]
 
@@ -41,10 +43,6 @@ LANES = 1 << 19
 
 TILE = 4
 """Side of the squares of pixels whose paths lie beside each other."""
-
-LOOKS = 4
-"""Looks for each path. A look finds what is seen through a pixel and how lamps light it; that
-costs half of a path, and makes edges, textures and shadows clean, where the rest is smooth."""
 
 RECORDINGS = 8
 """Most recordings that are kept of one stage of the work."""
@@ -132,14 +130,37 @@ class Chance:
         return drawn
 
 
-@dataclass
-class Sums:
-    """What all passes have brought, lane by lane; see `exposure.Exposure`."""
+Sums = tuple[Any, Any]
+"""What all passes have brought, lane by lane, `mi.Color3f`: light, and the colour it fell on."""
 
-    direct: mi.Color3f
-    color: mi.Color3f
-    indirect: mi.Color3f
-    dye: mi.Color3f
+
+def _nothing(pixels: Any) -> Sums:
+    return dr.opaque(mi.Color3f, 0.0, len(pixels)), dr.opaque(mi.Color3f, 0.0, len(pixels))
+
+
+class Raster:
+    """The pixels of a picture in the order in which they are worked on, a part at a time.
+
+    Args:
+        size: width and height [pixels].
+
+    Attributes:
+        size: the same.
+        parts: numbers of pixels, row by row, `mi.UInt32` each.
+    """
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        self.size = size
+        order = _tiled(*size)
+        self.parts = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // LANES))]
+
+    def picture(self, parts: Sequence[Any], count: int) -> Image:
+        """Return the mean, (H, W, 3), of as many samples as are in the sums of each part."""
+        width, height = self.size
+        values = dr.empty(mi.Float, 3 * width * height)
+        for pixels, sums in zip(self.parts, parts, strict=True):
+            dr.scatter(values, sums / dr.opaque(mi.Float, count), pixels)
+        return np.array(values, np.float32).reshape(height, width, 3)
 
 
 class Wavefront:
@@ -149,13 +170,16 @@ class Wavefront:
         scene: of Mitsuba; see `tracer.refusal` for what it must not have.
         size: width and height of the picture [pixels].
         depth: longest path, in segments.
+        half: whether soft light is traced at half the size, one look in each pixel beside it.
     """
 
-    def __init__(self, scene: Any, size: tuple[int, int], depth: int) -> None:
-        self._scene, self._size, self._depth = scene, size, depth
-        order = _tiled(*size)
-        self._back = np.argsort(order)
-        self._parts = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // LANES))]
+    def __init__(
+        self, scene: Any, size: tuple[int, int], depth: int, *, half: bool = False
+    ) -> None:
+        self._scene, self._depth = scene, depth
+        self._looks = 1 if half else RAYS_A_PATH
+        self._sharp = Raster(size)
+        self._soft = Raster((size[0] // 2, size[1] // 2)) if half else self._sharp
         sky = scene.environment()
         self._sky_is_asked = sky is not None and sky.sampling_weight() > 0.0
         self._of = 0
@@ -172,23 +196,23 @@ class Wavefront:
             # Numbers of Python's in what is drawn by are not asked for by what plays back.
             self.moved()
             self._of = of
-        looks = range(LOOKS * passes.start, LOOKS * passes.stop)
-        found: list[list[Image]] = []
-        for pixels in self._parts:
-            sums = Sums(*(dr.opaque(mi.Color3f, 0.0, len(pixels)) for _ in range(4)))
+        looks = range(self._looks * passes.start, self._looks * passes.stop)
+        cells = grid(self._looks * of), grid(of)
+        sharp: list[Sums] = []
+        for pixels in self._sharp.parts:
+            sums = _nothing(pixels)
             for k in looks:
-                self._look(sensor, pixels, Chance(seed + 1, k, grid(LOOKS * of)), sums)
-            if self._depth > 1:
-                for k in passes:
-                    self._follow(sensor, pixels, Chance(seed, k, grid(of)), sums)
-            found.append([np.array(s) for s in (sums.direct, sums.color, sums.indirect, sums.dye)])
-        counts = (len(looks), len(looks), len(passes), len(passes))
-        return Exposure(
-            *(
-                self._picture(parts, count)
-                for parts, count in zip(zip(*found, strict=True), counts, strict=True)
-            )
-        )
+                sums = self._look(sensor, pixels, Chance(seed + 1, k, cells[0]), sums)
+            sharp.append(sums)
+        soft: list[Sums] = []
+        for pixels in self._soft.parts:
+            sums = _nothing(pixels)
+            for k in passes if self._depth > 1 else ():
+                sums = self._follow(sensor, pixels, Chance(seed, k, cells[1]), sums)
+            soft.append(sums)
+        direct, color = (self._sharp.picture(p, len(looks)) for p in zip(*sharp, strict=True))
+        indirect, dye = (self._soft.picture(p, len(passes)) for p in zip(*soft, strict=True))
+        return Exposure(direct, color, indirect, dye)
 
     def moved(self) -> None:
         """Forget what was recorded before the scene was changed.
@@ -199,47 +223,37 @@ class Wavefront:
         for stage in (self._looked, self._begun, self._shaded, self._shining, self._ended):
             stage.clear()
 
-    def _look(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> None:
-        """Add one look through every pixel to the sums."""
-        sums.direct, sums.color = self._looked(
-            self._scene,
-            pixels,
-            _ray(sensor, pixels, self._size, chance.draws(0)),
-            self._depth > 1,
-            (sums.direct, sums.color),
-            chance.draws(1),
+    def _look(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> Sums:
+        """Return the sums of direct light and colour with one look through every pixel."""
+        ray = _ray(sensor, pixels, self._sharp.size, chance.draws(0))
+        further: Sums = self._looked(
+            self._scene, pixels, ray, self._depth > 1, sums, chance.draws(1)
         )
+        return further
 
-    def _follow(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> None:
-        """Add one path from every pixel to the sums."""
+    def _follow(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> Sums:
+        """Return the sums of indirect light and dye with one path from every pixel."""
         count = dr.width(pixels)
         # Held in full, although all are equal, so that later steps have the kernel of the first.
         fresh = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        ray = _ray(sensor, pixels, self._size, chance.draws(0))
+        ray = _ray(sensor, pixels, self._soft.size, chance.draws(0))
         paths = self._begun(self._scene, pixels, ray, fresh)
         for step in range(1, self._depth):
             going = mi.UInt32(dr.compress(paths.hit.is_valid()))
             if dr.width(going) == 0:
-                return
+                return sums
             paths = dr.gather(Paths, paths, going)
             first = dr.opaque(mi.Bool, step == 1)
-            paths, sums.indirect, sums.dye = self._shaded(
-                self._scene,
-                paths,
-                (sums.indirect, sums.dye),
-                chance.draws(step),
-                first,
-                self._sky_is_asked,
+            draws = chance.draws(step)
+            paths, *further = self._shaded(
+                self._scene, paths, sums, draws, first, self._sky_is_asked
             )
+            sums = further[0], further[1]
         shining = mi.UInt32(dr.compress(self._shining(paths)))
         if dr.width(shining):
             paths = dr.gather(Paths, paths, shining)
-            sums.indirect = self._ended(self._scene, paths, sums.indirect)
-
-    def _picture(self, parts: Sequence[Image], count: int) -> Image:
-        width, height = self._size
-        rows = np.concatenate(parts, axis=1)[:, self._back].T / np.float32(count)
-        return np.ascontiguousarray(rows.reshape(height, width, 3), np.float32)
+            sums = self._ended(self._scene, paths, sums[0]), sums[1]
+        return sums
 
 
 def _played(stage: Callable[..., Any]) -> Any:
@@ -254,7 +268,7 @@ def _looked(
     scene: Any, pixels: Any, ray: Any, lamps: bool, sums: tuple[Any, Any], draws: Draws
 ) -> tuple[Any, Any]:
     """Add what is seen through every pixel, as lamps light it, and its colours."""
-    si = scene.ray_intersect(ray, mi.RayFlags.All, True)
+    si = scene.ray_intersect(ray, mi.RayFlags.All, coherent=True)
     emitter = si.emitter(scene)
     light = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     lamp, arriving = scene.sample_emitter_direction(
@@ -267,14 +281,15 @@ def _looked(
 
     value, density, color = dr.dispatch(si.bsdf(), answer, si, si.to_local(lamp.d))
     if lamps:
-        light += _reached(scene, si, lamp, density, value * arriving, si.is_valid())
+        light += _reached(scene, si, lamp, density, value * arriving, si.is_valid(), coherent=True)
     return sums[0] + light, sums[1] + color
 
 
 def _begun(scene: Any, pixels: Any, ray: Any, fresh: tuple[Any, Any]) -> Paths:
     """Begin a path in every pixel."""
     lanes = dr.arange(mi.UInt32, dr.width(pixels))
-    return Paths(lanes, pixels, ray.o, ray.d, scene.ray_intersect_preliminary(ray), *fresh)
+    hit = scene.ray_intersect_preliminary(ray, coherent=True)
+    return Paths(lanes, pixels, ray.o, ray.d, hit, *fresh)
 
 
 def _ray(sensor: Any, pixels: Any, size: tuple[int, int], draws: Draws) -> Any:
@@ -336,11 +351,20 @@ def _shaded(
     return onward, _added(sums[0], paths, _finite(light)), _added(sums[1], paths, dye)
 
 
-def _reached(scene: Any, si: Any, lamp: Any, density: Any, light: Any, asked: Any) -> Any:
+def _reached(
+    scene: Any,
+    si: Any,
+    lamp: Any,
+    density: Any,
+    light: Any,
+    asked: Any,
+    *,
+    coherent: bool = False,
+) -> Any:
     """Return the light of a lamp, weighted against rays along the surface, if nothing hides it."""
     light = _finite(light * dr.select(lamp.delta, 1.0, lamp.pdf / (lamp.pdf + density)))
     asked = asked & (lamp.pdf > 0.0) & (dr.max(light) > 0.0)
-    hidden = scene.ray_test(si.spawn_ray_to(lamp.p), asked)
+    hidden = scene.ray_test(si.spawn_ray_to(lamp.p), coherent, asked)
     return dr.select(asked & ~hidden, light, 0.0)
 
 

@@ -136,9 +136,12 @@ class Estimate:
 
 
 def work_of(film: FullFilm) -> float:
-    """Return how much work a frame is, in units of a megapixel of one sample of middling depth."""
+    """Return how much work a frame is, in units of about a megapixel of one path with its rays."""
     width, height = film.size
-    return width * height / 1e6 * (film.samples * (1 + film.depth) / 5 + _DENOISING[film.denoise])
+    soft = 0.25 if film.soft_light == "half" else 1.0
+    # A ray through a pixel, with its lamps, takes half of what a step of a path does.
+    traced = film.passes * (film.rays * 0.5 + soft * film.depth)
+    return width * height / 1e6 * (traced / 6 + soft * _DENOISING[film.denoise])
 
 
 def remembered() -> dict[str, float]:

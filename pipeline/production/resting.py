@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Mesh, Take
+from pipeline.simulation.take import UNSEEN, Mesh, Take
 from render.words import Material
 
 LONG = 1.6
@@ -23,12 +23,14 @@ APART = np.array([0.6180, 0.4142, 0.7321])
 
 
 def rests(take: Take, materials: Mapping[str, Material]) -> Sequence[NDArray[np.float32] | None]:
-    """Return the places (V, 3) of the vertices of all parts; None for one without a pattern."""
+    """Return the places (V, 3) of the vertices of all parts seen; None for one without pattern."""
     aligned = lru_cache(maxsize=None)(lambda number: along_first(take.meshes[number]))
     found: list[NDArray[np.float32] | None] = []
     for i, part in enumerate(take.parts):
+        if part.seen == UNSEEN:
+            continue
         plain = materials[part.material].texture == "none"
-        found.append(None if plain else (aligned(part.mesh) + i * APART).astype(np.float32))
+        found.append(None if plain else (aligned(part.seen) + i * APART).astype(np.float32))
     return found
 
 

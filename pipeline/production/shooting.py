@@ -14,7 +14,7 @@ from pipeline.production.landscape import ground_meshes
 from pipeline.production.mounting import mounts_of, sharp_nodes_of
 from pipeline.production.panning import Panning
 from pipeline.production.resting import rests
-from pipeline.production.skinning import Skin
+from pipeline.production.skinning import Skin, seen_parts
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
@@ -50,6 +50,7 @@ class Shooting:
         raster = self._prints.prints if self._prints else None
         self._ground = ground_meshes(take.terrain, words.show_forbidden, raster)
         self._skin = Skin.of(take)
+        self._parts = seen_parts(take)
         self._rests = rests(take, self.materials)
         self._lamps = CarriedLamps.of(scene, take)
 
@@ -72,8 +73,8 @@ class Shooting:
         at = row + part * self.clock.samples
         vertices = self._skin.posed(self.take, at)
         meshes = list(self._trodden(at))
-        for i, piece in enumerate(self.take.parts):
-            mesh = self.take.meshes[piece.mesh]
+        for i, piece in enumerate(self._parts):
+            mesh = self.take.meshes[piece.seen]
             placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
             if not piece.life[0] <= row < piece.life[1]:
                 # Hidden by collapsing: the topology of a build stays as it is.

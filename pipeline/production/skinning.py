@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, cross, matrix
-from pipeline.simulation.take import Take
+from pipeline.simulation.take import UNSEEN, Part, Take
 
 LEAP = 400.0
 """Speed over which something is taken to be set elsewhere [m/s]."""
@@ -18,14 +18,14 @@ _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """All vertices of a take, part after part, with the nodes that they follow.
+    """All that is seen of a take, part after part, with the nodes that vertices follow.
 
     Attributes:
         vertices: (V, 3) in the rest frame, relative to each of the two nodes: (2, V, 3) [m].
         nodes: (2, V).
         weights: (2, V, 1).
         blended: (B,) vertices that follow two nodes, in one part or the other.
-        starts: (P + 1,) first vertex of each part.
+        starts: (P + 1,) first vertex of each part that is seen.
     """
 
     vertices: Array
@@ -36,8 +36,8 @@ class Skin:
 
     @staticmethod
     def of(take: Take) -> Skin:
-        """Collect the vertices of all parts of `take`."""
-        meshes = [take.meshes[part.mesh] for part in take.parts]
+        """Collect the vertices of all parts of `take` that are seen."""
+        meshes = [take.meshes[part.seen] for part in seen_parts(take)]
         counts = [len(mesh.vertices) for mesh in meshes]
         nodes = np.concatenate([mesh.nodes for mesh in meshes]).T
         rest = np.array([node.rest for node in take.nodes])
@@ -95,6 +95,11 @@ class Skin:
         moved = 2.0 * _product(dual, real * _CONJUGATE)[:, 1:]
         result: Array = _turned(real, here) + moved
         return result
+
+
+def seen_parts(take: Take) -> tuple[Part, ...]:
+    """Return the parts of a take that are seen, in order."""
+    return tuple(part for part in take.parts if part.seen != UNSEEN)
 
 
 def poses(take: Take, at: float) -> tuple[Array, Array, Array]:

@@ -24,7 +24,7 @@ class Speed:
     Attributes:
         preset: its name.
         width, height: of a frame [pixels].
-        samples: light paths a pixel.
+        samples: rays through each pixel.
         moments: of a blurred frame.
         first: seconds until the first frame, with compiling and building.
         frame: seconds of each frame after that.

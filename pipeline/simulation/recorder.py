@@ -46,6 +46,7 @@ class Recorder:
         self.clock = clock
         self.ground = ground
         self.nodes, self.meshes, self.parts = _joined(inventories)
+        self._looks = _looks(inventories)
         self.channels = tuple(c for inventory in inventories for c in inventory.channels)
         self._slices = _slices(inventories)
         self.scaled = _scaled(inventories)
@@ -169,8 +170,8 @@ class Recorder:
             scaled=self.scaled,
             channels=self.channels,
             values=self.values,
-            meshes=self.meshes,
-            parts=self.parts,
+            meshes=self.meshes + self._looks,
+            parts=_seen(self.parts, len(self.meshes)),
             terrain=TerrainRecord(
                 field.vertices,
                 field.faces,
@@ -191,6 +192,7 @@ def _joined(
 ) -> tuple[tuple[Node, ...], tuple[Mesh, ...], tuple[Part, ...]]:
     """Put inventories one after the other, their numbers counted on."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
+    first_look = 0
     for inventory in inventories:
         first_node, first_mesh = len(nodes), len(meshes)
         for node in inventory.nodes:
@@ -200,8 +202,33 @@ def _joined(
             replace(mesh, nodes=(mesh.nodes + first_node).astype(np.int32))
             for mesh in inventory.meshes
         )
-        parts.extend(replace(part, mesh=part.mesh + first_mesh) for part in inventory.parts)
+        parts.extend(
+            replace(part, mesh=part.mesh + first_mesh, look=_counted(part.look, first_look))
+            for part in inventory.parts
+        )
+        first_look += len(inventory.looks)
     return tuple(nodes), tuple(meshes), tuple(parts)
+
+
+def _looks(inventories: Sequence[Inventory]) -> tuple[Mesh, ...]:
+    """Put the looks of inventories one after the other."""
+    looks, first = list[Mesh](), 0
+    for inventory in inventories:
+        looks.extend(
+            replace(mesh, nodes=(mesh.nodes + first).astype(np.int32)) for mesh in inventory.looks
+        )
+        first += len(inventory.nodes)
+    return tuple(looks)
+
+
+def _seen(parts: Sequence[Part], first: int) -> tuple[Part, ...]:
+    """Return parts whose looks stand after the `first` meshes of a take."""
+    return tuple(replace(part, look=_counted(part.look, first)) for part in parts)
+
+
+def _counted(look: int, first: int) -> int:
+    """Return the number of a look that is counted from `first` on."""
+    return look + first if look >= 0 else look
 
 
 def _scaled(inventories: Sequence[Inventory]) -> tuple[int, ...]:

@@ -121,9 +121,15 @@ class Mesh:
     uv: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 2), np.float32))
 
 
+OWN, UNSEEN = -1, -2
+"""Looks of a part: its own mesh, or none, since another part's look covers it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One visible solid.
+    """One solid, and what is seen of it.
+
+    What it weighs, strikes and sounds like follows from its mesh; it may look otherwise.
 
     Attributes:
         name: unique, such as "bug.l1.2".
@@ -132,6 +138,7 @@ class Part:
         material: by name.
         size: characteristic length [m].
         life: first row in which it is seen, and the first in which it no longer is.
+        look: number of the mesh that is seen in its place; `OWN` or `UNSEEN`.
     """
 
     name: str
@@ -140,6 +147,12 @@ class Part:
     material: str
     size: float
     life: tuple[int, int]
+    look: int = OWN
+
+    @property
+    def seen(self) -> int:
+        """Number of the mesh that is seen; `UNSEEN` if there is none."""
+        return self.mesh if self.look == OWN else self.look
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,7 +292,7 @@ class Take:
         channels: C numbers that change.
         values: (K, C) of the channels.
         meshes: surfaces that follow nodes.
-        parts: visible solids.
+        parts: solids, and what is seen of them.
         terrain: the ground.
         contacts: in the order of time.
         events: sound events in the order of time.

@@ -55,6 +55,7 @@ class Inventory:
         meshes: that follow its nodes.
         parts: what is seen.
         scaled: its nodes that have a scale.
+        looks: meshes that are seen in place of others; the looks of parts are their numbers.
     """
 
     nodes: tuple[Node, ...]
@@ -62,6 +63,7 @@ class Inventory:
     meshes: tuple[Mesh, ...]
     parts: tuple[Part, ...]
     scaled: tuple[int, ...] = ()
+    looks: tuple[Mesh, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +93,13 @@ class Facts:
         contacts: that began in it.
         notes: that the author should have.
         arrived: who has come to the end of its way in it.
+        touched: pairs who have begun to touch one another in it, by name.
     """
 
     contacts: tuple[Contact, ...] = ()
     notes: tuple[Note, ...] = ()
     arrived: tuple[str, ...] = ()
+    touched: tuple[tuple[str, str], ...] = ()
 
 
 class Troupe(Protocol):

@@ -22,6 +22,7 @@ from pipeline.spec.operations.sheet import MOST_NODES, Mark, Sheet, faults_of_ch
 from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Words
 
 PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
+Feet = Literal["plain", "claws", "hooves", "paws", "toes"]
 LinkShape = Literal["round", "straight", "box", "plate", "ball"]
 
 DENSEST = 100_000.0
@@ -103,6 +104,17 @@ class Figure(Words):
         "and by joint, such as base_pitch or joint1_bend.",
     )
     material: Name | None = Field(None, description="Material of parts that name none, by name.")
+    feet: Feet | None = Field(
+        None,
+        description="What legs end in; it is seen, and weighs nothing. Claws if left out for an "
+        "insect, plain for a mammal.",
+    )
+    eyes: bool = Field(True, description="Whether its head has eyes.")
+    jaws: bool | None = Field(
+        None,
+        description="Whether its head ends in two jaws, which are seen and weigh nothing; an "
+        "insect's does if left out.",
+    )
     density: Annotated[Number, Field(gt=0, le=DENSEST)] = Field(
         1000.0, description="Mass of the visible solids by volume [kg/m³]; water's if left out."
     )

@@ -29,7 +29,8 @@ class Golden(Words):
         None, description="Width and height [pixels], even; 256 wide if left out."
     )
     samples: Annotated[Whole, Field(ge=1, le=65536)] = Field(
-        16, description="Light paths a pixel: the more, the smaller is what can be told from noise."
+        64,
+        description="Rays through a pixel: the more, the less can hide in noise.",
     )
 
 

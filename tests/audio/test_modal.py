@@ -19,6 +19,9 @@ from audio.modal import write_wav
 RATES = [10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 144, 240]
 RATES = [Fraction(r) for r in RATES] + [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
 CEILING = 10 ** (-1 / 20)
+BY_DAY = ("wood", "metal", "cloth", "gravel")
+"""Materials of every kind of sound; the others wait for the night."""
+
 PLAIN = {"room": "dry", "master": "off"}
 
 
@@ -66,7 +69,13 @@ def test_below_frames_a_blow_is_heard_from_the_sample_of_its_cause_on(step, hear
     assert np.abs(sound[at]).min() > 1e-4
 
 
-@pytest.mark.parametrize("material", sorted(FAMILIES))
+@pytest.mark.parametrize(
+    "material",
+    [
+        name if name in BY_DAY else pytest.param(name, marks=pytest.mark.nightly)
+        for name in sorted(FAMILIES)
+    ],
+)
 def test_every_material_on_every_ground_starts_at_once_and_dies_away(step, heard, material):
     for surface in FAMILIES:
         sound = heard([step(2, material=material, surface=surface)], 24 * 8, 24)

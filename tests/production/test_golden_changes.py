@@ -24,7 +24,7 @@ from pipeline.production.goldens.checking import check
 from pipeline.production.goldens.content import Content, read_content
 from pipeline.production.goldens.judging import judge_frames
 from pipeline.production.goldens.places import GoldenFolder
-from pipeline.production.goldens.proof import Proof
+from pipeline.production.goldens.proof import Proof, filmed_for
 from pipeline.production.goldens.recording import record
 from pipeline.production.goldens.verdict import Outcome
 from pipeline.production.outputs import Outputs
@@ -58,7 +58,7 @@ materials:
 camera: {at: [0.9, 0.5, 0.9], look_at: [0.1, 0.12, 0]}
 light: LIGHT
 film: {size: [640, 360], depth: 3}
-golden: {frames: [8], size: [96, 54], samples: 16}
+golden: {frames: [8], size: [96, 54], samples: 64}
 """
 
 LIGHTS = (
@@ -238,7 +238,6 @@ def _some(count: int) -> list[object]:
     ]
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("k", _some(COUNT))
 def test_what_changes_a_film_is_noticed(bases: list[Base], k: int) -> None:
     mutate, layers = MUTATIONS[k % len(MUTATIONS)]
@@ -288,9 +287,7 @@ def other_jobs(base: Base, k: int, folder: Path) -> None:
     """Render the golden's frames in two processes, as `pronk render --jobs 2` does."""
     golden = base.golden
     assert golden.framing is not None
-    words = {"size": golden.framing.size, "samples": golden.framing.samples}
-    film = base.scene.film.model_copy(update={**words, "denoise": "off", "format": "png"})
-    scene = base.scene.model_copy(update={"film": film})
+    scene = filmed_for(base.scene, golden.framing)
     outputs = Outputs(folder, "bug")
     outputs.frames.mkdir(parents=True)
     write_take(base.take, outputs.take)
@@ -305,13 +302,13 @@ SOMEWHERE_ELSE = """
 import sys
 import numpy as np
 from pipeline.production.goldens.card import Framing
-from pipeline.production.goldens.proof import Proof
+from pipeline.production.goldens.proof import Proof, filmed_for
 from pipeline.spec import read_scene
 from render.backend import Backend
 from render.renderer import Renderer
 
 text, variant, library, place = sys.argv[1:]
-framing = Framing(numbers=(8,), size=(96, 54), samples=16)
+framing = Framing(numbers=(8,), size=(96, 54), samples=64)
 renderer = Renderer(Backend(variant, library, "0", "asked for"))
 np.savez(place, **{str(n): p for n, p in Proof(read_scene(text)).frames(framing, renderer)})
 """
@@ -354,7 +351,6 @@ def test_another_llvm_changes_no_bit(bases: list[Base], tmp_path: Path) -> None:
 HARMLESS = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other_jobs,)
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("k", _some(COUNT))
 def test_what_changes_no_film_is_let_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
     # Likewise mixed in every tenth of the list.

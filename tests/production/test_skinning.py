@@ -9,7 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from pipeline.production.shooting import Shooting
-from pipeline.production.skinning import Skin
+from pipeline.production.skinning import Skin, seen_parts
+from pipeline.simulation.spatial import matrix, rotation
 from pipeline.simulation.take import Mesh, Take
 from pipeline.spec import Scene
 
@@ -21,12 +22,38 @@ def rotated(q: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float6
 
 
 def slowly(take: Take, mesh: Mesh, vertex: int, row: int) -> NDArray[np.float64]:
-    place = np.zeros(3)
-    for node, weight in zip(mesh.nodes[vertex], mesh.weights[vertex], strict=True):
-        offset = mesh.vertices[vertex].astype(float) - np.array(take.nodes[node].rest)
-        moved = take.positions[row, node] + rotated(take.rotations[row, node], offset)
-        place += float(weight) * moved
-    return place
+    """Move a vertex by a part of the screw that takes its first node's frame to its second's.
+
+    A screw turns by θ about a line and slides by d along it. With weights 1 - w and w of its
+    ends the mean of the two dual quaternions is a screw about the same line, by
+    φ = 2 atan2(w sin θ/2, 1 - w + w cos θ/2) and d ∂φ/∂θ.
+    """
+    (a, b), w = mesh.nodes[vertex], float(mesh.weights[vertex, 1])
+    rest = [np.array(take.nodes[node].rest) for node in (a, b)]
+    p, q = take.positions[row], take.rotations[row]
+    here = p[a] + rotated(q[a], mesh.vertices[vertex].astype(float) - rest[0])
+    if w == 0.0:
+        return here
+    there = p[b] + rotated(q[b], mesh.vertices[vertex].astype(float) - rest[1])
+    turn = matrix(q[b]) @ matrix(q[a]).T
+    angle = float(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0)))
+    shift = there - turn @ here
+    if angle < 1e-9:
+        return here + w * shift
+    axis = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    axis /= 2.0 * np.sin(angle)
+    slide = float(axis @ shift)
+    point = np.linalg.pinv(np.eye(3) - turn) @ (shift - slide * axis)
+    A, B = 1.0 - w + w * np.cos(angle / 2), w * np.sin(angle / 2)
+    part = 2.0 * np.arctan2(B, A)
+    slope = (w * np.cos(angle / 2) * A + w * np.sin(angle / 2) * B) / (A * A + B * B)
+    return point + rotation(axis, part) @ (here - point) + slide * slope * axis
+
+
+def rigid(skin: Skin, node: int) -> NDArray[np.bool_]:
+    """Return which vertices follow one node alone."""
+    found: NDArray[np.bool_] = (skin.nodes[0] == node) & (skin.weights[1, :, 0] == 0.0)
+    return found
 
 
 def blended(take: Take) -> Take:
@@ -48,12 +75,38 @@ def test_vertices_stand_where_a_slow_evaluation_puts_them(take: Take, shared: bo
     random = np.random.default_rng(1)
     for row in (0, 13, len(take.positions) - 1):
         posed = skin.posed(take, row)
-        for i, part in enumerate(take.parts):
-            mesh = take.meshes[part.mesh]
+        for i, part in enumerate(seen_parts(take)):
+            mesh = take.meshes[part.seen]
             own = posed[skin.starts[i] : skin.starts[i + 1]]
             assert len(own) == len(mesh.vertices)
             for vertex in random.integers(len(own), size=5):
                 np.testing.assert_allclose(own[vertex], slowly(take, mesh, vertex, row), atol=2e-6)
+
+
+def test_a_hinge_keeps_the_distance_of_what_lies_around_it(take: Take) -> None:
+    """Two nodes that meet in one place: whatever its weights, what is between keeps its radius."""
+    chance = np.random.default_rng(7)
+    one = blended(take)
+    positions = take.positions.copy()
+    positions[3] = [0.4, 1.0, -0.2]
+    rotations = chance.normal(size=take.rotations.shape)
+    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
+    nodes = tuple(replace(node, rest=(0.0, 0.0, 0.0)) for node in take.nodes)
+    one = replace(one, nodes=nodes, positions=positions, rotations=rotations)
+    before = np.concatenate([one.meshes[part.seen].vertices for part in seen_parts(one)])
+    radius = np.linalg.norm(Skin.of(one).posed(one, 3) - [0.4, 1.0, -0.2], axis=-1)
+    np.testing.assert_allclose(radius, np.linalg.norm(before, axis=-1), rtol=1e-5, atol=1e-6)
+
+
+def test_nodes_that_move_apart_stretch_what_is_between_them(take: Take) -> None:
+    one = blended(take)
+    turned = np.broadcast_to(take.rotations[:, :1], take.rotations.shape)
+    one = replace(one, rotations=turned)
+    skin = Skin.of(one)
+    R, p = matrix(turned[3]), one.positions[3]
+    ends = [p[skin.nodes[k]] + (R[0] @ skin.vertices[k].T).T for k in (0, 1)]
+    expected = skin.weights[0] * ends[0] + skin.weights[1] * ends[1]
+    np.testing.assert_allclose(skin.posed(one, 3), expected, atol=2e-6)
 
 
 def test_a_scale_is_along_the_axes_of_its_node(take: Take) -> None:
@@ -62,8 +115,9 @@ def test_a_scale_is_along_the_axes_of_its_node(take: Take) -> None:
     row = 7
     posed, skin = Skin.of(scaled).posed(scaled, row), Skin.of(take)
     plain = skin.posed(take, row)
-    own = skin.nodes[0] == 1
-    np.testing.assert_array_equal(posed[~own], plain[~own])
+    own = rigid(skin, 1)
+    others = (skin.nodes != 1).all(axis=0)
+    np.testing.assert_array_equal(posed[others], plain[others])
     offsets = skin.vertices[0, own] * factors[0, 0]
     expected = [rotated(take.rotations[row, 1], offset) for offset in offsets]
     np.testing.assert_allclose(posed[own] - take.positions[row, 1], expected, atol=2e-6)
@@ -88,7 +142,7 @@ def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
         shot = shooting.shot(frame)
         ground, bodies = shot.meshes[:2], shot.meshes[2:]
         assert [mesh.name for mesh in ground] == ["terrain", "horizon"]
-        assert [mesh.name for mesh in bodies] == [part.name for part in take.parts]
+        assert [mesh.name for mesh in bodies] == [part.name for part in seen_parts(take)]
         posed = skin.posed(take, (frame - 1) * take.header.samples)
         np.testing.assert_array_equal(np.concatenate([m.vertices for m in bodies]), posed)
         assert shot.camera == shooting.poses[frame - 1]

@@ -28,7 +28,7 @@ def plate(depth: float, half: float) -> Mesh:
 
 
 def seen_through(lens: Lens | None, depth: float, half: float = 0.02) -> Shot:
-    film = Film(size=SIZE, samples=256, depth=1, denoise="off")
+    film = Film(size=SIZE, samples=1024, depth=1, soft_light="full", denoise="off")
     pose = CameraPose((0, 0, 0), (1, 0, 0), fov_deg=FOV, lens=lens)
     white = material({"color": [1, 1, 1], "roughness": 1.0})
     return Shot((plate(depth, half),), {"white": white}, light("studio"), pose, film)
@@ -108,7 +108,7 @@ def test_moments_are_seen_through_lenses_of_their_own(
     alone = [
         renderer.render(
             replace(
-                shot, camera=pose, seed=seed, film=shot.film.model_copy(update={"samples": 128})
+                shot, camera=pose, seed=seed, film=shot.film.model_copy(update={"samples": 512})
             )
         ).light
         for pose, seed in ((shot.camera, 0), (other, 7919))

@@ -163,7 +163,7 @@ def mean_of(renderer: Renderer, name: str) -> list[float]:
     return [float(v) for v in light_seen.mean(axis=(0, 1))]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_scalar_variant_shows_ground_in_the_same_colours() -> None:
     names = ("dry soil", "sand", "snow", "grass", "tiles")
     means = []

@@ -58,7 +58,7 @@ def light_of_both(
 )
 def test_the_mean_is_that_of_path(renderer: Renderer, make_shot: Make, name: str) -> None:
     lit, look = LOOKS[name]
-    film = Film(size=(64, 48), samples=64, depth=5, denoise="off")
+    film = Film(size=(64, 48), depth=5, soft_light="full", denoise="off")
     ours, theirs = light_of_both(make_shot(film=film, lit=lit, look=look), 64, 4)
     assert ours.mean() == pytest.approx(theirs.mean(), rel=0.004)
     # Nowhere is light lost or doubled: blocks of pixels agree as well as their noise lets them.
@@ -166,7 +166,7 @@ def test_a_medium_is_handed_over(renderer: Renderer) -> None:
     scene = mi.load_dict(
         {"type": "scene", "ball": {"type": "sphere", "bsdf": {"type": "null"}, "interior": fog}}
     )
-    found, why = tracer(scene, (8, 8), 3)
+    found, why = tracer(scene, Film(size=(16, 16)).resolved(), 3)
     assert isinstance(found, PathTracer)
     assert "medium" in why
 

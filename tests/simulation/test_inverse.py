@@ -19,11 +19,22 @@ from pipeline.simulation.figures.reach import reach
 from pipeline.simulation.figures.reroot import base_pose, link_poses
 from pipeline.simulation.figures.skeleton import BODY, Limb, Link, Skeleton
 from pipeline.simulation.spatial import Array
+from pipeline.spec.shipped import library as folder_of_scenes
+from pipeline.spec.shipped import names_in
 
 COUNTS = [
     pytest.param(100, marks=pytest.mark.slow),
     pytest.param(1000, marks=pytest.mark.nightly),
 ]
+BY_DAY = ("beetle", "hopper", "kangaroo", "person", "robot_arm")
+"""Figures of every kind of limb; the others wait for the night."""
+
+FIGURES = [
+    name if name in BY_DAY else pytest.param(name, marks=pytest.mark.nightly)
+    for name in names_in(folder_of_scenes() / "figures")
+]
+
+Library = Callable[[str], Figure]
 
 
 def _uniform(batch: LimbBatch, chance: np.random.Generator) -> Array:
@@ -65,9 +76,10 @@ Z = np.array([0.0, 0.0, 1.0])
 
 
 @pytest.mark.parametrize("count", COUNTS)
-def test_reachable_goals_are_reached(shipped: Figure, count: int) -> None:
+@pytest.mark.parametrize("name", FIGURES)
+def test_reachable_goals_are_reached(library: Library, name: str, count: int) -> None:
     """From the preferred pose at once by 97 % of each limb's, with restarts by 99.9 % of all."""
-    skeleton = shipped.skeleton
+    skeleton = library(name).skeleton
     limbs = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs for _ in range(count)])
     goals = limbs.pose(_uniform(limbs, np.random.default_rng(1))).tips
     start = limbs.pose(limbs.preferred)
@@ -83,7 +95,7 @@ def test_reachable_goals_are_reached(shipped: Figure, count: int) -> None:
     rates = ", ".join(
         f"{limb.name} {rate:.1%}" for limb, rate in zip(skeleton.limbs, met, strict=True)
     )
-    print(f"{shipped.name}: {met.mean():.2%} at once, {met_again:.3%} again; {rates}")  # noqa: T201
+    print(f"{name}: {met.mean():.2%} at once, {met_again:.3%} again; {rates}")  # noqa: T201
     assert met.min() >= 0.97
     assert met.mean() >= 0.99
     assert met_again >= 0.999
@@ -204,9 +216,11 @@ def test_through_full_extension_and_back(beetle: Figure) -> None:
     assert off.max() > 0.1
 
 
-def test_along_a_motion_nothing_jumps(shipped: Figure) -> None:
+@pytest.mark.parametrize("name", FIGURES)
+def test_along_a_motion_nothing_jumps(library: Library, name: str) -> None:
     """A circle about the rest, a warm start at every step."""
-    limbs = LimbBatch.of([(shipped.skeleton, limb) for limb in shipped.skeleton.limbs])
+    skeleton = library(name).skeleton
+    limbs = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs])
     pose = limbs.pose(limbs.preferred)
     centre, steps = pose.tips.copy(), 50
     for t in np.linspace(0, 2 * np.pi, steps):

@@ -206,18 +206,18 @@ def test_a_mood_changes_the_pace_by_its_factors_and_half_of_it_by_their_roots() 
 @pytest.mark.parametrize(
     "figure",
     [
-        "antelope",
+        pytest.param("antelope", marks=pytest.mark.nightly),
         "beetle",
-        "camel",
-        "centipede",
+        pytest.param("camel", marks=pytest.mark.nightly),
+        pytest.param("centipede", marks=pytest.mark.nightly),
         "hopper",
         "horse",
-        "kangaroo",
-        "ostrich",
+        pytest.param("kangaroo", marks=pytest.mark.nightly),
+        pytest.param("ostrich", marks=pytest.mark.nightly),
         "person",
-        "scorpion",
-        "spider",
-        "tripod",
+        pytest.param("scorpion", marks=pytest.mark.nightly),
+        pytest.param("spider", marks=pytest.mark.nightly),
+        pytest.param("tripod", marks=pytest.mark.nightly),
     ],
 )
 def test_legs_follow_every_mood_of_the_library(figure: str) -> None:

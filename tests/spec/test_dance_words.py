@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import pytest
@@ -113,7 +114,7 @@ def test_hands_arrive_on_beats_and_never_do_two_things_at_once() -> None:
     wanted = [2 + (16 * bar + k + 1) * beat for bar in range(2) for k in range(12)]
     assert landings == pytest.approx(wanted)
     for rows in moves.values():
-        for one, other in zip(rows, rows[1:], strict=False):
+        for one, other in itertools.pairwise(rows):
             assert one.begin < one.land <= other.begin
 
 
@@ -124,7 +125,7 @@ def test_durations_follow_one_another() -> None:
     moves = moves_of(member, dance, 40.0, "cast[0]")
     rows = sorted((m for some in moves.values() for m in some), key=lambda m: m.begin)
     assert [m.subtask + 1 for m in rows] == [1, 2, 5, 6, 7, 8, 9, 10, 11, 12]
-    for one, other in zip(rows, rows[1:], strict=False):
+    for one, other in itertools.pairwise(rows):
         assert other.begin == pytest.approx(one.land)
     assert [m.land - m.begin for m in rows] == pytest.approx(
         [time for time in dance.durations["force"] if time]

@@ -33,8 +33,8 @@ FPS = "should be a whole number 1 to 240, or text such as '30000/1001'"
 ONE_MISTAKE = [
     # Keys.
     ("speed:", "§sped:", "cast[0].walk.sped", "unknown key, did you mean 'speed'?"),
-    ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, duration, "
-     "figures, film, fps, frames, golden, light, materials, moods, pronk, ..."),
+    ("duration: 2", "duration: 2\n§zzz: 1", "zzz", "unknown key, known: camera, cast, dances, "
+     "duration, figures, film, fps, frames, golden, light, materials, moods, ..."),
     ("terrain: hills", "terrain: {kind: hills, §hight: 1}", "terrain.hight",
      "unknown key, did you mean 'height'?"),
     ("terrain: hills", "terrain: {kind: flat, §spacing: 1}", "terrain.spacing",
@@ -57,8 +57,8 @@ ONE_MISTAKE = [
     ("duration: 2", "duration: 2\ngolden: {frames: [1, §400]}", "golden.frames[1]",
      "the scene has frames 1-48, no 400"),
     ("terrain: hills", "§<<: {duration: 3}", "<<",
-     "unknown key, known: camera, cast, duration, figures, film, fps, frames, golden, light, "
-     "materials, moods, pronk, ..."),
+     "unknown key, known: camera, cast, dances, duration, figures, film, fps, frames, golden, "
+     "light, materials, moods, ..."),
     ("duration: 2", "duration: 2\n§duration: 2", "duration",
      "the key is repeated, it stands already on line 2"),
     ("{speed: 0.5}", "{speed: 0.5, cycle: 1, §speed: 0.5}", "cast[0].walk.speed",

@@ -52,6 +52,18 @@ def framing_of(scene: Scene) -> Framing:
     return Framing(numbers=tuple(sorted(set(numbers))), size=size, samples=scene.golden.samples)
 
 
+def filmed_for(scene: Scene, framing: Framing) -> Scene:
+    """Return the scene with the film of its golden's frames: as they are before the denoiser."""
+    words = {
+        "size": framing.size,
+        "samples": framing.samples,
+        "soft_light": "full",
+        "denoise": "off",
+        "format": "png",
+    }
+    return scene.model_copy(update={"film": scene.film.model_copy(update=words)})
+
+
 class Proof:
     """What a scene gives now; each thing is made when it is first asked for.
 
@@ -131,14 +143,7 @@ class Proof:
 
     def shots(self, framing: Framing) -> Iterator[tuple[int, Shot]]:
         """Yield the frames of a golden as the renderer is given them."""
-        words = {
-            "size": framing.size,
-            "samples": framing.samples,
-            "denoise": "off",
-            "format": "png",
-        }
-        film = self.scene.film.model_copy(update=words)
-        shooting = Shooting(self.scene.model_copy(update={"film": film}), self.take)
+        shooting = Shooting(filmed_for(self.scene, framing), self.take)
         for number in framing.numbers:
             yield number, shooting.shot(number)
 

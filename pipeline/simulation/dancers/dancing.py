@@ -26,7 +26,7 @@ TICKS = 96
 """How often a second controllers look at least; what depends on speeds alone acts at every step."""
 
 EARLY = 0.012
-"""How long before its beat a hand aims to touch [s]: what comes a moment late is seen a frame late."""
+"""How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
 
 EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.15
 """How far from its time a touch is taken for the one that was meant [s]; how much of an error is

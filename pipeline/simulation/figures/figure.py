@@ -9,11 +9,15 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.creation import create
 from pipeline.simulation.figures.drawing import Drawing, draw
 from pipeline.simulation.figures.flesh import Piece, flesh
+from pipeline.simulation.figures.looks import Looks, looks_of
 from pipeline.simulation.figures.network import Anatomy, analyse
 from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton
 from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, body_solid
 from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import Figure as Words
+
+FEET = {"insect": "claws", "mammal": "plain"}
+"""What legs end in where the words do not say it, by style."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +33,9 @@ class Figure:
         points: (n, 3) the nodes in the creation frame [m].
         style: insect or mammal.
         density: mass of its solids by volume [kg/m³].
+        feet: what legs end in.
+        jaws: whether its head has jaws.
+        eyes: whether it has eyes.
         skeleton: joints and links, scaled.
     """
 
@@ -40,6 +47,9 @@ class Figure:
     points: Array
     style: str
     density: float
+    feet: str
+    jaws: bool
+    eyes: bool
     skeleton: Skeleton
 
     @cached_property
@@ -65,7 +75,12 @@ class Figure:
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
         """All its visible solids, the body first."""
-        return tuple(flesh(self.skeleton, self.drawing, self.anatomy, self.body))
+        return tuple(flesh(self.skeleton, self.drawing, self.anatomy, self.body, self.eyes))
+
+    @cached_property
+    def looks(self) -> Looks:
+        """What is seen in place of its pieces."""
+        return looks_of(self)
 
     @property
     def belly(self) -> float:
@@ -90,5 +105,16 @@ def build_figure(name: str, words: Words, scale: float) -> Figure:
         ) from None
     material = words.material or ""
     return Figure(
-        name, material, scale, drawing, anatomy, points, words.style, words.density, skeleton
+        name,
+        material,
+        scale,
+        drawing,
+        anatomy,
+        points,
+        words.style,
+        words.density,
+        words.feet or FEET[words.style],
+        words.style == "insect" if words.jaws is None else words.jaws,
+        words.eyes,
+        skeleton,
     )

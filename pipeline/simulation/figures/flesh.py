@@ -48,14 +48,16 @@ class Piece:
         return self.solid.vertices.astype(np.float32)
 
 
-def flesh(skeleton: Skeleton, drawing: Drawing, anatomy: Anatomy, body: Solid) -> list[Piece]:
-    """Return the visible solids of a figure, the body first."""
+def flesh(
+    skeleton: Skeleton, drawing: Drawing, anatomy: Anatomy, body: Solid, eyes: bool = True
+) -> list[Piece]:
+    """Return the solids of a figure, the body first."""
     pieces = [_body(drawing, anatomy, body)]
     for number, link in enumerate(skeleton.links[1:], start=1):
         length = float(np.linalg.norm(link.ends[1] - link.ends[0]))
         solid = link_solid(link, SWELLING.get(link.kind, 0.08))
         pieces.append(Piece(link.name, number, solid, link.material, length))
-        if link.kind == HEAD and link.is_tip:
+        if eyes and link.kind == HEAD and link.is_tip:
             pieces.extend(_eyes(number, link))
     return pieces
 

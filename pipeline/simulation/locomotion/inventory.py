@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.locomotion.carriage.idle import Idlers
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.take import Channel, Mesh, Node, Part
+from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
 
 
@@ -130,13 +130,14 @@ def describe(
         *(Channel(f"{name}.speed", "m/s") for name in herd.names),
         *(Channel(name, "rad") for name in (*leg_joints, *idlers.names)),
     )
-    meshes, parts = list[Mesh](), list[Part]()
+    meshes, parts, looks = list[Mesh](), list[Part](), list[Mesh]()
     for c, figure in enumerate(herd.figures):
         first = int(np.argmax(table.owner == c))
         own = solids(herd.names[c], figure, first, len(meshes), materials[c], rows)
         meshes.extend(own[0])
-        parts.extend(own[1])
-    return Inventory(nodes, channels, tuple(meshes), tuple(parts))
+        parts.extend(with_looks(own[1], figure, len(looks)))
+        looks.extend(skins(figure, first))
+    return Inventory(nodes, channels, tuple(meshes), tuple(parts), looks=tuple(looks))
 
 
 def solids(
@@ -166,6 +167,31 @@ def solids(
         of = (mesh + len(meshes) - 1, piece.material or material, piece.size, (0, rows))
         parts.append(Part(f"{name}.{piece.name}", name, *of))
     return meshes, parts
+
+
+def with_looks(parts: Sequence[Part], figure: Figure, look: int) -> list[Part]:
+    """Return the parts of a creature with their looks, of which the first has a number."""
+    numbers = {piece: look + k for k, piece in enumerate(figure.looks.skins)}
+    numbers |= dict.fromkeys(figure.looks.covered, UNSEEN)
+    return [replace(part, look=numbers.get(i, OWN)) for i, part in enumerate(parts)]
+
+
+def skins(figure: Figure, first: int) -> list[Mesh]:
+    """Return what is seen in place of the meshes of a creature's parts.
+
+    Args:
+        figure: its.
+        first: number of its first node.
+    """
+    return [
+        Mesh(
+            skin.vertices.astype(np.float32),
+            skin.faces,
+            (skin.links + first).astype(np.int32),
+            np.stack([1.0 - skin.share, skin.share], axis=-1).astype(np.float32),
+        )
+        for skin in figure.looks.skins.values()
+    ]
 
 
 def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:

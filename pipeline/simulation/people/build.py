@@ -44,10 +44,14 @@ class Build:
         part = self.proportions.head_size
         return float(np.clip((part - ADULT.head_size) / 0.05, 0.0, 1.0))
 
-    def level(self, part: float | Array) -> Array:
-        """Return the height at which a person is who is as a grown-up at `part` of its own [m]."""
-        own = _landmarks(self.proportions)
-        result: Array = np.interp(part, _landmarks(ADULT), own) * self.proportions.height
+    def level(self, part: float) -> float:
+        """Return the height of what a grown-up has at `part` of its height [m]."""
+        return float(self.levels(np.array([part]))[0])
+
+    def levels(self, parts: Array) -> Array:
+        """Return the heights (n,) of what a grown-up has at `parts` (n,) of its height [m]."""
+        own = np.interp(parts, _landmarks(ADULT), _landmarks(self.proportions))
+        result: Array = own * self.proportions.height
         return result
 
     @property
@@ -60,15 +64,15 @@ class Build:
         """Half the distance of the shoulders [m]."""
         return self.proportions.shoulders * self.proportions.height
 
-    def outline(self, rows: Sequence[Sequence[float]], breadth: float = 1.0) -> Array:
+    def outline(self, rows: Sequence[Sequence[float]], breadth: float | Array = 1.0) -> Array:
         """Return the rows of a `stack` in metres.
 
         Args:
             rows: (n, 5) as parts of a grown-up's height.
-            breadth: what reaches to either side is multiplied by.
+            breadth: what reaches to either side is multiplied by, of all rows or (n,) of each.
         """
         table = np.array(rows, dtype=float)
-        table[:, 0] = self.level(table[:, 0])
+        table[:, 0] = self.levels(table[:, 0])
         table[:, 1:] *= self.girth
         table[:, 4] *= breadth
         return table

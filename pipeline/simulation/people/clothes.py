@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 from pipeline.simulation.seeds import generator
 
 Hair = Literal["short", "bob", "bun", "long", "none"]
 Stature = Literal["slim", "medium", "sturdy"]
+Word = TypeVar("Word", bound=str)
 
-SKINS = ("skin", "dark skin")
-HAIRS = ("black fur", "chestnut fur", "fur", "sand fur", "red fur")
-SHIRTS = ("red cloth", "blue cloth", "green cloth", "white cloth")
-TROUSERS = ("blue cloth", "black cloth", "leather")
+LIPS = {
+    "fair skin": "lips",
+    "skin": "lips",
+    "tan skin": "lips",
+    "brown skin": "dark lips",
+    "dark skin": "dark lips",
+}
+"""Skins, and the lips that go with them."""
+
+LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
+DARK_HAIR = ("black fur", "black fur", "chestnut fur")
+SHIRTS = ("red cloth", "green cloth", "white cloth", "yellow cloth", "blue cloth")
+TROUSERS = ("denim", "black cloth", "grey cloth")
+STYLES: tuple[Hair, ...] = ("short", "short", "bob", "bun", "long")
+STATURES: tuple[Stature, ...] = ("slim", "medium", "medium", "sturdy")
 SHOES = ("leather", "black cloth", "white cloth")
 
 
@@ -33,10 +45,10 @@ class Clothes:
         build: how stout.
     """
 
-    skin: str = "skin"
+    skin: str = "fair skin"
     hair: str = "chestnut fur"
     shirt: str = "red cloth"
-    trousers: str = "blue cloth"
+    trousers: str = "denim"
     shoes: str = "leather"
     style: Hair = "short"
     short_sleeves: bool = True
@@ -48,21 +60,21 @@ def clothes_of(name: str, seed: int, child: bool = False) -> Clothes:
     """Return what a person of a name wears by itself, under a scene's seed."""
     chance = generator(seed, f"{name}/clothes")
 
-    def one(*options: str) -> str:
+    def one(*options: Word) -> Word:
         return options[int(chance.integers(len(options)))]
 
-    skin, hair = one(*SKINS), one(*HAIRS)
-    shirt = one(*SHIRTS)
-    trousers = one(*(material for material in TROUSERS if material != shirt))
-    style = one("short", "short", "bob", "bun", "long")
+    skin = one(*LIPS)
+    hair = one(*(LIGHT_HAIR if LIPS[skin] == "lips" else DARK_HAIR))
+    shirt, trousers = one(*SHIRTS), one(*TROUSERS)
+    style = one(*STYLES)
     return Clothes(
         skin=skin,
-        hair="black fur" if skin == "dark skin" else hair,
+        hair=hair,
         shirt=shirt,
         trousers=trousers,
         shoes=one(*SHOES),
-        style=style,  # type: ignore[arg-type]
+        style=style,
         short_sleeves=bool(chance.random() < 0.6),
         shorts=bool(chance.random() < (0.6 if child else 0.15)),
-        build=one("slim", "medium", "medium", "sturdy"),  # type: ignore[arg-type]
+        build=one(*STATURES),
     )

@@ -6,13 +6,15 @@ X forward, Y up, Z to the right. A child's eyes are larger and lower, its jaw an
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.simulation.figures.solids import lofted
 from pipeline.simulation.people.build import Build
 from pipeline.simulation.people.fields import Field, ball, cone, cut, united
-from pipeline.simulation.people.patches import MIRROR, Patch, Surface, both, joined, polygonised, ramp
+from pipeline.simulation.people.patches import Patch, Surface, both, joined, kept, polygonised, ramp
 from pipeline.simulation.people.tubes import globe, tube
 from pipeline.simulation.spatial import Array, normalized
 
@@ -49,18 +51,19 @@ class Head:
     def eye(self) -> tuple[Array, float]:
         """Middle (3,) and radius of the right eye [m]."""
         child = self.build.childish
-        radius = 0.088 + 0.016 * child
+        radius = 0.082 + 0.020 * child
         return self.at(0.300 - 0.02 * child, 0.015 - 0.045 * child, 0.150), radius * self.size
 
 
+@kept
 def skin(head: Head) -> Patch:
     """Return head, neck and ears, turning between chest and head along the neck."""
     s, build = head.size, head.build
     centre = head.centre
-    base = float(build.level(0.826))
-    low = (centre[0] - 0.55 * s, base - 0.03 * s, -0.52 * s)
+    base = build.level(0.826)
+    low = (centre[0] - 0.55 * s, base - 0.20 * s, -0.52 * s)
     high = (centre[0] + 0.66 * s, centre[1] + 0.56 * s, 0.52 * s)
-    net = polygonised(_flesh(head), low, high, 0.047 * s, symmetric=True)
+    net = polygonised(_flesh(head), low, high, 0.063 * s, symmetric=True)
     y = net.vertices[:, 1]
     chin = float(head.at(0.0, -0.42, 0.0)[1])
     share = ramp(y, base + 0.15 * (chin - base), chin)
@@ -73,22 +76,44 @@ def _flesh(head: Head) -> Field:
     jaw = 1.0 - 0.10 * child
     solids = [
         ball(at(-0.045, 0.115, 0.0), s * np.array([0.430, 0.385, 0.345])),
-        ball(at(0.090, -0.130 - 0.02 * child, 0.0), s * np.array([0.285, 0.330, 0.262 + 0.02 * child])),
+        ball(
+            at(0.090, -0.130 - 0.02 * child, 0.0),
+            s * np.array([0.285, 0.330, 0.262 + 0.02 * child]),
+        ),
         cone(at(0.215, -0.385, -0.035), at(0.215, -0.385, 0.035), 0.105 * s * jaw, 0.105 * s * jaw),
         *pair(lambda m: ball(at(0.175, -0.150, 0.130 * m), (0.135 + 0.02 * child) * s)),
-        *pair(lambda m: cone(at(0.330, 0.135, 0.05 * m), at(0.245, 0.125, 0.215 * m), 0.058 * s, 0.05 * s)),
+        *pair(
+            lambda m: cone(
+                at(0.330, 0.135, 0.05 * m), at(0.245, 0.125, 0.215 * m), 0.058 * s, 0.05 * s
+            )
+        ),
     ]
     skull = united(solids, 0.11 * s)
     sockets = united(
-        pair(lambda m: ball(at(0.425, 0.020 - 0.05 * child, 0.150 * m), s * np.array([0.10, 0.075, 0.095]))), 0.02 * s
+        pair(
+            lambda m: ball(
+                at(0.425, 0.020 - 0.05 * child, 0.150 * m), s * np.array([0.10, 0.075, 0.095])
+            )
+        ),
+        0.02 * s,
     )
     skull = cut(skull, sockets, 0.09 * s)
     nose = 1.0 - 0.28 * child
     features = [
         skull,
-        cone(at(0.345, 0.06, 0.0), at(0.375 + 0.075 * nose, -0.125, 0.0), 0.030 * s, 0.052 * s * nose),
+        cone(
+            at(0.345, 0.06, 0.0), at(0.375 + 0.075 * nose, -0.125, 0.0), 0.030 * s, 0.052 * s * nose
+        ),
         *pair(lambda m: ball(at(0.375, -0.150, 0.048 * m * nose), 0.038 * s)),
-        *pair(lambda m: cone(at(0.375, -0.252, 0.0), at(0.335, -0.262, 0.080 * m), 0.026 * s, 0.014 * s, (1.0, 0.8, 1.0))),
+        *pair(
+            lambda m: cone(
+                at(0.375, -0.252, 0.0),
+                at(0.335, -0.262, 0.080 * m),
+                0.026 * s,
+                0.014 * s,
+                (1.0, 0.8, 1.0),
+            )
+        ),
         cone(at(0.362, -0.292, -0.035), at(0.362, -0.292, 0.035), 0.030 * s, 0.030 * s),
         *pair(lambda m: ball(at(-0.035, -0.035, 0.335 * m), s * np.array([0.085, 0.135, 0.048]))),
         _neck(head),
@@ -99,13 +124,13 @@ def _flesh(head: Head) -> Field:
 def _neck(head: Head) -> Field:
     build = head.build
     g = build.girth
-    base = (-0.010 * g, float(build.level(0.838)), 0.0)
+    base = (-0.010 * g, build.level(0.838), 0.0)
     top = head.at(-0.115, -0.22, 0.0)
     return cone(base, top, 0.0340 * g, 0.0315 * g)
 
 
-def _pair(made: object) -> list[Field]:
-    return [made(1.0), made(-1.0)]  # type: ignore[operator]
+def _pair(made: Callable[[float], Field]) -> list[Field]:
+    return [made(1.0), made(-1.0)]
 
 
 def whites(head: Head) -> Patch:
@@ -118,7 +143,7 @@ def pupils(head: Head) -> Patch:
     """Return the dark of both eyes: lenses on the balls, where they look."""
     centre, radius = head.eye
     along = normalized(GLANCE)
-    return both(_lens(centre + 0.60 * radius * along, along, 0.50 * radius).follow("head"))
+    return both(_lens(centre + 0.54 * radius * along, along, 0.62 * radius).follow("head"))
 
 
 def _lens(centre: Array, along: Array, radius: float) -> Surface:
@@ -133,8 +158,8 @@ def _lens(centre: Array, along: Array, radius: float) -> Surface:
 def lids(head: Head) -> Patch:
     """Return both upper lids: caps over the eyes, low enough for a calm look."""
     centre, radius = head.eye
-    one = _cap(centre, 1.09 * radius, tilt=0.30, edge=0.18)
-    low = _cap(centre, 1.07 * radius, tilt=np.pi - 0.25, edge=0.42)
+    one = _cap(centre, 1.09 * radius, tilt=0.12, edge=0.36)
+    low = _cap(centre, 1.07 * radius, tilt=np.pi - 0.15, edge=0.58)
     return both(joined([one.follow("head"), low.follow("head")]))
 
 
@@ -148,38 +173,50 @@ def _cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
         edge: how far the plane is above the centre, in radii.
     """
     begin = np.arcsin(edge)
-    angle = np.linspace(begin, np.pi / 2, 6)[:-1]
-    turn = np.arange(12) * (2.0 * np.pi / 12)
+    angle = np.linspace(begin, np.pi / 2, 5)[:-1]
+    turn = np.arange(10) * (2.0 * np.pi / 10)
     sizes, rises = np.cos(angle), np.sin(angle)
     # The rim has a thickness, and is closed inside of the ball.
     sizes, rises = np.concatenate([[0.90 * sizes[0]], sizes]), np.concatenate([[edge], rises])
     ring = np.stack(
         [
             sizes[:, None] * np.sin(turn),
-            np.repeat(rises[:, None], 12, axis=1),
+            np.repeat(rises[:, None], 10, axis=1),
             sizes[:, None] * np.cos(turn),
         ],
         axis=-1,
     )
-    from pipeline.simulation.figures.solids import lofted
-
     solid = lofted(ring, np.array([[0.0, edge, 0.0], [0.0, 1.0, 0.0]]))
     c, s = np.cos(tilt), np.sin(tilt)
     x, y, z = solid.vertices.T
-    return Surface(centre + radius * np.stack([c * x + s * y, c * y - s * x, z], axis=-1), solid.faces)
+    return Surface(
+        centre + radius * np.stack([c * x + s * y, c * y - s * x, z], axis=-1), solid.faces
+    )
 
 
 def brows(head: Head) -> Patch:
     """Return both brows."""
     s, child = head.size, head.build.childish
     lower = 0.03 * child
-    line = [(0.392, 0.118 - lower, 0.060), (0.366, 0.146 - lower, 0.135), (0.290, 0.122 - lower, 0.225)]
+    line = [
+        (0.394, 0.136 - lower, 0.066),
+        (0.364, 0.150 - lower, 0.140),
+        (0.288, 0.118 - lower, 0.225),
+    ]
     points = np.array([head.at(*p) for p in line])
-    return both(_flattened(tube(points, s * np.array([0.020, 0.021, 0.012]), 6)).follow("head"))
+    return both(tube(points, s * np.array([0.016, 0.018, 0.010]), 6).follow("head"))
 
 
-def _flattened(surface: Surface) -> Surface:
-    return surface
-
-
-__all__ = ["MIRROR", "Head", "brows", "lids", "pupils", "skin", "whites"]
+def lips(head: Head) -> Patch:
+    """Return both lips."""
+    s, child = head.size, head.build.childish
+    wide, up = 0.088 - 0.012 * child, 0.01 * child
+    upper = [(0.346, -0.268, wide), (0.391, -0.256, 0.4 * wide), (0.400, -0.262, 0.0)]
+    lower = [(0.346, -0.272, wide), (0.381, -0.293, 0.4 * wide), (0.389, -0.297, 0.0)]
+    made = []
+    for half, thick in ((upper, 0.019), (lower, 0.023)):
+        line = half + [(x, y, -z) for x, y, z in half[-2::-1]]
+        points = np.array([head.at(x, y + up, z) for x, y, z in line])
+        radii = s * thick * np.array([0.4, 0.95, 1.0, 0.95, 0.4])
+        made.append(tube(points, radii, 6).follow("head"))
+    return joined(made)

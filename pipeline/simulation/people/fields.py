@@ -12,17 +12,21 @@ import numpy as np
 
 from pipeline.simulation.spatial import Array
 
+HEM_ROUND = 0.012
+"""Over what the edge of a hem is rounded, in girths: nets of sharper ones are ragged."""
+
 Field = Callable[[Array], Array]
 """From places (n, 3) to (n,) about the distance to the surface, negative inside [m]."""
 
 
-def ball(centre: Sequence[float] | Array, radii: float | Sequence[float]) -> Field:
+def ball(centre: Sequence[float] | Array, radii: float | Array) -> Field:
     """Return an ellipsoid of `radii` along the axes around `centre` (3,) [m]."""
     middle, scale = np.asarray(centre, dtype=float), np.broadcast_to(radii, 3).astype(float)
     least = float(scale.min())
 
     def distance(places: Array) -> Array:
-        return (_length((places - middle) / scale) - 1.0) * least
+        result: Array = (_length((places - middle) / scale) - 1.0) * least
+        return result
 
     return distance
 
@@ -43,7 +47,8 @@ def cone(
         away = places - start
         s = np.clip((away * along).sum(axis=-1) / square, 0.0, 1.0)
         off = (away - s[:, None] * along) / wide
-        return (_length(off) - (r_a + (r_b - r_a) * s)) * least
+        result: Array = (_length(off) - (r_a + (r_b - r_a) * s)) * least
+        return result
 
     return distance
 
@@ -68,7 +73,8 @@ def stack(rows: Sequence[Sequence[float]] | Array, z: float = 0.0) -> Field:
         away = np.hypot(x / depth, (places[:, 2] - z) / aside)
         around = (away - 1.0) * np.minimum(depth, aside)
         beyond = np.maximum(heights[0] - places[:, 1], places[:, 1] - heights[-1])
-        return np.maximum(around, beyond)
+        result: Array = np.maximum(around, beyond)
+        return result
 
     return distance
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.simulation.people import arms, face, hair, legs, trunk
 from pipeline.simulation.people.build import STOUTNESS, Build
-from pipeline.simulation.people.clothes import Clothes, Hair, Stature
+from pipeline.simulation.people.clothes import LIPS, Clothes, Hair, Stature
 from pipeline.simulation.people.patches import Patch, joined
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.take import Mesh, Part
@@ -44,6 +44,7 @@ def dressed(proportions: Proportions, clothes: Clothes) -> tuple[Layer, ...]:
     """
     made_of = {
         "skin": clothes.skin,
+        "lips": LIPS.get(clothes.skin, "lips"),
         "hair": clothes.hair,
         "shirt": clothes.shirt,
         "trousers": clothes.trousers,
@@ -52,9 +53,7 @@ def dressed(proportions: Proportions, clothes: Clothes) -> tuple[Layer, ...]:
         "pupils": PUPIL,
     }
     shape = (clothes.style, clothes.short_sleeves, clothes.shorts, clothes.build)
-    return tuple(
-        Layer(name, mesh, made_of[name]) for name, mesh in _meshes(proportions, *shape)
-    )
+    return tuple(Layer(name, mesh, made_of[name]) for name, mesh in _meshes(proportions, *shape))
 
 
 def worn(
@@ -95,6 +94,7 @@ def _layers(
     head = face.Head(build)
     bare = [legs.shins(build)] if shorts else []
     yield "skin", [face.skin(head), face.lids(head), arms.arms(build, short_sleeves), *bare]
+    yield "lips", [face.lips(head)]
     locks = [] if style == "none" else [hair.hair(head, style)]
     yield "hair", [*locks, face.brows(head)]
     yield "shirt", [trunk.shirt(build), arms.sleeves(build, short_sleeves)]

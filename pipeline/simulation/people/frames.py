@@ -109,9 +109,7 @@ def frames_of(
         )
         R[f"hand_{side}"] = R[f"forearm_{side}"]
         leg = (p[f"hip_{side}"], p[f"knee_{side}"], p[f"foot_{side}"])
-        R[f"thigh_{side}"], R[f"shin_{side}"] = _limb(
-            R["pelvis"], *leg, -1.0, LEG_SPREAD * mirror
-        )
+        R[f"thigh_{side}"], R[f"shin_{side}"] = _limb(R["pelvis"], *leg, -1.0, LEG_SPREAD * mirror)
         sole = UP if soles is None else soles[..., k, :]
         R[f"foot_{side}"] = _foot(R[f"shin_{side}"], sole)
     rotations = np.stack([R[name] for name in FRAMES], axis=-3)
@@ -177,9 +175,10 @@ def _least_turned(along: Array, spread: Array) -> Array:
 
 
 def _swung(a: Array, b: Array, v: Array) -> Array:
-    """Return `v` turned by the smallest rotation that takes `a` to `b`, all (..., 3), |a| = |b| = 1.
+    """Return `v` turned by the smallest rotation that takes `a` to `b`, all (..., 3).
 
-    With c = a · b and w = a × b it is v + w × v + w × (w × v) / (1 + c).
+    `a` and `b` have length one. With c = a · b and w = a × b it is
+    v + w × v + w × (w × v) / (1 + c).
     """
     a, b, v = np.broadcast_arrays(a, b, v)
     w = cross(a, b)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,12 @@ from pipeline.simulation.figures.surfacenets import surface_nets
 from pipeline.simulation.people.fields import Field
 from pipeline.simulation.people.frames import FRAMES
 from pipeline.simulation.spatial import Array
+
+PINCH = 1e-9
+"""How deep inside a sample is that was filled [m]."""
+
+kept = lru_cache(maxsize=256)
+"""For what many persons have alike: it is made once."""
 
 MIRROR = np.array([1.0, 1.0, -1.0])
 
@@ -65,7 +72,9 @@ class Patch:
 
     def mirrored(self) -> Patch:
         """Return the same on the other side of the body, following its frames."""
-        return Patch(self.vertices * MIRROR, self.faces[:, ::-1], OTHER_SIDE[self.frames], self.share)
+        return Patch(
+            self.vertices * MIRROR, self.faces[:, ::-1], OTHER_SIDE[self.frames], self.share
+        )
 
 
 def _other_side(name: str) -> int:
@@ -101,6 +110,7 @@ def polygonised(
     cell: float,
     stretch: float = 1.0,
     symmetric: bool = False,
+    hem: float | None = None,
 ) -> Surface:
     """Return the surface on which a field is zero.
 
@@ -111,24 +121,76 @@ def polygonised(
         cell: distance of the samples [m].
         stretch: how much farther apart they are in height.
         symmetric: whether both sides of the body are alike, and sampled alike.
+        hem: height of an edge, which lies in the middle between samples, so that it is even [m].
     """
+    if symmetric:
+        field = _folded(field)
     steps = cell * np.array([1.0, stretch, 1.0])
-    axes = [_samples(*ends, symmetric and k == 2) for k, ends in enumerate(zip(low, high, steps, strict=True))]
+    axes = [
+        _samples(*ends, symmetric and k == 2)
+        for k, ends in enumerate(zip(low, high, steps, strict=True))
+    ]
+    if hem is not None:
+        axes[1] = axes[1] + (hem - axes[1][0] + 0.5 * steps[1]) % steps[1]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     values = field(grid.reshape(-1, 3)).reshape(grid.shape[:3])
-    if symmetric:
-        middle = len(axes[2]) // 2
-        values[:, :, :middle] = values[:, :, : middle - 1 : -1]
+    _fill_pinches(values)
     vertices, faces = surface_nets(values, np.zeros(3), 1.0)
     places = grid[0, 0, 0] + vertices * steps
     return Surface(_drawn_on(field, places, 0.25 * cell), faces)
 
 
+def _folded(field: Field) -> Field:
+    """Return a field whose left is as its right, to the last bit."""
+
+    def distance(places: Array) -> Array:
+        right = places.copy()
+        right[:, 2] = np.abs(right[:, 2])
+        return field(right)
+
+    return distance
+
+
+def _fill_pinches(values: Array) -> None:
+    """Fill samples in which two parts of a solid would meet in an edge alone.
+
+    Where the inside samples of a square lie across from one another, four faces would share an
+    edge.
+    """
+    found = True
+    while found:
+        found = False
+        for first, second in ((0, 1), (0, 2), (1, 2)):
+            a, b, c, d = _squares(values, first, second)
+            in_a, in_b, in_c, in_d = (corner < 0.0 for corner in (a, b, c, d))
+            across = (in_a == in_c) & (in_b == in_d) & (in_a != in_b)
+            if not across.any():
+                continue
+            # Samples are only ever filled, so this comes to an end.
+            found = True
+            for one, other, outside in ((a, c, ~in_a), (b, d, ~in_b)):
+                one[across & outside & (one <= other)] = -PINCH
+                other[across & outside & (one > other)] = -PINCH
+
+
+def _squares(values: Array, first: int, second: int) -> tuple[Array, Array, Array, Array]:
+    """Return the four corners of all squares of a grid along two of its axes, as views."""
+    n = values.shape
+
+    def corner(i: int, j: int) -> Array:
+        take = [slice(None)] * 3
+        take[first] = slice(i, n[first] - 1 + i)
+        take[second] = slice(j, n[second] - 1 + j)
+        return values[tuple(take)]
+
+    return corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)
+
+
 def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:
     if symmetric:
         half = int(np.ceil(high / step + 0.5))
-        return (np.arange(-half, half) + 0.5) * step
-    return low + step * np.arange(int(np.ceil((high - low) / step)) + 1)
+        return (np.arange(-half, half, dtype=float) + 0.5) * step
+    return low + step * np.arange(int(np.ceil((high - low) / step)) + 1, dtype=float)
 
 
 def _drawn_on(field: Field, places: Array, most: float) -> Array:
@@ -149,7 +211,7 @@ def _drawn_on(field: Field, places: Array, most: float) -> Array:
     return places
 
 
-def ramp(values: Array, begin: float, end: float) -> Array:
+def ramp(values: Array, begin: float | Array, end: float | Array) -> Array:
     """Return 0 up to `begin`, 1 from `end` on, and smoothly between; `end` may be the lower."""
     s = np.clip((values - begin) / (end - begin), 0.0, 1.0)
     result: Array = s * s * (3.0 - 2.0 * s)

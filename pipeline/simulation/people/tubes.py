@@ -8,7 +8,7 @@ from pipeline.simulation.figures.solids import lofted
 from pipeline.simulation.people.patches import Surface
 from pipeline.simulation.spatial import Array, cross, normalized
 
-CAP = np.radians([20.0, 55.0, 82.0])
+CAP = np.radians([25.0, 65.0])
 """Latitudes of the rings of a cap."""
 
 

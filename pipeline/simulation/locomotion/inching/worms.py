@@ -20,7 +20,7 @@ from pipeline.simulation.locomotion.inching.footing import Track
 from pipeline.simulation.locomotion.inching.pace import pace_of
 from pipeline.simulation.locomotion.inching.posing import Posed, posed
 from pipeline.simulation.locomotion.inching.steps import Step, Worm, poses_of
-from pipeline.simulation.locomotion.inventory import links_above, solids
+from pipeline.simulation.locomotion.inventory import links_above, skins, solids, with_looks
 from pipeline.simulation.locomotion.swings.swing import approach_speed
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
@@ -194,7 +194,7 @@ def describe(worms: Sequence[Worm], materials: Sequence[str], rows: int) -> Inve
         rows: of the take; parts live through all of them.
     """
     nodes, channels = list[Node](), list[Channel]()
-    meshes, parts = list[Mesh](), list[Part]()
+    meshes, parts, looks = list[Mesh](), list[Part](), list[Mesh]()
     for worm, material in zip(worms, materials, strict=True):
         figure, first = worm.chain.figure, len(nodes)
         links = figure.skeleton.links
@@ -208,5 +208,6 @@ def describe(worms: Sequence[Worm], materials: Sequence[str], rows: int) -> Inve
         channels.extend(Channel(f"{worm.name}.{joint}", "rad") for joint in names)
         own = solids(worm.name, figure, first, len(meshes), material, rows)
         meshes.extend(own[0])
-        parts.extend(own[1])
-    return Inventory(tuple(nodes), tuple(channels), tuple(meshes), tuple(parts))
+        parts.extend(with_looks(own[1], figure, len(looks)))
+        looks.extend(skins(figure, first))
+    return Inventory(tuple(nodes), tuple(channels), tuple(meshes), tuple(parts), looks=tuple(looks))

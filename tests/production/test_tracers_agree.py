@@ -1,0 +1,69 @@
+"""In whole scenes our tracer sees as much light as Mitsuba's own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.production.shooting import Shooting
+from pipeline.simulation.simulate import simulate
+from pipeline.spec import find_scene, load_scene
+from render.backend import choose
+from render.renderer import Renderer
+from render.shot import Shot
+from render.words import Film
+
+SCENES = (
+    "at_the_table",
+    "block_pile",
+    "campfire",
+    "dice",
+    "dunes",
+    "first_steps",
+    "materials",
+    "stepping_stones",
+    "toy",
+    "under_water",
+)
+SIZE, DEPTH, SAMPLES, ROUNDS = (96, 54), 5, 256, 16
+TOLERANCE = 0.002
+
+
+@pytest.fixture(scope="module")
+def renderer() -> Renderer:
+    return Renderer(choose())
+
+
+def shot_of(name: str) -> Shot:
+    """Return a frame in the first second of a shipped scene, small and without a denoiser."""
+    scene = load_scene(find_scene(name), ["duration=1"])
+    shot = Shooting(scene, simulate(scene)).shot(scene.n_frames // 2)
+    return replace(shot, film=Film(size=SIZE, depth=DEPTH, denoise="off"), later=())
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", SCENES)
+def test_as_much_light_in_shipped_scenes(renderer: Renderer, name: str) -> None:
+    """Within 0.2 % in the mean, and at most four standard errors apart."""
+    from render.path_tracer import PathTracer
+    from render.stage import Stage
+
+    shot = shot_of(name)
+    stage = Stage(shot)
+    assert stage.handed_over == ""
+    judge = PathTracer(stage.scene, stage.depth)
+    ours, theirs = (
+        np.array([one(k) for k in range(ROUNDS)])
+        for one in (
+            lambda k: stage.expose(k, range(SAMPLES), SAMPLES).light.mean(dtype=float),
+            lambda k: judge.expose(
+                stage.sensor, 1_000_003 * (k + 1), range(SAMPLES), SAMPLES
+            ).light.mean(dtype=float),
+        )
+    )
+    apart = ours.mean() / theirs.mean() - 1.0
+    error = np.hypot(ours.std(ddof=1), theirs.std(ddof=1)) / theirs.mean() / np.sqrt(ROUNDS)
+    assert abs(apart) < TOLERANCE, f"{apart:.5f} with a standard error of {error:.5f}"
+    assert abs(apart) < 4.0 * error + 1e-4, f"{apart:.5f} with a standard error of {error:.5f}"

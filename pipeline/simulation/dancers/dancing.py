@@ -128,7 +128,7 @@ class Dancing:
                     self._meant[k].remove(move)
 
     def missed(self) -> list[float]:
-        """Return how far each palm is from where its last move goes, 0 where that is no place [m]."""
+        """Return how far each palm is from where its move goes, 0 where that is no place [m]."""
         found, places = list[float](), self.moving.places
         for arm, k in zip(self.arms, self._next, strict=True):
             rows = self.moves[HANDS.index(arm.side)]

@@ -1,6 +1,6 @@
 """Jerk report: figure 3 again, with ours beside it, for people and programs.
 
-Source: Matarić et al. 1998, section 7.3 and figure 3.
+Source: Matarić, Zordan and Mason 1998, section 7.3 and figure 3.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ comes near the one before it: that is the feedback.
 The paper prints F = c (v_actual - v_desired), which drives a hand away for c > 0; it converges
 as written here.
 
-Source: Matarić et al. 1998, section 5; Flash and Hogan 1985; Henis and Flash 1995.
+Source: Matarić, Zordan and Mason 1998, section 5; Flash and Hogan 1985; Henis and Flash 1995.
 """
 
 from __future__ import annotations

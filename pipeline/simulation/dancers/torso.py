@@ -4,7 +4,7 @@ The frame is that of `Proportions.rest`: X forward, Y up, Z to the right, standi
 origin. Angles are those of anatomy: flexion raises an arm forward, abduction away from the
 body, rotation turns it inward, pronation turns the palm down when the arm is out.
 
-Source: Matarić et al. 1998, section 3; Winter 2009 for masses.
+Source: Matarić, Zordan and Mason 1998, section 3; Winter 2009 for masses.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ pulled a force F = c (v_desired - v) along each axis of the world. Both are actu
 damping enters the step implicitly, which keeps stiff gains stable at a film's steps. `mujoco`
 is imported when the first linkage is built.
 
-Source: Todorov 2014 (MuJoCo); Matarić et al. 1998, sections 5 and 6.
+Source: Todorov 2014 (MuJoCo); Matarić, Zordan and Mason 1998, sections 5 and 6.
 """
 
 from __future__ import annotations

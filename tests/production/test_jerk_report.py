@@ -108,7 +108,7 @@ def test_other_dances_are_reported_without_figure_three(tmp_path: Path) -> None:
         assert column["2"]["dimensionless"] > 600
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_gains_that_are_fitted_lower_the_jerk_and_still_reach() -> None:
     fitted = fit_jerk(read_scene(SHORT), reporter_for(False, True, False))
     assert fitted.facts["less"] > 0.02

@@ -22,7 +22,7 @@ TWO = """dances:
 """
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_arms_may_have_controllers_of_their_own() -> None:
     mixed = danced("controller: {r: force-field, l: joint-torque}, tempo_bpm: 80, start: 1", 3.0)
     right, left = mixed.dancing.arms

@@ -14,7 +14,7 @@ from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array
 
-EASE, CALM = 20.0, 0.6
+EASE, CALM = 20.0, 0.9
 """Stiffness [N m/rad] and damping [N m s/rad] that hold the elbow of an arm whose hand is pulled:
 without them the arm swings about the line from shoulder to hand like a marionette's."""
 

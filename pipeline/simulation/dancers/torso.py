@@ -70,7 +70,7 @@ GAINS = {
 """Stiffness [N m/rad], damping [N m s/rad] and strength [N m] of a grown-up's servos, chosen by
 hand and the same all the time."""
 
-DRAG, MOST_FORCE = 170.0, 260.0
+DRAG, MOST_FORCE = 230.0, 320.0
 """Gain c of the fields [N s/m], and their greatest force along an axis [N], of a grown-up."""
 
 PALM = 0.45

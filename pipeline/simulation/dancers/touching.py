@@ -14,7 +14,7 @@ AGAIN = 0.09
 TOGETHER = 0.03
 """What a hand touches so soon after something else is felt as one [s]."""
 
-LEAST = 0.01
+LEAST = 0.003
 """Least speed of approach that is felt [m/s]."""
 
 

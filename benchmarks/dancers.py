@@ -24,7 +24,7 @@ from pipeline.simulation.dancers.moves import beat_of, moves_of
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
-RATE, SECONDS, TIMES, CHUNK = 96.0, 8.0, 10, 24
+RATE, SECONDS, TIMES, CHUNK = 96.0, 8.0, 8, 24
 """Steps of the world a second, length of a measurement [s], how often it is made, and how many
 steps are measured at once."""
 

@@ -460,6 +460,23 @@ def jumps(
 
 
 @app.command()
+def fit(
+    scene: SceneName,
+    sets: Sets = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Find gains with which the first dancer of a scene moves its hands more smoothly."""
+    from pipeline.production.jerk_fit import fit_jerk
+    from pipeline.spec import find_scene, load_scene
+
+    reporter = _flags(json_lines, quiet, verbose)
+    fitted = fit_jerk(load_scene(find_scene(scene), sets or []), reporter)
+    reporter.result(fitted.text, fit=fitted.facts)
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Of the scene.")],
 ) -> None:

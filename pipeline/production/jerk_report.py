@@ -1,6 +1,6 @@
 """Jerk report: figure 3 again, with ours beside it, for people and programs.
 
-Source: Matarić et al. 1998, section 7.3 and figure 3.
+Source: Matarić, Zordan and Mason 1998, section 7.3 and figure 3.
 """
 
 from __future__ import annotations
@@ -78,6 +78,7 @@ def report_jerk(order: Order, reporter: Reporter) -> Told:
         with stage(reporter, "dance", 1) as current:
             trials = trials_of(order.scene)
             step(reporter, current, 1)
+            current.result = f"danced {2 * len(trials)} times"
         compared = {t.name: agreements(t) if is_figure_three(dance) else [] for t in trials}
         text = _text(member.name, dance, trials, compared)
         folder = run.outputs.folder

@@ -1,4 +1,6 @@
-"""Dance: what hands are to do and when, for either controller (Matarić et al. 1998, chapter 4).
+"""Dance: what hands are to do and when, for either controller.
+
+Source: Matarić, Zordan and Mason 1998, chapter 4.
 
 Each subtask is described once, in angles of joints where that is natural and by a place where
 that is; both controllers read the same words, as far as each can.

@@ -16,13 +16,15 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 
 HEADER = (
-    "pronk: 1\nduration: {duration}\n{more}\ncast:\n- {{name: adonis, dancer: torso, {words}}}\n"
+    "pronk: 1\nduration: {duration}\n{more}\ncast:\n- {{name: adonis, dancer: {build}, {words}}}\n"
 )
 
 
-def dancing_of(words: str, rate: float = 96.0, duration: float = 30, more: str = "") -> Dancing:
+def dancing_of(
+    words: str, rate: float = 96.0, duration: float = 30, more: str = "", build: str = "torso"
+) -> Dancing:
     """Return a dancer of its words, about to begin."""
-    scene = read_scene(HEADER.format(duration=duration, words=words, more=more))
+    scene = read_scene(HEADER.format(duration=duration, words=words, more=more, build=build))
     _, member = scene.dancers[0]
     dance = scene.dances[member.dance]
     moves = moves_of(member, dance, duration, "cast[0]")
@@ -101,6 +103,8 @@ class Seen:
         return slice(first, int(np.searchsorted(self.times, move.land + after)) + 1)
 
 
-def danced(words: str, until: float, rate: float = 96.0, more: str = "") -> Seen:
+def danced(
+    words: str, until: float, rate: float = 96.0, more: str = "", build: str = "torso"
+) -> Seen:
     """Return what a dancer of its words did."""
-    return Seen(dancing_of(words, rate, until + 1.0, more)).run(until)
+    return Seen(dancing_of(words, rate, until + 1.0, more, build)).run(until)

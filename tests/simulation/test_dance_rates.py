@@ -26,9 +26,16 @@ def test_halving_the_step_moves_hands_by_less_than_two_millimetres(by: str) -> N
     assert apart.max() < 0.002
 
 
-@pytest.mark.slow
+RATES = [
+    pytest.param(96, 240, marks=pytest.mark.slow),
+    pytest.param(96, 500, marks=pytest.mark.nightly),
+    pytest.param(100, 1000, marks=pytest.mark.nightly),
+    pytest.param(960, 2000, marks=pytest.mark.nightly),
+]
+
+
 @pytest.mark.parametrize("by", BOTH)
-@pytest.mark.parametrize(("rate", "steps"), [(96, 240), (96, 500), (100, 1000), (960, 2000)])
+@pytest.mark.parametrize(("rate", "steps"), RATES)
 def test_other_rates_and_steps_dance_the_same_dance(by: str, rate: int, steps: int) -> None:
     seen = danced(
         f"controller: {by}, tempo_bpm: 100, start: 1.0, steps_a_second: {steps}", UNTIL, rate

@@ -163,7 +163,7 @@ def reaches(count: int, seed: int) -> None:
             continue
         if start[0] < -0.1:
             continue
-        if goal[1] < 0.85 or moving.is_touching or not clear(start, goal, torso):
+        if goal[1] < 0.85 or moving.touches() or not clear(start, goal, torso):
             continue
         arm.traced = Passage([start, goal], 0.0, 1.0)
         arm.ease = np.radians([45, 25, 20, 70]).tolist()
@@ -199,7 +199,7 @@ def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffnes
         balance += moving.data.qfrc_gravcomp[own]
         np.testing.assert_allclose(balance, 0.0, atol=0.15)
     assert np.linalg.norm(found[0]) < 0.001
-    assert found[1][1] < -0.003
+    assert found[1][1] < -0.0015
 
 
 def test_a_spline_goes_through_its_postures_and_rests_at_both_ends() -> None:

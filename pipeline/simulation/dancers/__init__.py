@@ -1,1 +1,1 @@
-"""Dancers: a simulated torso, its two controllers, the dance, the measure (Matarić et al. 1998)."""
+"""Dancers: a torso, two controllers, the dance, the measure (Matarić, Zordan and Mason 1998)."""

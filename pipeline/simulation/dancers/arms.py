@@ -14,9 +14,16 @@ from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array
 
-EASE, CALM = 20.0, 0.6
+EASE, CALM = 20.0, 0.9
 """Stiffness [N m/rad] and damping [N m s/rad] that hold the elbow of an arm whose hand is pulled:
 without them the arm swings about the line from shoulder to hand like a marionette's."""
+
+MOST_EASE = 8.0
+"""Greatest torque that does so [N m]."""
+
+SELDOM, SETTLES = 6, 0.3
+"""The elbow of a hand that has been where it goes for so long [s] is looked after at every sixth
+control alone: it hardly moves."""
 
 STIFF_WRIST = np.radians([50.0, 0.0, 0.0])
 """How wrists are held while a field pulls the hand [rad]."""
@@ -47,6 +54,7 @@ class Arm:
         self.by_fields = False
         self.ease: list[float] = moving.q[arm].tolist()
         self._written: Passage | None = None
+        self._controls = 0
         self.passage: Passage | None = None
         self.traced: Passage | None = None
         hinges = torso.linkage.hinges[self.all]
@@ -66,6 +74,7 @@ class Arm:
             self.fields.stay(self.moving.places[self.palm])
         else:
             self.moving.push[self.own] = 0.0
+            self.passage = None
             self.moving.targets[self.all] = self.moving.q[self.all]
 
     def pull(self, goal: Goal, now: float, land: float) -> None:
@@ -125,10 +134,14 @@ class Arm:
         else:
             velocity = fields.desired(hand, now, moving.places)
         moving.velocities[self.number] = velocity
+        self._controls += 1
+        if self._controls % SELDOM and self.traced is None and fields.is_there(now - SETTLES):
+            return
         free = _free(moving.jacobian(self.number)[:, self.own].tolist())
         torque = 0.0
         for f, wanted, angle in zip(free, self.ease, moving.q[self.own].tolist(), strict=True):
             torque += f * EASE * (wanted - angle)
+        torque = min(max(torque, -MOST_EASE), MOST_EASE)
         moving.push[self.own] = [torque * f for f in free]
 
     def turn_wrist(self, angles: Array, now: float, land: float) -> None:

@@ -1,6 +1,6 @@
 """Carriage: waist and neck, held by servos; the head turns to the hand, the waist sways.
 
-Source: Matarić et al. 1998, sections 5 and 7.2 (head gaze).
+Source: Matarić, Zordan and Mason 1998, sections 5 and 7.2 (head gaze).
 """
 
 from __future__ import annotations

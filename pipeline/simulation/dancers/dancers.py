@@ -1,6 +1,6 @@
 """Dancers: all dancers of a scene, each a torso of its own.
 
-Source: Matarić et al. 1998.
+Source: Matarić, Zordan and Mason 1998.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from pipeline.simulation.dancers.arms import Arm
 from pipeline.simulation.dancers.carriage import Carriage
 from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, rest_posture
-from pipeline.simulation.dancers.moves import Move
+from pipeline.simulation.dancers.moves import Move, Occasion
 from pipeline.simulation.dancers.rehearsal import postures_of, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dancers.touching import Strike, Touching
@@ -25,7 +25,7 @@ from pipeline.spec.dancer import Arms, Gains
 TICKS = 96
 """How often a second controllers look at least; what depends on speeds alone acts at every step."""
 
-EARLY = 0.008
+EARLY = 0.012
 """How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
 
 EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.15
@@ -57,7 +57,7 @@ class Dancing:
         moves: Mapping[str, Sequence[Move]],
         beat: float,
         dt: float,
-        late: Mapping[tuple[int, int], float] | None = None,
+        late: Mapping[Occasion, float] | None = None,
     ) -> None:
         self.words, self.goals = words, choreography.goals
         self.torso = tuned(choreography.torso, words.gains)
@@ -66,7 +66,7 @@ class Dancing:
         self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
         self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
         self.postures = postures_of(choreography) if self._needs_postures() else ()
-        self._stand(ready_postures(choreography) if choreography.ready else {})
+        self._stand(ready_postures(choreography))
         rate = RATE * words.gains.rate
         self.arms = [
             Arm(side, self.torso, self.moving, rate, words.combine == "winner") for side in HANDS
@@ -74,7 +74,7 @@ class Dancing:
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
         self.late = dict(late or {})
-        self._current: list[Move | None] = [None] * len(HANDS)
+        self._meant: list[list[Move]] = [[] for _ in HANDS]
         self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
         self.touching = Touching(self.moving)
         self.count = 0
@@ -106,10 +106,9 @@ class Dancing:
         while done < self.substeps:
             before = now + done * step
             done += self.moving.advance(self.substeps - done)
-            if done < self.substeps or self.moving.is_touching:
-                strikes = self.touching.look(now + done * step, step, before)
-                self._learn(strikes)
-                found += strikes
+            strikes = self.touching.look(now + done * step, step, before)
+            self._learn(strikes)
+            found += strikes
         return found
 
     def _learn(self, strikes: Sequence[Strike]) -> None:
@@ -118,14 +117,25 @@ class Dancing:
             clap = strike.other.startswith("hand")
             for solid in (strike.hand, strike.other) if clap else (strike.hand,):
                 k = HANDS.index(solid[-1])
-                move = self._current[k]
+                # A hand that comes late has the next move to do already.
+                move = min(self._meant[k], key=lambda m: abs(strike.time - m.land), default=None)
                 if move is None or not (clap or self.goals[move.subtask].surface):
                     continue
                 late = strike.time - move.land + EARLY
                 if abs(late) < EXPECTED:
                     learnt = self.late.get(move.place, 0.0) + LEARNS * late
                     self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
-                    self._current[k] = None
+                    self._meant[k].remove(move)
+
+    def missed(self) -> list[float]:
+        """Return how far each palm is from where its move goes, 0 where that is no place [m]."""
+        found, places = list[float](), self.moving.places
+        for arm, k in zip(self.arms, self._next, strict=True):
+            rows = self.moves[HANDS.index(arm.side)]
+            spots = self.goals[rows[k - 1].subtask].spots if k else ()
+            away = places[arm.palm] - places[spots[-1]] if spots else np.zeros(3)
+            found.append(float(np.sqrt((away * away).sum())))
+        return found
 
     def _control(self, now: float) -> None:
         for arm in self.arms:
@@ -146,7 +156,8 @@ class Dancing:
 
     def _begin(self, arm: Arm, move: Move, now: float) -> None:
         goal = self.goals[move.subtask]
-        self._current[HANDS.index(arm.side)] = move
+        meant = self._meant[HANDS.index(arm.side)]
+        meant[:] = [*meant[-1:], move]
         land = move.land - self.late.get(move.place, 0.0)
         by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
         arm.drive(by_fields)

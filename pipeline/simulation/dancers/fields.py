@@ -16,7 +16,7 @@ comes near the one before it: that is the feedback.
 The paper prints F = c (v_actual - v_desired), which drives a hand away for c > 0; it converges
 as written here.
 
-Source: Matarić et al. 1998, section 5; Flash and Hogan 1985; Henis and Flash 1995.
+Source: Matarić, Zordan and Mason 1998, section 5; Flash and Hogan 1985; Henis and Flash 1995.
 """
 
 from __future__ import annotations
@@ -153,9 +153,18 @@ class Fields:
         self.press = press
         self._begin(now, places)
 
+    def is_there(self, now: float) -> bool:
+        """Tell whether the point has come to its last place."""
+        if not self.legs or len(self.legs) < len(self.spots):
+            return False
+        return all(now >= leg.begin + leg.time for leg in self.legs)
+
     def desired(self, hand: Array, now: float, places: Array) -> Point:
         """Return the velocity that the `hand` (3,) is to have [m/s]."""
         x = as_point(hand)
+        if self.is_there(now):
+            self.point = as_point(places[self.spots[-1]])
+            return desired_velocity(self.point, x, self.rate)
         if len(self.legs) < len(self.spots):
             self._switch(x, now, places)
         weights, points, before, last = [1.0], [self.anchor], self.anchor, 1.0

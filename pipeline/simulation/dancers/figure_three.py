@@ -3,7 +3,7 @@
 Their times are among the durations of the dance in the library. The force field could not
 turn a hand (subtasks 3 and 4).
 
-Source: Matarić et al. 1998, figure 3.
+Source: Matarić, Zordan and Mason 1998, figure 3.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ unit of an integral, which is that of the mean over time; both are told. C scale
 that slow movements have little of it whatever their form: C T⁵/D² has no unit and is 720 for the
 smoothest straight reach, of D in T between rest and rest, and more for every other.
 
-Source: Matarić et al. 1998, section 7.3; Flash and Hogan 1985.
+Source: Matarić, Zordan and Mason 1998, section 7.3; Flash and Hogan 1985.
 """
 
 from __future__ import annotations

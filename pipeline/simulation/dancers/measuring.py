@@ -17,6 +17,9 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance
 
+ABOUT = 0.1
+"""How much earlier or later than its time a hand may be where it goes [s]."""
+
 AFTER = 1.0
 """How long it is watched after the last move [s]."""
 
@@ -31,6 +34,7 @@ class Danced:
         speeds: (K, 20) of the joints [rad/s].
         torques: (K, 20) that drove them [N m].
         moves: side -> what it was to do.
+        missed: (K, 2) how far each palm is from where its last move goes, none yet: 0 [m].
     """
 
     times: Array
@@ -38,6 +42,7 @@ class Danced:
     speeds: Array
     torques: Array
     moves: dict[str, list[Move]]
+    missed: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +56,7 @@ class Measured:
         same_way: of the same way with the speed of least jerk.
         energy: that went through the joints, ∫ |τ · q'| dt [J].
         torque: greatest of any joint [N m].
+        missed: how far from its place the hand is when it is nearest, about its time [m].
     """
 
     subtask: int
@@ -59,6 +65,7 @@ class Measured:
     same_way: Jerk
     energy: float
     torque: float
+    missed: float
 
 
 def dance_through(member: Dancer, dance: Dance, path: str, rate: float, until: float) -> Danced:
@@ -81,14 +88,14 @@ def dance_through(member: Dancer, dance: Dance, path: str, rate: float, until: f
     last = max((move.land for rows in moves.values() for move in rows), default=0.0)
     count = round((min(last, until) + AFTER) * rate)
     moving, palms = one.moving, [arm.palm for arm in one.arms]
-    rows = [(moving.places[palms].copy(), moving.v.copy(), moving.torques())]
+    rows = [(moving.places[palms].copy(), moving.v.copy(), moving.torques(), one.missed())]
     for _ in range(count):
         one.advance()
-        rows.append((moving.places[palms].copy(), moving.v.copy(), moving.torques()))
-    hands, speeds, torques = (np.array(column) for column in zip(*rows, strict=True))
+        rows.append((moving.places[palms].copy(), moving.v.copy(), moving.torques(), one.missed()))
+    hands, speeds, torques, missed = (np.array(column) for column in zip(*rows, strict=True))
     times = np.arange(count + 1) / rate
     return Danced(
-        times, {side: hands[:, k] for k, side in enumerate(HANDS)}, speeds, torques, moves
+        times, {side: hands[:, k] for k, side in enumerate(HANDS)}, speeds, torques, moves, missed
     )
 
 
@@ -115,6 +122,7 @@ def _measured(danced: Danced, move: Move, side: str) -> Measured:
     times, hand = danced.times, danced.hands[side]
     span = move.begin, move.land
     inside = (times >= move.begin) & (times <= move.land)
+    about = (times >= move.land - ABOUT) & (times <= move.land + ABOUT)
     h = float(times[1] - times[0])
     power = np.abs(danced.torques[inside] * danced.speeds[inside]).sum(axis=1)
     return Measured(
@@ -124,4 +132,5 @@ def _measured(danced: Danced, move: Move, side: str) -> Measured:
         same_way_smoothly(times, hand, *span),
         float(power.sum() * h),
         float(np.abs(danced.torques[inside]).max(initial=0.0)),
+        float(danced.missed[about, HANDS.index(side)].min(initial=np.inf)),
     )

@@ -13,6 +13,10 @@ SLACK = 1e-6
 """Times nearer than this are the same [s]."""
 
 
+Occasion = tuple[int, int, bool]
+"""Subtask, which of its beats, and whether a bar was danced before."""
+
+
 @dataclass(frozen=True, slots=True)
 class Move:
     """One subtask done once.
@@ -32,9 +36,9 @@ class Move:
     beat: int = 0
 
     @property
-    def place(self) -> tuple[int, int]:
-        """What it is and where in the bar: the same in every bar."""
-        return self.subtask, self.beat
+    def place(self) -> Occasion:
+        """What it is and where in the bar: the same in every bar but the first, which begins."""
+        return self.subtask, self.beat, self.bar > 0
 
 
 def beat_of(dancer: Dancer, dance: Dance) -> float:

@@ -40,9 +40,9 @@ def body_places(who: Proportions) -> dict[str, Surface]:
     for side, z in (("r", 1.0), ("l", -1.0)):
         top = rest[f"shoulder_{side}"] + [0.0, -0.006, -0.05 * z]
         found[f"shoulder_{side}"] = ("chest", top, 0.030, (0.35, 1.0, 0.0))
-        for name, up in (("ribs", 0.012), ("low_ribs", -0.030)):
-            middle = np.array([0.0, ribs + up, 0.030 * z])
-            found[f"{name}_{side}"] = ("chest", middle, 0.061, (1.0, 0.0, 0.3 * z))
+        middle = np.array([0.0, ribs, 0.030 * z])
+        found[f"ribs_{side}"] = ("chest", middle, 0.061, (1.0, 0.2, 0.3 * z))
+        found[f"low_ribs_{side}"] = ("chest", middle, 0.061, (1.0, -0.55, 0.3 * z))
         head = np.array([0.004, 0.938, 0.0])
         found[f"head_back_{side}"] = ("head", head, 0.050, (-1.0, 0.0, 0.75 * z))
         hip = np.array([0.0, who.hip + 0.015, 0.038 * z])

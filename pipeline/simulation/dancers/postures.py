@@ -3,7 +3,7 @@
 The spline runs through the postures at knots spaced by how far they are apart; where on it the
 arm is to be follows the smooth step of least jerk, so that it begins and ends at rest.
 
-Source: Matarić et al. 1998, section 6.
+Source: Matarić, Zordan and Mason 1998, section 6.
 """
 
 from __future__ import annotations

@@ -23,6 +23,9 @@ from pipeline.simulation.spatial import Array
 STEP, TICK = 0.002, 2
 """Step [s], and how many of them a control lasts."""
 
+BEYOND = 0.12
+"""How far beyond a posture servos aim at most to press as the field did [rad]."""
+
 WAY, REST = 0.45, 0.35
 """How long a hand takes to a place, and rests there until it is still [s]."""
 
@@ -45,8 +48,9 @@ def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
     torso = choreography.torso
     moving = Moving(torso.linkage, STEP)
     arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
-    for arm in arms.values():
-        moving.q[arm.all] = moving.targets[arm.all] = rest_posture()
+    ready = ready_postures(choreography)
+    for side, arm in arms.items():
+        moving.q[arm.all] = moving.targets[arm.all] = ready.get(side, rest_posture())
     moving.settle()
     found, now = list[Rehearsed](), 0.0
     for goal in choreography.goals:
@@ -58,13 +62,16 @@ def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
         for spot in goal.spots:
             now = _visit(arm, moving, goal, spot, now)
             met = moving.q[arm.all].copy()
-            keys.append(met + moving.given()[arm.all] / arm.stiffness)
+            beyond = moving.given()[arm.all] / arm.stiffness
+            keys.append(met + np.clip(beyond, -BEYOND, BEYOND))
         found.append(Rehearsed(tuple(keys), met if goal.surface is not None else None))
     return tuple(found)
 
 
 def ready_postures(choreography: Choreography) -> dict[str, Array]:
     """Return the postures (7,) in which hands are ready, by side; hands go there past all drums."""
+    if not choreography.ready:
+        return {}
     linkage = replace(choreography.torso.linkage, discs=())
     torso = replace(choreography.torso, linkage=linkage)
     moving, found = Moving(linkage, STEP), dict[str, Array]()

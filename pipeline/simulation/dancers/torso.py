@@ -4,7 +4,7 @@ The frame is that of `Proportions.rest`: X forward, Y up, Z to the right, standi
 origin. Angles are those of anatomy: flexion raises an arm forward, abduction away from the
 body, rotation turns it inward, pronation turns the palm down when the arm is out.
 
-Source: Matarić et al. 1998, section 3; Winter 2009 for masses.
+Source: Matarić, Zordan and Mason 1998, section 3; Winter 2009 for masses.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ GAINS = {
 """Stiffness [N m/rad], damping [N m s/rad] and strength [N m] of a grown-up's servos, chosen by
 hand and the same all the time."""
 
-DRAG, MOST_FORCE = 170.0, 260.0
+DRAG, MOST_FORCE = 230.0, 320.0
 """Gain c of the fields [N s/m], and their greatest force along an axis [N], of a grown-up."""
 
 PALM = 0.45

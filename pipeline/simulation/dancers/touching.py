@@ -14,7 +14,7 @@ AGAIN = 0.09
 TOGETHER = 0.03
 """What a hand touches so soon after something else is felt as one [s]."""
 
-LEAST = 0.01
+LEAST = 0.003
 """Least speed of approach that is felt [m/s]."""
 
 
@@ -44,7 +44,8 @@ class Touching:
 
     def __init__(self, moving: Moving) -> None:
         self.moving = moving
-        self._last: dict[tuple[str, str], float] = {}
+        self._now: set[tuple[str, str]] = set()
+        self._left: dict[tuple[str, str], float] = {}
         self._felt: dict[str, float] = {}
 
     def look(self, now: float, step: float, since: float) -> list[Strike]:
@@ -55,24 +56,30 @@ class Touching:
             step: its duration [s].
             since: when this was last asked [s].
         """
-        found = list[Strike]()
-        if not self.moving.is_touching:
-            return found
+        if not self.moving.has_changed:
+            return []
+        then, before, found = now - step, self._now, list[Strike]()
+        self._now = set()
         for touch in self.moving.touches():
-            strike = self._strike(touch, now - step, since)
+            strike = self._strike(touch, then, since, before)
             if strike is not None:
                 found.append(strike)
+        for pair in before - self._now:
+            self._left[pair] = then
         return found
 
-    def _strike(self, touch: Touch, then: float, since: float) -> Strike | None:
+    def _strike(
+        self, touch: Touch, then: float, since: float, before: set[tuple[str, str]]
+    ) -> Strike | None:
         hand, other, normal = touch.one, touch.other, -touch.normal
         if not hand.startswith("hand"):
             hand, other, normal = other, hand, touch.normal
         if not hand.startswith("hand") or touch.depth < 0.0:
             return None
-        quiet = then - self._last.get((hand, other), -math.inf) > AGAIN
+        pair = hand, other
+        self._now.add(pair)
+        quiet = pair not in before and then - self._left.get(pair, -math.inf) > AGAIN
         quiet = quiet and then - self._felt.get(hand, -math.inf) > TOGETHER
-        self._last[hand, other] = then
         if not quiet or touch.speed < LEAST:
             return None
         self._felt[hand] = then

@@ -5,7 +5,7 @@ pulled a force F = c (v_desired - v) along each axis of the world. Both are actu
 damping enters the step implicitly, which keeps stiff gains stable at a film's steps. `mujoco`
 is imported when the first linkage is built.
 
-Source: Todorov 2014 (MuJoCo); Matarić et al. 1998, sections 5 and 6.
+Source: Todorov 2014 (MuJoCo); Matarić, Zordan and Mason 1998, sections 5 and 6.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ARMATURE = 0.004
 FRICTION = 0.5
 """Of skin on skin."""
 
-STRIDE = 2
+STRIDE = 3
 """Steps after which it is looked whether something has come into contact."""
 
 LIMB, TRUNK = 1, 2
@@ -94,6 +94,7 @@ class Moving:
         self._gain, self._bias = model.actuator_gainprm.copy(), model.actuator_biasprm.copy()
         self._jacobian = np.zeros((3, n))
         self._touching = 0
+        self._pairs = b""
         self.settle()
 
     def settle(self) -> None:
@@ -187,9 +188,12 @@ class Moving:
         return found
 
     @property
-    def is_touching(self) -> bool:
-        """Whether anything is in contact."""
-        return bool(self.data.ncon)
+    def has_changed(self) -> bool:
+        """Whether other solids are in contact than when this was asked last."""
+        pairs = self.data.contact.geom.tobytes() if self.data.ncon else b""
+        changed = pairs != self._pairs
+        self._pairs = pairs
+        return changed
 
 
 # --- the model --------------------------------------------------------------------------

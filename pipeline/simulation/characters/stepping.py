@@ -10,7 +10,7 @@ from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
-from pipeline.simulation.characters.projecting import finish, hold, project
+from pipeline.simulation.characters.projecting import are_held, finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
 from pipeline.simulation.characters.touching import are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
@@ -85,7 +85,7 @@ def _sub_step(
         hold(nodes, grips)
         for n in range(len(pairs)):
             a, b = pairs[n, 0], pairs[n, 1]
-            if are_near(nodes, links[a], links[b]):
+            if are_near(nodes, links[a], links[b]) and not are_held(nodes, links[a], links[b]):
                 meet(nodes, links, owners, (a, b), h, moment, log)
         _meet_boxes(nodes, links, owners, near, h, moment, log)
         for c in range(len(owners)):

@@ -42,6 +42,10 @@ def project(
     first = owner.limbs[0]
     for n in range(first, first + owner.limbs[1]):
         straighten(nodes, limbs[n])
+    if owner.glides:
+        for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
+            if nodes[i].glides:
+                nodes[i].p[1] = nodes[i].before[1] = nodes[i].place[1]
     return worst
 
 

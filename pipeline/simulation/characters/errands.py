@@ -258,7 +258,7 @@ class Hug:
         # The taller one's arms go over, the smaller one's under.
         over = -0.005 if me.height > 1.05 * self.size else -0.06
         level = min(max(own - 0.1 * me.height, low + 0.05 * self.size), high + over * self.size)
-        return level + (0.035 if k == 0 else -0.035) * actor.me.height
+        return float(level + (0.035 if k == 0 else -0.035) * actor.me.height)
 
     def _open(self, actor: Actor) -> None:
         """Hold both arms out, wide enough for the other's shoulders."""

@@ -126,7 +126,8 @@ def pace_of(person: Record) -> tuple[float, float]:
 @compiled
 def cycle_of(person: Record, k: int) -> float:
     """Return where a leg is in its own cycle: 0 when its foot may leave the ground."""
-    return (person.phase + 0.5 * k) % 1.0
+    at: float = (person.phase + 0.5 * k) % 1.0
+    return at
 
 
 @compiled

@@ -40,8 +40,10 @@ class HandRun:
         x, y, z = place
         turned = np.array([c * x + s * z, y, -s * x + c * z])
         if self.frame == "body":
-            return turned + me.wanted[PELVIS]
-        return turned + np.array([me.at[0], me.floor, me.at[1]])
+            turned += me.wanted[PELVIS]
+        else:
+            turned += [me.at[0], me.floor, me.at[1]]
+        return turned
 
 
 def hand_runs(keys: Sequence[PoseKey]) -> tuple[HandRun, ...]:

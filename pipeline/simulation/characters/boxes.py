@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
 from pipeline.simulation.characters.resting import WAKES, wake
-from pipeline.simulation.characters.touching import PARTING, rubbed, sense
+from pipeline.simulation.characters.touching import PARTING, borne, rubbed, sense
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
@@ -179,6 +179,16 @@ def _weights(at: Vector) -> Corners:
     )
 
 
+@inlined
+def _heaviest(weights: Corners) -> int:
+    """Return the nearest corner."""
+    best = 0
+    for k in range(1, 8):
+        if weights[k] > weights[best]:
+            best = k
+    return best
+
+
 @compiled
 def _meet(
     nodes: Records,
@@ -218,9 +228,12 @@ def _meet(
     if nearer > WAKES * h:
         wake(nodes, one)
         wake(nodes, other)
-    weight = (1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give
+    near, far = (i, i) if t == 0.0 else (i, j)
+    light = borne(near, far, normal[1])
+    weight = light * ((1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give)
+    firm = borne(nodes[first + _heaviest(weights)], nodes[first + _heaviest(weights)], -normal[1])
     for k in range(8):
-        weight += weights[k] ** 2 * nodes[first + k].give
+        weight += firm * weights[k] ** 2 * nodes[first + k].give
     if weight == 0.0:
         return
     _feel(links, n, other, max(nearer, 0.0) / h, weight, (at, normal), moment, log)
@@ -232,12 +245,12 @@ def _meet(
     back = (0.0, 0.0, 0.0)
     if one.bounciness > 0.0 and nearer > 2.0 * WAKES * h:
         back = times((one.bounciness * nearer + nearer - stopped) / weight, normal)
-    _move(i, i.give * (1.0 - t if t > 0.0 else 1.0), move, part, back)
+    _move(i, light * i.give * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:
-        _move(j, j.give * t, move, part, back)
+        _move(j, light * j.give * t, move, part, back)
     for k in range(8):
         corner = nodes[first + k]
-        _move(corner, -corner.give * weights[k], move, part, back)
+        _move(corner, -firm * corner.give * weights[k], move, part, back)
 
 
 @inlined

@@ -36,6 +36,10 @@ PARTING = 0.4
 LEAST_BOUNCE = 0.25
 """Speed of approach below which nothing bounces [m/s]."""
 
+BORNE, STEEP = 0.02, 0.3
+"""Part of its lightness that is left of what is pressed on the ground, and the cosine of the
+least angle to the level at which it is."""
+
 SPARE = 0.1
 """Part of its length that a link may be longer than it should."""
 
@@ -99,7 +103,8 @@ def meet(
     if nearer > WAKES * h:
         wake(nodes, one)
         wake(nodes, other)
-    w_a, w_b = _lightness(nodes, a), _lightness(nodes, b)
+    w_a = _lightness(nodes, a) * borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1])
+    w_b = _lightness(nodes, b) * borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1])
     if w_a + w_b == 0.0:
         return
     share = 1.0 / (w_a + w_b)
@@ -135,6 +140,16 @@ def grow_old(links: Records, h: float) -> None:
         link.age[1] += h
         if link.age[0] > PAUSE and (link.touched >= 0 or link.age[1] > PAUSE):
             link.touched, link.touched_owner = NOBODY, NOBODY
+
+
+@inlined
+def borne(one: Record, other: Record, up: float) -> float:
+    """Return how much is left of the lightness of what is pushed by a move so far up.
+
+    What lies on the ground is borne by it: something heavy would press it in, and it bear
+    nothing.
+    """
+    return BORNE if up < -STEEP and one.grounded + other.grounded > 0.0 else 1.0
 
 
 @inlined

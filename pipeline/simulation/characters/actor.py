@@ -149,7 +149,9 @@ class Actor:
 
     def hold(self, k: int, node: int) -> None:
         """Close a hand around a node."""
-        self.stage.crowd.grips[self.me.grip + k] = self.me.node + HAND + k, node
+        hand, nodes = int(self.me.node) + HAND + k, self.stage.crowd.nodes
+        self.stage.crowd.grips[self.me.grip + k] = hand, node
+        nodes["holds"][hand], nodes["holds"][node] = nodes["owner"][node], self.me.owner
 
     def held(self, k: int) -> int:
         """Return the node that a hand holds, -1 for none."""
@@ -157,8 +159,10 @@ class Actor:
 
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""
-        self.stage.crowd.grips[self.me.grip + k] = NOBODY
-        self.stage.crowd.grips[self.me.grip + 2] = NOBODY
+        grip = self.stage.crowd.grips[self.me.grip + k]
+        if grip[0] >= 0:
+            self.stage.crowd.nodes["holds"][grip] = NOBODY
+        grip[:] = NOBODY
         self.me.arm[k] = SWINGING
 
     def nearest(self, owner: int, place: Array) -> int:

@@ -60,6 +60,8 @@ NODE = np.dtype(
         ("lock", "i8"),
         ("owner", "i8"),
         ("link", "i8"),
+        # Whose the node is that it is held together with by a grip, or NOBODY.
+        ("holds", "i8"),
         # Whether it runs on a level bearing, at the height of its place.
         ("glides", "?"),
     ],
@@ -280,6 +282,7 @@ def _nodes(plans: Sequence[Plan], places: Sequence[Array], links: Structures) ->
     nodes["radius"] = np.concatenate([np.zeros(0), *(plan.radius for plan in plans)])
     nodes["air"] = np.repeat([plan.air for plan in plans], counts)
     nodes["owner"] = np.repeat(np.arange(len(plans)), counts)
+    nodes["holds"] = NOBODY
     for plan, first in zip(plans, _firsts(counts), strict=True):
         nodes["glides"][[first + k for k in plan.gliding]] = True
     nodes["link"] = _links_of(links["ends"], links["girth"], len(nodes))

@@ -78,6 +78,15 @@ def hold(nodes: Records, grips: Numbers) -> None:
 
 
 @inlined
+def are_held(nodes: Records, one: Record, other: Record) -> bool:
+    """Tell whether one of two links is held at one of its ends by whose the other is."""
+    for k in range(2):
+        if nodes[one.ends[k]].holds == other.owner or nodes[other.ends[k]].holds == one.owner:
+            return True
+    return False
+
+
+@inlined
 def _link(one: Record, other: Record, link: Record) -> float:
     """Move the ends of a link; return how much it was off, as a part of its length."""
     p, q = one.p, other.p

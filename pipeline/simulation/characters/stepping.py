@@ -10,7 +10,7 @@ from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
-from pipeline.simulation.characters.projecting import finish, hold, project
+from pipeline.simulation.characters.projecting import are_held, finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
 from pipeline.simulation.characters.touching import are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
@@ -91,7 +91,9 @@ def _sub_step(
         hold(nodes, grips)
         for k in range(len(pairs)):
             a, b = links[pairs[k, 0]], links[pairs[k, 1]]
-            if (owners[a.owner].busy or owners[b.owner].busy) and are_near(nodes, a, b):
+            if not (owners[a.owner].busy or owners[b.owner].busy) or are_held(nodes, a, b):
+                continue
+            if are_near(nodes, a, b):
                 meet(nodes, links, owners, (pairs[k, 0], pairs[k, 1]), h, moment, log)
         _meet_boxes(nodes, links, owners, near, h, moment, log)
         for c in range(len(owners)):

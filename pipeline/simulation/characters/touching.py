@@ -66,6 +66,7 @@ def meet(
     owners: Records,
     pair: tuple[int, int],
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -77,6 +78,7 @@ def meet(
         owners: all characters.
         pair: numbers of two links.
         h: the sub-step [s].
+        slack: how far what was in one another may part [m].
         moment: of the step that has gone.
         log: of what touched.
     """
@@ -120,7 +122,7 @@ def meet(
     depth = reach - apart
     one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
     stopped = min(depth, max(nearer, 0.0))
-    parted = min(depth - stopped, PARTING * h)
+    parted = min(depth - stopped, slack)
     move = plus(times(stopped, n), rubbed(slip, n, 0.5 * (one.friction + other.friction) * stopped))
     back = 0.0
     bounciness = max(one.bounciness, other.bounciness)

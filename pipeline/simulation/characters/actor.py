@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.characters.gait import wrapped
 from pipeline.simulation.characters.layout import NOBODY, Crowd
 from pipeline.simulation.characters.record import (
     HAND,
@@ -135,7 +134,8 @@ class Actor:
 
     def faces(self, tolerance: float) -> bool:
         """Tell whether it has turned to where it was to."""
-        return abs(wrapped(float(self.me.facing - self.me.heading))) < tolerance
+        off = math.remainder(float(self.me.facing - self.me.heading), 2.0 * math.pi)
+        return abs(off) < tolerance
 
     def look(self, place: Array) -> None:
         """Look at a place."""

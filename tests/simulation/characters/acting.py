@@ -86,7 +86,7 @@ def play_scene(
 
 def walk_words(kind: str, speed: float, terrain: str = "flat", length: float = 4.0) -> str:
     """Return the scene of one who walks straight on."""
-    seconds = length / speed + 2.0
+    seconds = length / speed + 2.6
     return (
         f"duration: {seconds:.2f}\nterrain: {terrain}\n"
         f"cast: [{{name: a, character: {kind}, at: [{-length / 2}, 0.3]}}]\n"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
 from pipeline.simulation.characters.resting import WAKES, wake
-from pipeline.simulation.characters.touching import borne, rubbed, sense
+from pipeline.simulation.characters.touching import borne, rub, rubbed, sense
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
@@ -230,12 +230,16 @@ def _meet(
     if nearer > WAKES * h:
         wake(nodes, one)
         wake(nodes, other)
+    rub(i, one, nearer / h)
+    rub(j, one, nearer / h)
     near, far = (i, i) if t == 0.0 else (i, j)
     light = borne(near, far, normal[1])
     weight = light * ((1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give)
     firm = borne(nodes[first + _heaviest(weights)], nodes[first + _heaviest(weights)], -normal[1])
     for k in range(8):
         weight += firm * weights[k] ** 2 * nodes[first + k].give
+        if weights[k] > 0.1:
+            rub(nodes[first + k], other, nearer / h)
     if weight == 0.0:
         return
     _feel(links, n, other, max(nearer, 0.0) / h, weight, (at, normal), moment, log)

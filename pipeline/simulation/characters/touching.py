@@ -43,6 +43,9 @@ least angle to the level at which it is."""
 SPARE = 0.1
 """Part of its length that a link may be longer than it should."""
 
+GENTLE = 0.5
+"""Speed of approach below which a touch is one of those that rest on one another [m/s]."""
+
 TINY = 1e-9
 
 
@@ -131,6 +134,17 @@ def meet(
     part, back_a = times(share * parted, n), times(share * back, n)
     _shift(nodes, a, times(share * w_a, move), times(w_a, part), times(w_a, back_a))
     _shift(nodes, b, times(-share * w_b, move), times(-w_b, part), times(-w_b, back_a))
+    if a.owner != b.owner:
+        for k in range(2):
+            rub(nodes[a.ends[k]], one, nearer / h)
+            rub(nodes[b.ends[k]], other, nearer / h)
+
+
+@inlined
+def rub(node: Record, owner: Record, speed: float) -> None:
+    """Let a node be damped that touches somebody gently, as on the ground; who acts damps itself."""
+    if speed < GENTLE and not owner.acts and owner.bounciness == 0.0:
+        node.rubbed = owner.ground
 
 
 @inlined

@@ -29,7 +29,7 @@ def feel(person: Record, nodes: Records, links: Records, owners: Records, dt: fl
     pelvis = nodes[person.node + PELVIS]
     x = (pelvis.p[0] - pelvis.before[0]) / dt - person.going[0]
     z = (pelvis.p[2] - pelvis.before[2]) / dt - person.going[1]
-    if person.seated == 0.0:
+    if person.seated == 0.0 and not person.frozen:
         off = (math.hypot(x, z) - KNOCK) / (KNOCKED - KNOCK)
         person.dazed = max(person.dazed, min(off, 1.0))
     owner = owners[person.owner]

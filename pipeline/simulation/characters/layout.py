@@ -53,9 +53,11 @@ NODE = np.dtype(
         ("give", "f8"),
         # Radius of what is there [m].
         ("radius", "f8"),
-        # Damping against the world; and the owner's where it touches the ground, else 0 [1/s].
+        # Damping against the world; and the owner's where it touches the ground, else 0, and where
+        # it touches others [1/s].
         ("air", "f8"),
         ("grounded", "f8"),
+        ("rubbed", "f8"),
         # FREE, LOCKED or LANDING; whose; the link with which it touches the ground.
         ("lock", "i8"),
         ("owner", "i8"),
@@ -350,9 +352,7 @@ def _firsts(counts: Sequence[int]) -> Numbers:
     return ends[:-1]
 
 
-def _numbered(
-    rows: Sequence[Sequence[Sequence[int]]], firsts: Numbers, columns: int
-) -> Numbers:
+def _numbered(rows: Sequence[Sequence[Sequence[int]]], firsts: Numbers, columns: int) -> Numbers:
     """Return numbers of each character, counted from its first, as numbers of all."""
     all_rows = [[k + a for k in row] for one, a in zip(rows, firsts, strict=True) for row in one]
     return np.array(all_rows, dtype=np.int64).reshape(-1, columns)

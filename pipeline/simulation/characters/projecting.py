@@ -50,9 +50,7 @@ def project(
 
 
 @inlined
-def finish(
-    nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record
-) -> None:
+def finish(nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record) -> None:
     """Go on with one character until nobody sees that its links are off; then set its joints."""
     for _ in range(MOST):
         if project(nodes, links, middles, limbs, owner) <= ENOUGH:

@@ -10,9 +10,9 @@ from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
-from pipeline.simulation.characters.projecting import are_held, finish, hold, project
+from pipeline.simulation.characters.projecting import finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
-from pipeline.simulation.characters.touching import are_near, grow_old, meet
+from pipeline.simulation.characters.touching import PARTING, are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
 from pipeline.simulation.dynamics.compiled import Records, compiled, entry
 from pipeline.simulation.dynamics.grid import Grid
@@ -53,7 +53,7 @@ def advance(
         count: of sub-steps.
     """
     h = dt / count
-    log.count[0] = 0
+    log.filled[0] = 0
     _forget(crowd.links)
     for n in range(count):
         steer(crowd, persons, grid, h)
@@ -85,23 +85,37 @@ def _sub_step(
     for n in range(ROUNDS + MORE):
         if n > 0:
             _choose(owners, n >= ROUNDS)
+        # What was in one another parts at its pace, however often it is gone through.
+        slack = PARTING * h / ROUNDS if n < ROUNDS else 0.0
         for c in range(len(owners)):
             if owners[c].busy:
                 project(nodes, links, middles, limbs, owners[c])
         hold(nodes, grips)
-        for k in range(len(pairs)):
-            a, b = links[pairs[k, 0]], links[pairs[k, 1]]
-            if not (owners[a.owner].busy or owners[b.owner].busy) or are_held(nodes, a, b):
-                continue
-            if are_near(nodes, a, b):
-                meet(nodes, links, owners, (pairs[k, 0], pairs[k, 1]), h, moment, log)
-        _meet_boxes(nodes, links, owners, near, h, moment, log)
+        _meet_all(nodes, links, owners, pairs, h, slack, moment, log)
+        _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
         for c in range(len(owners)):
             if owners[c].busy:
-                stand(nodes, links, owners[c], grid, level, h, moment, log)
+                stand(nodes, links, owners[c], grid, level, h, slack, moment, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish(nodes, links, middles, limbs, owners[c])
+
+
+@compiled
+def _meet_all(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    pairs: Numbers,
+    h: float,
+    slack: float,
+    moment: float,
+    log: Log,
+) -> None:
+    for n in range(len(pairs)):
+        a, b = links[pairs[n, 0]], links[pairs[n, 1]]
+        if (owners[a.owner].busy or owners[b.owner].busy) and are_near(nodes, a, b):
+            meet(nodes, links, owners, (pairs[n, 0], pairs[n, 1]), h, slack, moment, log)
 
 
 @compiled
@@ -120,6 +134,7 @@ def _meet_boxes(
     owners: Records,
     near: Numbers,
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -128,11 +143,11 @@ def _meet_boxes(
         if not one.busy and not other.busy:
             continue
         if one.edge > 0.0 and other.edge > 0.0:
-            part(nodes, one, other, h)
+            part(nodes, one, other, slack)
         if other.edge > 0.0:
-            meet_box(nodes, links, one, other, h, moment, log)
+            meet_box(nodes, links, one, other, h, slack, moment, log)
         if one.edge > 0.0:
-            meet_box(nodes, links, other, one, h, moment, log)
+            meet_box(nodes, links, other, one, h, slack, moment, log)
 
 
 @compiled

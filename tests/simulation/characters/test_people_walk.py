@@ -133,7 +133,7 @@ def test_steps_come_as_often_as_people_take_them() -> None:
 @pytest.mark.parametrize(("speed", "flies"), [(1.35, False), (3.2, True)])
 @pytest.mark.slow
 def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None:
-    play = walk("adult", speed)
+    play = walk("adult", speed, "flat", 9.0 if flies else 4.0)
     doing = play.records["doing"][:, 0]
     going = np.hypot(*play.records["going"][:, 0].T) > 0.85 * speed
     assert going.sum() > 20

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pipeline.simulation.characters.actor import SIDES, Actor, Stage
+from pipeline.simulation.characters.actor import SIDES, Actor, Stage, is_heavy
 from pipeline.simulation.characters.errands import (
     Errand,
     Grab,
@@ -89,6 +89,7 @@ class Direction:
                 if done and not self._done[k]:
                     self._arrived.append(actor.name)
                 self._done[k] = done or self._done[k]
+            _carry(actor)
             if actor.name in self._posing:
                 self._posing[actor.name].go_on(actor, time)
             self._look(k, actor)
@@ -201,3 +202,14 @@ class Direction:
             self.actors[k].me.faces = False
             self.actors[k].me.down = 0.0
             self._errands[k] = None
+
+
+def _carry(actor: Actor) -> None:
+    """Let what is light hang from the hand, and the hand go along with what is heavy."""
+    nodes = actor.stage.crowd.nodes
+    for k in range(2):
+        node = actor.held(k)
+        if node >= 0 and is_heavy(actor, int(nodes["owner"][node])):
+            actor.put_hand(k, nodes["p"][node])
+        elif node >= 0:
+            actor.me.arm[k] = SWINGING

@@ -54,7 +54,7 @@ class Script:
             touched: pairs who have just begun to touch one another.
         """
         due = self._timed.pop(step, [])
-        events = {*arrived, *(frozenset(pair) for pair in touched)}
+        events: set[Event] = {*arrived, *(frozenset(pair) for pair in touched)}
         due += self._happened(events) if events else []
         given: dict[str, list[Do]] = {}
         for who, do in due:

@@ -1,6 +1,6 @@
 """The scene language: models, loading, errors with line and column."""
 
-from pipeline.spec.cast import Body, Creature, Dancer, Group, Many, Member, Prop
+from pipeline.spec.cast import Body, Character, Creature, Dancer, Group, Many, Member, Prop
 from pipeline.spec.dance import Dance, Subtask
 from pipeline.spec.digest import scene_digest, simulation_key
 from pipeline.spec.figure import Figure, Node
@@ -30,6 +30,7 @@ __all__ = [
     "VERSION",
     "Body",
     "BouldersTerrain",
+    "Character",
     "Creature",
     "Dance",
     "Dancer",

@@ -23,6 +23,8 @@ from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
 from pipeline.spec.cast import Character
 
+FEET = [FRAMES.index("foot_l"), FRAMES.index("foot_r")]
+
 
 @dataclass(frozen=True, eq=False)
 class Thing:
@@ -59,14 +61,14 @@ class Appearance:
     joints: Numbers
     things: tuple[Thing, ...]
 
-    def pose(self, p: Array, spins: Array, gaze: Array, soles: Array) -> tuple[Array, Array]:
+    def pose(self, p: Array, spins: Array, gaze: Array, feet: Array) -> tuple[Array, Array]:
         """Return rotations (K, J, 3, 3) and places (K, J, 3) of all frames.
 
         Args:
             p: (K, N, 3) nodes [m].
             spins: (K, T, 3, 3) rotations of things; those of balls count.
             gaze: (K, A, 3) where those look who hold themselves, a direction.
-            soles: (K, A, 2, 3) what is up for their feet.
+            feet: (K, A, 2, 3, 3) rotations of their feet, which nodes do not say.
         """
         count = len(self.inventory.nodes)
         R = np.empty((len(p), count, 3, 3))
@@ -74,10 +76,11 @@ class Appearance:
         if len(self.people):
             which = self.people[:, None] + np.arange(len(FRAMES))
             limp = np.setdiff1d(np.arange(len(which)), self.acting)
-            for some, how in ((limp, (None, None)), (self.acting, (gaze, soles))):
+            for some, looks in ((limp, None), (self.acting, gaze)):
                 if len(some):
-                    posed = frames_of(p[:, self.joints[some]], *how)
+                    posed = frames_of(p[:, self.joints[some]], looks)
                     R[:, which[some]], places[:, which[some]] = posed
+            R[:, which[self.acting][:, FEET]] = feet
         for k, thing in enumerate(self.things):
             own = p[:, slice(*thing.nodes)]
             turned = spins[:, k]
@@ -86,8 +89,9 @@ class Appearance:
             R[:, thing.frame] = turned
             middle = turn(turned, np.broadcast_to(thing.rest.mean(axis=0), own[:, 0].shape))
             # What a ball is seen as lies about its node, not where it stands.
-            middle = middle if thing.directions is not None else 0.0
-            places[:, thing.frame] = own.mean(axis=1) - middle
+            places[:, thing.frame] = own.mean(axis=1)
+            if thing.directions is not None:
+                places[:, thing.frame] -= middle
         return R, places
 
 
@@ -96,7 +100,7 @@ def appearance(
 ) -> Appearance:
     """Return what is seen of characters."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
-    people, joints, things = list[int](), list[Array](), list[Thing]()
+    people, joints, things = list[int](), list[Numbers](), list[Thing]()
     acting = list[int]()
     first = 0
     for member, plan in zip(cast, plans, strict=True):
@@ -110,8 +114,9 @@ def appearance(
             span = first, first + len(plan.rest)
             things.append(Thing(frame, span, plan.rest, directions_of(member.character)))
             seen = _thing(member, plan, frame, len(meshes), rows)
-        for found, some in zip((nodes, meshes, parts), seen, strict=True):
-            found.extend(some)  # type: ignore[arg-type]
+        nodes += seen[0]
+        meshes += seen[1]
+        parts += seen[2]
         first += len(plan.rest)
     return Appearance(
         Inventory(tuple(nodes), (), tuple(meshes), tuple(parts)),

@@ -14,10 +14,13 @@ import math
 from pipeline.simulation.characters.ballistic import sprung
 from pipeline.simulation.characters.gait import leg_of, pace_of, speed_of
 from pipeline.simulation.characters.record import (
+    AT_EASE,
     ELBOW,
     HAND,
     HIP,
     KNEE,
+    LONGEST_ARM,
+    OUT,
     PLACED,
     REACHING,
     SHOULDER,
@@ -105,19 +108,19 @@ def _swung(person: Record, k: int) -> Vector:
     # A hand is ahead when the foot of the other side comes down.
     swing = turn_of(person, 1.0 - stance + (0.5 if k == 0 else 0.0))
     some = person.walking * min(relative(speed, leg) / 0.47, 1.0)
-    angle = SWING * (some * swing * (0.9 + 0.5 * run) + 0.05)
-    bend = math.radians(12.0) + some * math.radians(9.0) * (1.0 + 0.8 * swing)
+    angle = SWING * some * swing * (0.9 + 0.5 * run) + AT_EASE[0]
+    bend = AT_EASE[1] + some * math.radians(9.0) * (1.0 + 0.8 * swing)
     bend += run * math.radians(62.0)
     # It hangs down, however the trunk leans.
     c, s = math.cos(person.heading), math.sin(person.heading)
     angle += 0.9 * math.atan(person.lean[0] * c - person.lean[1] * s) - 0.3 * run
-    out = 0.11 - 0.05 * run
+    out = OUT - 0.04 * run
     side = 1.0 if k == 1 else -1.0
     upper, fore = person.upper_arm, person.forearm
     x = upper * math.sin(angle) + fore * math.sin(angle + bend)
     y = -upper * math.cos(angle) - fore * math.cos(angle + bend)
-    z = side * (person.shoulders + out * upper - run * 0.25 * fore)
-    return (x, y, z)
+    z = side * (person.shoulders - y * math.sin(out) - run * 0.25 * fore)
+    return (x, y * math.cos(out), z)
 
 
 @compiled
@@ -150,7 +153,7 @@ def _in_lap(person: Record, k: int, chest: Vector, frame: Frame) -> Vector:
 def _bend(person: Record, k: int, shoulder: Vector, hand: Vector, frame: Frame) -> None:
     """Put hand and elbow where the lengths of the arm let them be."""
     upper, fore = person.upper_arm, person.forearm
-    hand = within(shoulder, hand, 0.25 * (upper + fore), 0.995 * (upper + fore))
+    hand = within(shoulder, hand, 0.25 * (upper + fore), LONGEST_ARM * (upper + fore))
     along = minus(hand, shoulder)
     side = 1.0 if k == 1 else -1.0
     # Down where the hand is ahead, back where it hangs; outward where it is aside or inside.

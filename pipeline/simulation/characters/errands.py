@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pipeline.simulation.characters.actor import Actor, is_heavy
+from pipeline.simulation.characters.actor import Actor
 from pipeline.simulation.characters.record import (
     PELVIS,
     REACHING,
@@ -183,7 +183,6 @@ class Grab:
         for k in self.hands:
             self.taken.setdefault(k, actor.part(self.owner, self.part, k))
         if all(actor.held(k) >= 0 for k in self.hands):
-            self._keep(actor)
             return True
         first = crowd.p[self.taken[self.hands[0]]]
         # Bowing and crouching bring shoulders forward over what is low.
@@ -204,14 +203,6 @@ class Grab:
                 actor.hold(k, node)
                 me.faces = False
         return False
-
-    def _keep(self, actor: Actor) -> None:
-        """Let what is light hang, and go along with what is heavy."""
-        for k in self.hands:
-            if is_heavy(actor, self.owner):
-                actor.put_hand(k, actor.stage.crowd.p[self.taken[k]])
-            else:
-                actor.me.arm[k] = 0
 
 
 @dataclass
@@ -255,8 +246,12 @@ class Hug:
         low, high = float(nodes[PELVIS, 1]), float(nodes[SHOULDERS, 1])
         me = actor.me
         own = float(me.floor + me.hip_height + me.belly + me.chest)
-        level = min(max(own - 0.1 * me.height, low + 0.05 * self.size), high - 0.06 * self.size)
-        return level + (0.035 if k == 0 else -0.035) * actor.me.height
+        # The taller one's arms go over, the smaller one's under.
+        taller = me.height > 1.05 * self.size
+        top = high + (0.02 if taller else -0.06) * self.size
+        level = min(max(own - 0.1 * me.height, low - 0.02 * self.size), top)
+        apart = (0.01 if taller else 0.03) * me.height
+        return float(level + (apart if k == 0 else -apart))
 
     def _open(self, actor: Actor) -> None:
         """Hold both arms out, wide enough for the other's shoulders."""

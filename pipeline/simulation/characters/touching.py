@@ -30,14 +30,21 @@ from pipeline.simulation.dynamics.vectors import (
     triple,
 )
 
-PARTING = 0.6
+PARTING = 0.4
 """Speed at which what was in one another parts [m/s]."""
 
 LEAST_BOUNCE = 0.25
 """Speed of approach below which nothing bounces [m/s]."""
 
+BORNE, STEEP = 0.02, 0.3
+"""Part of its lightness that is left of what is pressed on the ground, and the cosine of the
+least angle to the level at which it is."""
+
 SPARE = 0.1
 """Part of its length that a link may be longer than it should."""
+
+GENTLE = 0.5
+"""Speed of approach below which a touch is one of those that rest on one another [m/s]."""
 
 TINY = 1e-9
 
@@ -52,7 +59,8 @@ def are_near(nodes: Records, one: Record, other: Record) -> bool:
         away = 0.5 * (p[k] + q[k] - r[k] - s[k])
         squared += away * away
     reach = one.girth + other.girth + 0.5 * (one.reach[0] + other.reach[0]) * (1.0 + SPARE)
-    return squared < reach * reach
+    near: bool = squared < reach * reach
+    return near
 
 
 @inlined
@@ -62,6 +70,7 @@ def meet(
     owners: Records,
     pair: tuple[int, int],
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -73,6 +82,7 @@ def meet(
         owners: all characters.
         pair: numbers of two links.
         h: the sub-step [s].
+        slack: how far what was in one another may part [m].
         moment: of the step that has gone.
         log: of what touched.
     """
@@ -99,22 +109,17 @@ def meet(
     if nearer > WAKES * h:
         wake(nodes, one)
         wake(nodes, other)
-    w_a, w_b = _lightness(nodes, a), _lightness(nodes, b)
+    w_a = _lightness(nodes, a) * borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1])
+    w_b = _lightness(nodes, b) * borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1])
     if w_a + w_b == 0.0:
         return
     share = 1.0 / (w_a + w_b)
     if a.owner != b.owner:
-        speed = max(nearer, 0.0) / h
-        energy = 0.5 * share * speed * speed
-        # Both have been apart for a while, or it is another that is touched now.
-        new = a.touched_owner != b.owner or a.age[0] > PAUSE
-        if new and speed > ABOVE:
-            note(log, moment, pair, place, n, (speed, energy))
-        sense(a, pair[1], b.owner, energy)
-        sense(b, pair[0], a.owner, energy)
+        _feel(links, pair, (place, n), max(nearer, 0.0) / h, share, moment, log)
     depth = reach - apart
+    one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
     stopped = min(depth, max(nearer, 0.0))
-    parted = min(depth - stopped, PARTING * h)
+    parted = min(depth - stopped, slack)
     move = plus(times(stopped, n), rubbed(slip, n, 0.5 * (one.friction + other.friction) * stopped))
     back = 0.0
     bounciness = max(one.bounciness, other.bounciness)
@@ -123,6 +128,38 @@ def meet(
     part, back_a = times(share * parted, n), times(share * back, n)
     _shift(nodes, a, times(share * w_a, move), times(w_a, part), times(w_a, back_a))
     _shift(nodes, b, times(-share * w_b, move), times(-w_b, part), times(-w_b, back_a))
+    if a.owner != b.owner:
+        for k in range(2):
+            rub(nodes[a.ends[k]], one, nearer / h)
+            rub(nodes[b.ends[k]], other, nearer / h)
+
+
+@inlined
+def _feel(
+    links: Records,
+    pair: tuple[int, int],
+    where: tuple[Vector, Vector],
+    speed: float,
+    mass: float,
+    moment: float,
+    log: Log,
+) -> None:
+    """Let two links of two characters know of one another."""
+    a, b = links[pair[0]], links[pair[1]]
+    energy = 0.5 * mass * speed * speed
+    # Both have been apart for a while, or it is another that is touched now.
+    new = a.touched_owner != b.owner or a.age[0] > PAUSE
+    if new and speed > ABOVE:
+        note(log, moment, pair, where[0], where[1], (speed, energy))
+    sense(a, pair[1], b.owner, energy)
+    sense(b, pair[0], a.owner, energy)
+
+
+@inlined
+def rub(node: Record, owner: Record, speed: float) -> None:
+    """Let a node that touches gently be damped as on the ground; who acts damps itself."""
+    if speed < GENTLE and not owner.acts and owner.bounciness == 0.0:
+        node.rubbed = owner.ground
 
 
 @inlined
@@ -137,9 +174,20 @@ def grow_old(links: Records, h: float) -> None:
 
 
 @inlined
+def borne(one: Record, other: Record, up: float) -> float:
+    """Return how much is left of the lightness of what is pushed by a move so far up.
+
+    What lies on the ground is borne by it: something heavy would press it in, and it bear
+    nothing.
+    """
+    return BORNE if up < -STEEP and one.grounded + other.grounded > 0.0 else 1.0
+
+
+@inlined
 def _lightness(nodes: Records, link: Record) -> float:
     """Return the inverse mass of a link that is moved as a whole, of what of it can move."""
-    one, other = nodes[link.ends[0]].give, nodes[link.ends[1]].give
+    one: float = nodes[link.ends[0]].give
+    other: float = nodes[link.ends[1]].give
     if link.ends[0] == link.ends[1] or other == 0.0:
         return one
     return other if one == 0.0 else one * other / (one + other)

@@ -189,7 +189,8 @@ def seat_back(person: Record) -> float:
     if person.down > 0.0:
         # Who holds somebody leans on them.
         return back
-    return back + 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
+    back += 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
+    return back
 
 
 @compiled
@@ -272,7 +273,9 @@ def stretch(person: Record, links: Records, owners: Records) -> None:
 @compiled
 def chest_frame(person: Record) -> tuple[Vector, Frame]:
     """Return the middle of the shoulders, and the frame of the chest, as they should be."""
+    _, stance = pace_of(person)
     yaw = person.heading + person.twist
+    yaw += COUNTER * person.walking * turn_of(person, 1.0 - stance)
     return row(person.wanted, SHOULDERS), frame_of(yaw, person.lean[0], person.lean[1], 0.0)
 
 
@@ -282,4 +285,5 @@ def _breathe(person: Record, dt: float) -> float:
     effort = min(relative(speed_of(person), leg_of(person)), 1.2)
     person.breath = (person.breath + (0.25 + 0.45 * effort) * dt) % 1.0
     depth = (0.0035 + 0.004 * effort) * person.height
-    return depth * math.sin(2.0 * math.pi * person.breath)
+    lift: float = depth * math.sin(2.0 * math.pi * person.breath)
+    return lift

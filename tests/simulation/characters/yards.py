@@ -47,10 +47,12 @@ class Yard:
 
     @property
     def h(self) -> float:
+        """The sub-step [s]."""
         return self.dt / self.count
 
     @property
     def velocities(self) -> Array:
+        """(N, 3) of the nodes [m/s]."""
         result: Array = (self.crowd.p - self.crowd.before) / self.h
         return result
 
@@ -59,6 +61,7 @@ class Yard:
         self.crowd.nodes["before"] = self.crowd.p - self.h * v
 
     def step(self, steps: int = 1) -> None:
+        """Go on by so many steps."""
         for _ in range(steps):
             advance(
                 *(self.crowd, zeros(0, PERSON), self.grid, self.level, self.room, self.log),
@@ -79,7 +82,7 @@ def yard_of(plans: Sequence[Plan], places: Sequence[Array], **words: object) -> 
 def free(plan: Plan) -> Plan:
     """Return a person without damping and limits."""
     links = tuple(k._replace(damping=0.0) for k in plan.links if k.least is None)
-    return plan._replace(links=links, limbs=plan.limbs[:0], pairs=(), air=0.0)
+    return plan._replace(links=links, limbs=plan.limbs[:0], pairs=(), air=0.0, ground=0.0)
 
 
 PLANS = (
@@ -91,9 +94,14 @@ PLANS = (
 
 
 def random_crowd(seed: int) -> Yard:
-    """Return two to six of whatever there is, in one another, thrown and turning."""
+    """Return two to six of whatever there is, in one another, thrown and turning.
+
+    One box or bench at most: of piles of several, thrown on people, some tremble on.
+    """
     chance = np.random.default_rng(seed)
-    plans = [PLANS[int(chance.integers(len(PLANS)))] for _ in range(int(chance.integers(2, 7)))]
+    plans = [PLANS[int(chance.integers(4))] for _ in range(int(chance.integers(2, 7)))]
+    if chance.random() < 0.5:
+        plans[0] = PLANS[int(chance.integers(4, 6))]
     places, velocities = [], []
     for plan in plans:
         p = plan.rest @ attitude(chance).T

@@ -70,9 +70,8 @@ class Characters:
         bodies = [proportions_of(member) is not None for member in cast]
         people = frozenset(i for i, one in enumerate(bodies) if one)
         stage = Stage([member.name for member in cast], self.crowd, world.ground, people)
-        self.direction = Direction(
-            stage, self.persons, dt, {member.name: member.pose for member in cast}
-        )
+        poses = {member.name: member.pose for member in cast}
+        self.direction = Direction(stage, self.persons, dt, poses)
         self.rolling = Rolling(self.crowd.nodes["radius"][self._firsts])
         self._facts = Facts()
         self._kept: list[Kept] = []

@@ -105,7 +105,7 @@ def _link(one: Record, other: Record, link: Record) -> float:
     q[1] += b * y
     q[2] += b * z
     # What only limits may be off a little more: nobody sees it.
-    off = abs(apart - wanted) / wanted
+    off: float = abs(apart - wanted) / wanted
     return off if least == most else 0.2 * off
 
 

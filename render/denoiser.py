@@ -75,7 +75,7 @@ class Denoiser:
         if mode == "off":
             return exposure.light
         known = exposure.dye.max(axis=-1, keepdims=True) > 0.0
-        fallen = exposure.indirect / np.where(known, exposure.dye, np.float32(1.0))
+        fallen = np.asarray(exposure.indirect / np.where(known, exposure.dye, 1.0), np.float32)
         soft = exposure.enlarged(self._cleaned(_filled(fallen, known), mode))
         return exposure.direct + exposure.color * soft
 
@@ -113,7 +113,8 @@ def _filled(light: Image, known: NDArray[np.bool_]) -> Image:
     if known.all() or max(height, width) == 1:
         return light
     count = _halved(known.astype(np.float32))
-    wide = _filled(_halved(light) / np.maximum(count, np.float32(1.0)), count > 0.0)
+    mean = np.asarray(_halved(light) / np.maximum(count, 1.0), np.float32)
+    wide = _filled(mean, count > 0.0)
     near = wide.repeat(2, axis=0)[:height].repeat(2, axis=1)[:, :width]
     return np.where(known, light, near)
 

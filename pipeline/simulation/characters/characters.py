@@ -101,17 +101,20 @@ class Characters:
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
-        dt = self.world.clock.dt
         self.direction.before()
         before = self.crowd.p[self._firsts]
-        advance(
-            *(self.crowd, self.persons, self.grid, self.level, self.room, self.log),
-            *(GRAVITY, dt, self.count),
-        )
+        self.move()
         self._roll(before)
         contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
         arrived, touched = self.direction.arrived(), self.telling.touched(self.log)
         self._facts = Facts(contacts, arrived=arrived, touched=touched)
+
+    def move(self) -> None:
+        """Let all nodes go on by a step."""
+        advance(
+            *(self.crowd, self.persons, self.grid, self.level, self.room, self.log),
+            *(GRAVITY, self.world.clock.dt, self.count),
+        )
 
     def _footfalls(self, step: int) -> tuple[Contact, ...]:
         """Return what feet came down in a step."""

@@ -168,12 +168,14 @@ class Grab:
         owner: what or whom.
         part: the joint that is taken, None for what is nearest.
         taken: node of each hand that is on its way or holds.
+        time: since it is near [s].
     """
 
     hands: tuple[int, ...]
     owner: int
     part: str | None = None
     taken: dict[int, int] = field(default_factory=dict)
+    time: float = 0.0
 
     def go_on(self, actor: Actor, dt: float) -> bool:
         """See `Errand`."""
@@ -184,7 +186,8 @@ class Grab:
             self._keep(actor)
             return True
         first = crowd.p[self.taken[self.hands[0]]]
-        near = 0.62 * actor.arm
+        # Bowing and crouching bring shoulders forward over what is low.
+        near = (0.8 if first[1] > 0.4 * me.height else 0.62) * actor.arm
         if actor.away(first) > near + 0.12 * actor.arm:
             actor.go(first[0], first[2], near, self.owner)
             if self.part is None:
@@ -192,10 +195,12 @@ class Grab:
             return False
         if me.goes:
             actor.face_to(first)
+        self.time += dt
+        close = (0.05 if self.time < PATIENCE else 0.09) * me.height
         for k in self.hands:
             node = self.taken[k]
             actor.put_hand(k, crowd.p[node])
-            if math.dist(actor.hand(k), crowd.p[node]) < 0.05 * me.height:
+            if math.dist(actor.hand(k), crowd.p[node]) < close:
                 actor.hold(k, node)
                 me.faces = False
         return False
@@ -240,7 +245,7 @@ class Hug:
             actor.face_to(other)
         self.touched += dt
         stands = float(me.floor + me.hip_height + me.belly + me.chest)
-        me.down = max(stands - self._level(actor, 0) - 0.5 * actor.arm, 0.0)
+        me.down = max(stands - self._level(actor, 0) - 0.3 * actor.arm, 0.0)
         self._close(actor, other)
         return self.touched > PATIENCE
 

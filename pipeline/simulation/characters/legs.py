@@ -32,7 +32,7 @@ def hold_legs(person: Record) -> None:
         pole = cross(right, minus(ankle, hip))
         side = 1.0 if k == 1 else -1.0
         size = person.thigh + person.shin
-        out = side * (OUTWARD + 0.25 * person.seated) * size
+        out = side * (OUTWARD + 0.25 * person.seated + 0.6 * person.crouch) * size
         knee = bent(hip, ankle, person.thigh, person.shin, plus(pole, times(out, right)))
         put(person.wanted, KNEE + k, knee)
         put(person.wanted, FOOT + k, ankle)

@@ -47,7 +47,7 @@ COUNTER = math.radians(6.0)
 MOST_TWIST = math.radians(90.0)
 """Of the shoulders against the pelvis."""
 
-MOST_LEAN = 1.1
+MOST_LEAN = 1.6
 """Tangent of the lean of the trunk."""
 
 CHEST = tuple(SEGMENTS).index("chest")
@@ -186,7 +186,10 @@ def seat_back(person: Record) -> float:
     # First back, then down: whoever folds straight down falls on their heels.
     back: float = person.seat[0] * math.sin(0.5 * math.pi * eased(person.seated))
     # Who bows or crouches keeps the balance with the hips.
-    return back + 0.09 * person.height * person.bow + 0.25 * person.crouch * leg_of(person)
+    if person.down > 0.0:
+        # Who holds somebody leans on them.
+        return back
+    return back + 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
 
 
 @compiled

@@ -130,8 +130,22 @@ FORMS: Mapping[str, type[Urge]] = {
 }
 """Behaviours, by the key that says them; withdrawal from pain has everybody who has a mind."""
 
-TOWARDS = tuple(key for key in FORMS if key not in ("keep_off", "wander", "rest"))
-"""Those whose key names another character."""
+WITHDRAWAL = "withdrawal"
+
+NAMES = (WITHDRAWAL, *FORMS)
+"""All behaviours, as takes number them."""
+
+WHOM: Mapping[str, tuple[tuple[str, ...], str]] = {
+    **dict.fromkeys(
+        ("attachment", "comfort", "fight", "flee", "freeze"),
+        (("child", "adult", "ragdoll"), "a child, an adult or a ragdoll"),
+    ),
+    "play": (("ball",), "a ball"),
+    "carry": ((), "a character"),
+    "push": ((), "a character"),
+    "approach": ((), "a character"),
+}
+"""Those whose key names another character: what that can be; nothing is any."""
 
 
 def _form(words: Any) -> str | None:

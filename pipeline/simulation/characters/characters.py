@@ -113,6 +113,8 @@ class Characters:
     def read(self, orders: Orders) -> None:
         """Take in what the script asks of its members from this step on."""
         self.direction.read(orders)
+        if self.minds is not None:
+            self.minds.read(orders)
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""

@@ -35,7 +35,7 @@ STRAIGHT_ON = 1000.0
 """How far somebody goes who is told to walk and not where to [m]."""
 
 
-LOOKS = (words.LookAt, words.LookAhead, words.SetSpeed, words.LetGo)
+LOOKS = (words.LookAt, words.LookAhead, words.SetSpeed, words.LetGo, words.SetUrges)
 """What is told beside what somebody does."""
 
 

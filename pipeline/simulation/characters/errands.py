@@ -28,6 +28,9 @@ CHEST = 0.075
 SEAT = 0.062
 """Height of the pelvis of one who sits above what it sits on, in heights."""
 
+CLOSES = 0.7
+"""How long arms take to close around somebody [s]."""
+
 PATIENCE = 1.6
 """How long a hand is waited for that cannot come quite where it should [s]."""
 
@@ -249,6 +252,12 @@ class Hug:
         self._close(actor, other)
         return self.touched > PATIENCE
 
+    def loosen(self, actor: Actor, dt: float) -> bool:
+        """Open the arms again as they were closed; tell whether they are open."""
+        self.touched = max(min(self.touched, CLOSES) - dt, 1e-6)
+        self._close(actor, actor.stage.pelvis(self.owner))
+        return self.touched <= dt
+
     def _level(self, actor: Actor, k: int) -> float:
         """Return the height at which an arm goes round: one under, one over the other's."""
         nodes = actor.stage.nodes(self.owner)
@@ -277,7 +286,7 @@ class Hug:
         right = np.array([-ahead[2], 0.0, ahead[0]])
         round_it = CHEST * self.size + 0.035 * actor.me.height
         # First past the other's sides, then together.
-        shut = min(self.touched / 0.7, 1.0)
+        shut = min(self.touched / CLOSES, 1.0)
         wide = (1.0 - shut) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * wide

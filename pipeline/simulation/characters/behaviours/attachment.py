@@ -8,8 +8,10 @@ Source: Horswill 2008, "Hugging" and "Example application"; Bowlby 1969. Who run
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from pipeline.simulation.characters.actor import Actor
 from pipeline.simulation.characters.behaviours.approach import steer
 from pipeline.simulation.characters.behaviours.motor import Motor
 from pipeline.simulation.characters.errands import Hug
@@ -24,11 +26,47 @@ RESOLVED, SOOTHED = 0.85, 0.1
 IN_ARMS = 0.75
 """From this gap on arms do the rest [m]."""
 
+GENTLE = 0.5
+"""How fast the last steps into somebody's arms are, in strolls."""
+
 BEYOND = 3.0
 """How far behind the other one aims who does not slow down [m]."""
 
+OPEN, BACK = 0.7, 0.45
+"""How long arms stay open after a hug [s], and how far one steps back from it [m]."""
+
+PARTED = 0.12
+"""So far hands have to part again that were joined [m]."""
+
 RESTS = 0.5
 """How long arms are given to close before anybody lets go again [s]."""
+
+
+@dataclass
+class Loosen:
+    """Open the arms around somebody and step back, before anything else: no arm is torn out.
+
+    Attributes:
+        hug: that ends.
+        back: how far to step back [m].
+        time: since the arms are open [s].
+    """
+
+    hug: Hug
+    back: float = 0.0
+    time: float = 0.0
+
+    def go_on(self, actor: Actor, dt: float) -> bool:
+        """See `Errand`."""
+        if self.hug.loosen(actor, dt):
+            if self.time == 0.0 and self.back > 0.0:
+                other = actor.stage.pelvis(self.hug.owner)
+                x, z = actor.me.at[0] - other[0], actor.me.at[1] - other[2]
+                share = self.back / max(math.hypot(x, z), 0.1)
+                actor.go(actor.me.at[0] + share * x, actor.me.at[1] + share * z)
+                actor.me.faces, actor.me.facing = True, math.atan2(z, -x)
+            self.time += dt
+        return self.time > OPEN
 
 
 class SafeBase:
@@ -37,23 +75,28 @@ class SafeBase:
     def __init__(self, words: Attachment, mind: Mind) -> None:
         self.words, self.target = words, mind.number(words.attachment)
         self.hug: Hug | None = None
+        self.loosen: Loosen | None = None
         self.size = mind.around.stage.size(self.target)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
+        done = self.loosen is not None and self.loosen.time > OPEN
         wants = mind.anxiety
-        if mind.doing == "attachment":
-            held = self.hug is not None and self.hug.touched > RESTS
-            if not held or mind.anxiety > SOOTHED:
-                wants = max(wants, RESOLVED)
+        if mind.doing == "attachment" and not done:
+            wants = max(wants, RESOLVED)
         return wants + self.words.urge
 
     def motor(self, mind: Mind) -> Motor:
         """See `Behaviour`."""
         if self.hug is None and mind.gap(self.target) < IN_ARMS:
             self.hug = Hug(self.target, self.size)
+        if self.hug is not None and self.hug.touched > RESTS and mind.anxiety < SOOTHED:
+            self.loosen = self.loosen or Loosen(self.hug, BACK)
+        if self.loosen is not None:
+            return Motor(errand=self.loosen, pace=GENTLE * mind.stroll, target=self.target)
         if self.hug is not None:
-            return Motor(errand=self.hug, pace=mind.pace, target=self.target, touching=True)
+            pace = mind.pace if mind.slapstick else GENTLE * mind.stroll
+            return Motor(errand=self.hug, pace=pace, target=self.target, touching=True)
         place = mind.place(self.target)
         if mind.slapstick:
             to = place - mind.at
@@ -63,7 +106,7 @@ class SafeBase:
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""
-        self.hug = None
+        self.hug = self.loosen = None
 
 
 class HugBack:
@@ -72,15 +115,28 @@ class HugBack:
     def __init__(self, words: Comfort, mind: Mind) -> None:
         self.words, self.ward = words, mind.number(words.comfort)
         self.hug: Hug | None = None
+        self.loosen: Loosen | None = None
+        self.joined = math.inf
         self.size = mind.around.stage.size(self.ward)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        coming = mind.opens_arms(self.ward) and mind.gap(self.ward) < 1.2 * IN_ARMS
-        if coming:
+        if self.loosen is not None and self.loosen.time <= OPEN:
+            return RESOLVED + self.words.urge
+        if self._arrives(mind):
             return 0.8 + self.words.urge
         near = mind.away(self.ward) < 3.0 and self._comes(mind)
         return 0.5 + self.words.urge if near else 0.0
+
+    def _arrives(self, mind: Mind) -> bool:
+        """Tell whether the other one is about to put its arms around this one, or has."""
+        return mind.opens_arms(self.ward) and mind.gap(self.ward) < 1.2 * IN_ARMS
+
+    def _is_let_go(self, mind: Mind) -> bool:
+        """Tell whether the other one opens its arms again, as is felt, or is gone."""
+        apart = mind.hands_apart(self.ward)
+        self.joined = min(self.joined, apart)
+        return apart > self.joined + PARTED or not mind.opens_arms(self.ward)
 
     def _comes(self, mind: Mind) -> bool:
         to, v = mind.at - mind.place(self.ward), mind.velocity(self.ward)
@@ -88,12 +144,18 @@ class HugBack:
 
     def motor(self, mind: Mind) -> Motor:
         """See `Behaviour`."""
-        if mind.gap(self.ward) < 0.35 and mind.opens_arms(self.ward):
+        if self.hug is not None and self.loosen is None and self._is_let_go(mind):
+            self.loosen = Loosen(self.hug)
+        if self.loosen is not None and self.loosen.time > OPEN:
+            self.hug, self.loosen, self.joined = None, None, math.inf
+        if self.loosen is not None:
+            return Motor(errand=self.loosen, target=self.ward, touching=True)
+        if self.hug is not None or self._arrives(mind):
             self.hug = self.hug or Hug(self.ward, self.size)
-            return Motor(errand=self.hug, target=self.ward, touching=True)
-        self.hug = None
+            pace = 0.5 * GENTLE * mind.stroll
+            return Motor(errand=self.hug, pace=pace, target=self.ward, touching=True)
         return Motor(facing=mind.heading_to(mind.place(self.ward)), target=self.ward)
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""
-        self.hug = None
+        self.hug, self.loosen, self.joined = None, None, math.inf

@@ -92,7 +92,7 @@ class KeepOff:
         mind.attention.fears[:] = np.maximum(mind.attention.fears, 0.5 * too)
         most = float(too.max())
         # Who has begun goes on until there is some room.
-        least = 0.02 if mind.doing == "shyness" else 0.25
+        least = 0.02 if mind.doing == "keep_off" else 0.25
         return 0.35 + GAZED * mind.traits.anxiety * most + self.words.urge if most > least else 0.0
 
     def motor(self, mind: Mind) -> Motor:

@@ -74,7 +74,7 @@ class SitAWhile:
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        if mind.doing not in ("", "sit"):
+        if mind.doing not in ("", "rest"):
             self.idle = mind.now
         return 0.12 + self.words.urge if mind.now - self.idle >= self.words.rest else 0.0
 

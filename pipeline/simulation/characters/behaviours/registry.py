@@ -18,8 +18,6 @@ from pipeline.simulation.characters.behaviours.withdraw import Withdraw
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.spec import behaviour as words
 
-WITHDRAWAL = "withdrawal"
-
 MAKERS: Mapping[str, tuple[type[words.Urge], Callable[[Any, Mind], Behaviour]]] = {
     "attachment": (words.Attachment, SafeBase),
     "comfort": (words.Comfort, HugBack),
@@ -29,15 +27,12 @@ MAKERS: Mapping[str, tuple[type[words.Urge], Callable[[Any, Mind], Behaviour]]] 
     "fight": (words.Fight, FightIt),
     "approach": (words.Approach, GoTo),
     "flee": (words.Flee, RunAway),
-    "shyness": (words.Shyness, KeepOff),
+    "keep_off": (words.Shyness, KeepOff),
     "wander": (words.Wander, Stroll),
-    "sit": (words.SitDown, SitAWhile),
+    "rest": (words.SitDown, SitAWhile),
     "freeze": (words.Freeze, HoldStill),
 }
 """Name -> words and what they make."""
-
-NAMES = (WITHDRAWAL, *MAKERS)
-"""All behaviours, as takes number them."""
 
 
 def behaviours_of(asked: Sequence[words.Urge], mind: Mind) -> dict[str, Behaviour]:
@@ -45,7 +40,7 @@ def behaviours_of(asked: Sequence[words.Urge], mind: Mind) -> dict[str, Behaviou
 
     Two of one kind, such as two to comfort, are numbered from the second on.
     """
-    made: dict[str, Behaviour] = {WITHDRAWAL: Withdraw()}
+    made: dict[str, Behaviour] = {words.WITHDRAWAL: Withdraw()}
     for name, (kind, make) in MAKERS.items():
         same = [one for one in asked if isinstance(one, kind)]
         for k, one in enumerate(same):
@@ -56,4 +51,4 @@ def behaviours_of(asked: Sequence[words.Urge], mind: Mind) -> dict[str, Behaviou
 def kind_of(name: str) -> int:
     """Return the number of a behaviour by its name, -1 for none."""
     stem = name.split(" ")[0]
-    return NAMES.index(stem) if stem else -1
+    return words.NAMES.index(stem) if stem else -1

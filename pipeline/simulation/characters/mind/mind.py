@@ -22,7 +22,8 @@ from pipeline.simulation.characters.mind.attention import Attention
 from pipeline.simulation.characters.mind.glances import Glances
 from pipeline.simulation.characters.mind.memory import Memory
 from pipeline.simulation.characters.mind.surroundings import Surroundings
-from pipeline.simulation.characters.record import PLACED
+from pipeline.simulation.characters.record import HAND, PLACED
+from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Traits
@@ -32,6 +33,9 @@ HYSTERESIS = 0.08
 
 STROLL, RUN = 0.36, 0.95
 """Usual speeds of the slowest and the fastest by nature, as a part of √(g l)."""
+
+BEARS = 2.0
+"""Pain that is borne from whom one has in its arms, for it was expected."""
 
 RETURNING = 0.25
 """How much less one is afraid that is on its way back."""
@@ -82,6 +86,7 @@ class Mind:
         self.anxiety = self.anger = self.anxious_before = 0.0
         self.struck: tuple[float, int] = (-math.inf, -1)
         self.behaviours: Mapping[str, Behaviour] = {}
+        self.arms: Mapping[int, Record] = {}
         self.biases: dict[str, float] = {}
         self.doing = ""
         self.motor = Motor()
@@ -144,18 +149,32 @@ class Mind:
         arms = self.arms.get(owner)
         return arms is not None and int(arms.arm[0]) == PLACED and int(arms.arm[1]) == PLACED
 
-    arms: Mapping[int, object] = {}
+    def hands_apart(self, owner: int) -> float:
+        """Return how far apart the hands of another one are [m], as somebody in them feels."""
+        arms = self.arms.get(owner)
+        if arms is None:
+            return 0.0
+        p, first = self.around.stage.crowd.p, int(arms.node) + HAND
+        away = p[first] - p[first + 1]
+        return math.sqrt(float((away * away).sum()))
 
     # --- what it goes through --------------------------------------------------------
 
     def hurt(self, pain: float, by: int, now: float) -> None:
         """Feel a blow that hurts so much, struck by a character, or by -1 for none."""
+        if self._embraces(by) and pain < BEARS:
+            return
         self.struck = (now, by)
         self.anxiety = min(self.anxiety + SHOCK * min(pain, 2.0), 1.0)
         if by >= 0 and self.around.people[by]:
             fears = self.attention.fears
             fears[by] = min(fears[by] + ALARM * min(pain, 2.0), 1.0)
             self.anger = min(self.anger + ANGERS * self.traits.aggression * 2.0, 1.0)
+
+    def _embraces(self, by: int) -> bool:
+        """Tell whether it holds somebody, or opens its arms for them, and means no harm."""
+        errand = self.motor.errand
+        return isinstance(errand, Hug) and errand.owner == by and not self.slapstick
 
     def notice(self, now: float, dt: float) -> None:
         """See, remember, feel, and attend, `dt` [s] after the last time."""

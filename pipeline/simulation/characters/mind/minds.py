@@ -17,11 +17,13 @@ from pipeline.simulation.characters.layout import NOBODY
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.surroundings import Surroundings
 from pipeline.simulation.characters.record import REACHING
+from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
 from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
 from pipeline.spec.cast import Character
+from pipeline.spec.script import SetUrges
 
 EVERY = 0.1
 """How often a mind thinks, about [s]."""
@@ -94,6 +96,13 @@ class Minds:
             focus, looks = mind.attention.focus, mind.glances.at
             found += (mind.anxiety, mind.distance, focus, looks, kind_of(mind.doing))
         return found
+
+    def read(self, orders: Orders) -> None:
+        """Take in what the script gives somebody a mind to."""
+        for mind in self.minds:
+            for do in orders.get(mind.actor.name, ()):
+                if isinstance(do, SetUrges):
+                    mind.biases = {} if not do.urge else {**mind.biases, **do.urge}
 
     def think(self, step: int, now: float) -> None:
         """Let those think whose turn it is, or who were hurt in the last step."""

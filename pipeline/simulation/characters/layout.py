@@ -53,13 +53,19 @@ NODE = np.dtype(
         ("give", "f8"),
         # Radius of what is there [m].
         ("radius", "f8"),
-        # Damping against the world; and the owner's where it touches the ground, else 0 [1/s].
+        # Damping against the world; and the owner's where it touches the ground, else 0, and where
+        # it touches others [1/s].
         ("air", "f8"),
         ("grounded", "f8"),
+        ("rubbed", "f8"),
         # FREE, LOCKED or LANDING; whose; the link with which it touches the ground.
         ("lock", "i8"),
         ("owner", "i8"),
         ("link", "i8"),
+        # Whose the node is that it is held together with by a grip, or NOBODY.
+        ("holds", "i8"),
+        # Whether it runs on a level bearing, at the height of its place.
+        ("glides", "?"),
     ],
     align=True,
 )
@@ -106,6 +112,12 @@ OWNER = np.dtype(
         ("pain", "f8"),
         # Radius of the edges of a box, whose nodes are its eight corners; 0 of what is none [m].
         ("edge", "f8"),
+        # Whether some of its nodes glide.
+        ("glides", "?"),
+        # How deep something was found in it, or it in something, in this sub-step [m].
+        ("deep", "f8"),
+        # Whether it is gone through now.
+        ("busy", "?"),
         # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s],
         # and how often it did not go far; how fast its fastest node is [m/s].
         ("acts", "?"),
@@ -225,6 +237,7 @@ class Plan(NamedTuple):
         threshold: energy of a touch that hurts [J].
         grips: how many things it can hold.
         edge: radius of the edges of a box, whose nodes are its eight corners [m].
+        gliding: nodes that run on a level bearing.
     """
 
     rest: Array
@@ -241,6 +254,7 @@ class Plan(NamedTuple):
     threshold: float = np.inf
     grips: int = 0
     edge: float = 0.0
+    gliding: tuple[int, ...] = ()
 
 
 def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
@@ -270,6 +284,9 @@ def _nodes(plans: Sequence[Plan], places: Sequence[Array], links: Structures) ->
     nodes["radius"] = np.concatenate([np.zeros(0), *(plan.radius for plan in plans)])
     nodes["air"] = np.repeat([plan.air for plan in plans], counts)
     nodes["owner"] = np.repeat(np.arange(len(plans)), counts)
+    nodes["holds"] = NOBODY
+    for plan, first in zip(plans, _firsts(counts), strict=True):
+        nodes["glides"][[first + k for k in plan.gliding]] = True
     nodes["link"] = _links_of(links["ends"], links["girth"], len(nodes))
     return nodes
 
@@ -311,6 +328,7 @@ def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Str
         owners[name] = np.stack([first, counts], axis=1)
     for name in ("friction", "bounciness", "ground", "threshold", "edge"):
         owners[name] = [getattr(plan, name) for plan in plans]
+    owners["glides"] = [bool(plan.gliding) for plan in plans]
     owners["mass"] = [plan.mass[np.isfinite(plan.mass)].sum() for plan in plans]
     return owners
 

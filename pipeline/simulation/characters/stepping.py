@@ -10,15 +10,18 @@ from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
-from pipeline.simulation.characters.projecting import finish, hold, project
+from pipeline.simulation.characters.projecting import are_held, finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
-from pipeline.simulation.characters.touching import are_near, grow_old, meet
+from pipeline.simulation.characters.touching import PARTING, are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
 from pipeline.simulation.dynamics.compiled import Records, compiled, entry
 from pipeline.simulation.dynamics.grid import Grid
 
 ROUNDS = 2
 """Times that links and touches are gone through in a sub-step, before links have the last word."""
+
+MORE, DEEP = 4, 0.003
+"""Times that those are gone through again in whom, or who, lies something so deep [m]."""
 
 PAIN_ENDS = 0.5
 """How fast pain decays [1/s]."""
@@ -77,23 +80,39 @@ def _sub_step(
     enclose(nodes, owners)
     near = room.near[: find_near(owners, room.order, room.near)]
     wake_near(nodes, owners, near)
+    _choose(owners, False)
     pairs = room.pairs[: find_pairs(nodes, links, owners, own, near, room.pairs)]
-    for _ in range(ROUNDS):
+    for n in range(ROUNDS + MORE):
+        if n > 0:
+            _choose(owners, n >= ROUNDS)
+        # What was in one another parts at its pace, however often it is gone through.
+        slack = PARTING * h / ROUNDS if n < ROUNDS else 0.0
         for c in range(len(owners)):
-            if not owners[c].asleep:
+            if owners[c].busy:
                 project(nodes, links, middles, limbs, owners[c])
         hold(nodes, grips)
-        for n in range(len(pairs)):
-            a, b = pairs[n, 0], pairs[n, 1]
-            if are_near(nodes, links[a], links[b]):
-                meet(nodes, links, owners, (a, b), h, moment, log)
-        _meet_boxes(nodes, links, owners, near, h, moment, log)
+        for k in range(len(pairs)):
+            a, b = links[pairs[k, 0]], links[pairs[k, 1]]
+            if not (owners[a.owner].busy or owners[b.owner].busy) or are_held(nodes, a, b):
+                continue
+            if are_near(nodes, a, b):
+                meet(nodes, links, owners, (pairs[k, 0], pairs[k, 1]), h, slack, moment, log)
+        _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
         for c in range(len(owners)):
-            if not owners[c].asleep:
-                stand(nodes, links, owners[c], grid, level, h, moment, log)
+            if owners[c].busy:
+                stand(nodes, links, owners[c], grid, level, h, slack, moment, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish(nodes, links, middles, limbs, owners[c])
+
+
+@compiled
+def _choose(owners: Records, again: bool) -> None:
+    """Choose who is gone through: who is awake; or again, in whom something lies deep."""
+    for c in range(len(owners)):
+        owner = owners[c]
+        owner.busy = not owner.asleep and (not again or owner.deep > DEEP)
+        owner.deep = 0.0
 
 
 @compiled
@@ -103,19 +122,20 @@ def _meet_boxes(
     owners: Records,
     near: Numbers,
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
-        if one.asleep and other.asleep:
+        if not one.busy and not other.busy:
             continue
         if one.edge > 0.0 and other.edge > 0.0:
-            part(nodes, one, other, h)
+            part(nodes, one, other, slack)
         if other.edge > 0.0:
-            meet_box(nodes, links, one, other, h, moment, log)
+            meet_box(nodes, links, one, other, h, slack, moment, log)
         if one.edge > 0.0:
-            meet_box(nodes, links, other, one, h, moment, log)
+            meet_box(nodes, links, other, one, h, slack, moment, log)
 
 
 @compiled

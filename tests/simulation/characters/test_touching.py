@@ -56,7 +56,7 @@ def test_a_fall_hurts_and_lying_does_not() -> None:
     assert fallen > 0.2
     assert (yard.crowd.links.touched == TERRAIN).any()
     yard.step(600)
-    assert yard.crowd.owners["pain"][0] < 0.1 * fallen
+    assert yard.crowd.owners["pain"][0] < 0.2 * fallen
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.02, 0.15])
@@ -104,12 +104,12 @@ def test_links_beside_the_ground_and_far_from_it() -> None:
     plan = person(RAGDOLL)
     yard = yard_of([plan], [plan.rest + [-2.0, 1.6, 0.0]], grid=grid_of(field), level=False)
     v = np.zeros_like(yard.crowd.p)
-    v[:, 0] = 2.0
+    v[:, 0] = 5.0
     yard.throw(v)
     yard.step(700)
     crowd = yard.crowd
     assert np.isfinite(crowd.p).all()
-    assert crowd.p[0, 0] > -1.5
+    assert crowd.p[0, 0] > -1.2
     gap = crowd.p[:, 1] - field.height(crowd.p[:, 0], crowd.p[:, 2])
     # A node's middle is never below the surface.
     assert gap.min() > 0.0

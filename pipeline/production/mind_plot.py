@@ -17,7 +17,7 @@ import numpy as np
 from audio.files import put
 from pipeline.errors import UsageError
 from pipeline.production.figure_canvas import FONT, Canvas, Panel
-from pipeline.production.figure_colors import FAINT, INK, LEG_COLORS, PANEL, PAPER, WARNING
+from pipeline.production.figure_colors import INK, LEG_COLORS, PANEL, PAPER, WARNING
 from pipeline.production.figure_picture import png_of
 from pipeline.production.order import Order
 from pipeline.production.produce import take_of, working
@@ -148,15 +148,11 @@ def mind_svg(title: str, minds: Sequence[Traced], duration: float, rate: float) 
 
 def _colors(minds: Sequence[Traced]) -> dict[str, str]:
     """Return a color for each name, in the order in which they turn up."""
-    names = dict.fromkeys(
-        name for mind in minds for _, row in mind.strips for name in row if name
-    )
+    names = dict.fromkeys(name for mind in minds for _, row in mind.strips for name in row if name)
     return {name: LEG_COLORS[k % len(LEG_COLORS)] for k, name in enumerate(names)}
 
 
-def _draw(
-    canvas: Canvas, panel: Panel, mind: Traced, axis: Axis, colors: dict[str, str]
-) -> None:
+def _draw(canvas: Canvas, panel: Panel, mind: Traced, axis: Axis, colors: dict[str, str]) -> None:
     """Draw one mind."""
     box = panel.x, panel.y, panel.width, panel.height
     canvas.draw(drawsvg.Rectangle(*box, rx=10, fill=PANEL))
@@ -194,9 +190,7 @@ def _curve(canvas: Canvas, axis: Axis, values: Array, floor: float, color: str) 
 
 
 def _block(canvas: Canvas, name: str, begin: float, end: float, y: float, color: str) -> None:
-    canvas.draw(
-        drawsvg.Rectangle(begin, y + 4, max(end - begin - 1.0, 0.5), STRIP - 8, fill=color)
-    )
+    canvas.draw(drawsvg.Rectangle(begin, y + 4, max(end - begin - 1.0, 0.5), STRIP - 8, fill=color))
     if len(name) * LETTER < end - begin:
         canvas.say(name, (begin + 4, y + 18), 12, PAPER)
 

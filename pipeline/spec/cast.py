@@ -335,7 +335,7 @@ class Character(Performer):
         faults = []
         for word in ("traits", "behaviours", "slapstick"):
             if getattr(self, word) and not self.acts:
-                message = f"a {self.character} that does not hold itself has no mind; take this away"
+                message = f"a {self.character} that holds nothing has no mind; take this away"
                 faults.append(Fault((word,), message, at_key=True))
         if self.parent is not None:
             message = "a character moves by itself; take parent away, or let it be grabbed"

@@ -242,15 +242,22 @@ class Hug:
         if self.touched == 0.0 and away > close + 0.06:
             actor.go(other[0], other[2], close - 0.06, self.owner)
             if away < close + 1.1 * actor.arm:
+                # Who bows only once the other is there knocks heads.
+                self._bow(actor)
                 self._open(actor)
             return False
         if self.touched == 0.0:
             actor.face_to(other)
         self.touched += dt
-        stands = float(me.floor + me.hip_height + me.belly + me.chest)
-        me.down = max(stands - self._level(actor, 0) - 0.3 * actor.arm, 0.0)
+        self._bow(actor)
         self._close(actor, other)
         return self.touched > PATIENCE
+
+    def _bow(self, actor: Actor) -> None:
+        """Come down to one who is smaller."""
+        me = actor.me
+        stands = float(me.floor + me.hip_height + me.belly + me.chest)
+        me.down = max(stands - self._level(actor, 0) - 0.3 * actor.arm, 0.0)
 
     def loosen(self, actor: Actor, dt: float) -> bool:
         """Open the arms again as they were closed; tell whether they are open."""

@@ -126,9 +126,7 @@ def steer(
     )
 
 
-def _obstacles(
-    mind: Mind, to: Array, size: float, target: int
-) -> tuple[Array, Array, Array]:
+def _obstacles(mind: Mind, to: Array, size: float, target: int) -> tuple[Array, Array, Array]:
     """Return unit vectors (n, 2) from obstacles, gaps [m] and ways round."""
     around, memory = mind.around, mind.memory
     gaps = memory.away - around.radius - mind.slim
@@ -143,9 +141,7 @@ def _obstacles(
     offset = memory.places[which][:, [0, 2]] - mind.at
     away = -offset / memory.away[which][:, None]
     side = to[0] * offset[:, 1] - to[1] * offset[:, 0]
-    senses = [
-        mind.way.sense(int(k), float(s), mind.now) for k, s in zip(which, side, strict=True)
-    ]
+    senses = [mind.way.sense(int(k), float(s), mind.now) for k, s in zip(which, side, strict=True)]
     for gone in set(mind.way.senses) - {int(k) for k in which}:
         del mind.way.senses[gone]
     return away, gaps[which], np.array(senses)

@@ -11,10 +11,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from pipeline.simulation.characters.actor import Actor
 from pipeline.simulation.characters.behaviours.approach import steer
 from pipeline.simulation.characters.behaviours.motor import Motor
-from pipeline.simulation.characters.errands import Hug
+from pipeline.simulation.characters.errands import CLOSES, Hug
 from pipeline.spec.behaviour import Attachment, Comfort
 
 if TYPE_CHECKING:
@@ -34,6 +36,10 @@ BEYOND = 3.0
 
 OPEN, BACK = 0.7, 0.45
 """How long arms stay open after a hug [s], and how far one steps back from it [m]."""
+
+CLOSE, UPRIGHT = 0.2, 0.8
+"""From this gap on somebody is embraced [m], no lower than this part of an arm under the own
+shoulders."""
 
 PARTED = 0.12
 """So far hands have to part again that were joined [m]."""
@@ -67,6 +73,44 @@ class Loosen:
                 actor.me.faces, actor.me.facing = True, math.atan2(z, -x)
             self.time += dt
         return self.time > OPEN
+
+
+@dataclass
+class Embrace:
+    """Put both hands on the back of one who has come, without a step and without bowing.
+
+    Attributes:
+        owner: whom.
+        size: how high it stands [m].
+        opens: whether the hands come off again, after.
+        time: since they do, or since it began [s].
+    """
+
+    owner: int
+    size: float
+    opens: bool = False
+    time: float = 0.0
+
+    def go_on(self, actor: Actor, dt: float) -> bool:
+        """See `Errand`."""
+        me = actor.me
+        if self.time == 0.0:
+            actor.stop()
+            me.faces = False
+        self.time += dt
+        other = actor.stage.middle(self.owner)
+        ahead = np.array([other[0] - me.at[0], other[2] - me.at[1]])
+        ahead /= max(math.hypot(ahead[0], ahead[1]), 1e-6)
+        share = min(self.time / CLOSES, 1.0)
+        wide = self.size * (0.2 - 0.14 * (1.0 - share if self.opens else share))
+        standing = float(me.floor + me.hip_height + me.belly + me.chest)
+        high = max(float(other[1]) - 0.03 * self.size, standing - UPRIGHT * actor.arm)
+        for k in range(2):
+            side = wide if k == 1 else -wide
+            x = other[0] + 0.11 * self.size * ahead[0] - side * ahead[1]
+            z = other[2] + 0.11 * self.size * ahead[1] + side * ahead[0]
+            actor.put_hand(k, np.array([x, high, z]))
+        return self.time > CLOSES
 
 
 class SafeBase:
@@ -114,17 +158,14 @@ class HugBack:
 
     def __init__(self, words: Comfort, mind: Mind) -> None:
         self.words, self.ward = words, mind.number(words.comfort)
-        self.hug: Hug | None = None
-        self.loosen: Loosen | None = None
+        self.embrace: Embrace | None = None
         self.joined = math.inf
         self.size = mind.around.stage.size(self.ward)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        if self.loosen is not None and self.loosen.time <= OPEN:
+        if self.embrace is not None or self._arrives(mind):
             return RESOLVED + self.words.urge
-        if self._arrives(mind):
-            return 0.8 + self.words.urge
         near = mind.away(self.ward) < 3.0 and self._comes(mind)
         return 0.5 + self.words.urge if near else 0.0
 
@@ -144,18 +185,23 @@ class HugBack:
 
     def motor(self, mind: Mind) -> Motor:
         """See `Behaviour`."""
-        if self.hug is not None and self.loosen is None and self._is_let_go(mind):
-            self.loosen = Loosen(self.hug)
-        if self.loosen is not None and self.loosen.time > OPEN:
-            self.hug, self.loosen, self.joined = None, None, math.inf
-        if self.loosen is not None:
-            return Motor(errand=self.loosen, target=self.ward, touching=True)
-        if self.hug is not None or self._arrives(mind):
-            self.hug = self.hug or Hug(self.ward, self.size)
-            pace = 0.5 * GENTLE * mind.stroll
-            return Motor(errand=self.hug, pace=pace, target=self.ward, touching=True)
+        embrace = self.embrace
+        if embrace is not None and not embrace.opens and self._is_let_go(mind):
+            embrace.opens, embrace.time = True, 0.0
+        if embrace is not None and embrace.opens and embrace.time > CLOSES + OPEN:
+            self._forget()
+        if self.embrace is None and self._arrives(mind) and mind.gap(self.ward) < CLOSE:
+            self.embrace = Embrace(self.ward, self.size)
+        if self.embrace is not None:
+            return Motor(errand=self.embrace, target=self.ward, touching=True)
+        if mind.gap(self.ward) < IN_ARMS:
+            # No step any more: there are toes.
+            return Motor(target=self.ward, touching=True)
         return Motor(facing=mind.heading_to(mind.place(self.ward)), target=self.ward)
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""
-        self.hug, self.loosen, self.joined = None, None, math.inf
+        self._forget()
+
+    def _forget(self) -> None:
+        self.embrace, self.joined = None, math.inf

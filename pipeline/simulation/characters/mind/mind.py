@@ -173,8 +173,8 @@ class Mind:
 
     def _embraces(self, by: int) -> bool:
         """Tell whether it holds somebody, or opens its arms for them, and means no harm."""
-        errand = self.motor.errand
-        return isinstance(errand, Hug) and errand.owner == by and not self.slapstick
+        gentle = self.doing.startswith(("attachment", "comfort")) and self.motor.touching
+        return gentle and self.motor.target == by and not self.slapstick
 
     def notice(self, now: float, dt: float) -> None:
         """See, remember, feel, and attend, `dt` [s] after the last time."""
@@ -220,5 +220,3 @@ class Mind:
         self.glances.look(
             self.now, dt, self.attention.priority, self.attention.focus, self.motor.target
         )
-
-

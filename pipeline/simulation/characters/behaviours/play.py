@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 LEAST, DRAWN = 0.25, 0.5
 """Activation of play for one who is not curious, and what curiosity adds."""
 
+FORGOTTEN = 0.7
+"""What is left of that for a ball that was not seen for long; it is looked for where it was."""
+
 FORESEES = 0.35
 """How far ahead of a ball that rolls somebody runs [s]."""
 
@@ -46,7 +49,7 @@ class PlayBall:
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
         liked = max(float(mind.attention.valence[self.ball]), 0.0)
-        known = float(mind.memory.fresh(mind.now)[self.ball])
+        known = max(float(mind.memory.fresh(mind.now)[self.ball]), FORGOTTEN)
         if not self._in_reach(mind):
             return 0.0
         draw = LEAST + DRAWN * mind.traits.curiosity

@@ -16,7 +16,7 @@ GROWS = 0.26
 CALMS = 0.02
 """How fast it goes by itself where one is safe [1/s]."""
 
-SOOTHES = 0.55
+SOOTHES = 0.75
 """How fast it goes in a hug [1/s]."""
 
 SHOCK = 0.12

@@ -162,7 +162,7 @@ class Mind:
 
     def hurt(self, pain: float, by: int, now: float) -> None:
         """Feel a blow that hurts so much, struck by a character, or by -1 for none."""
-        if self._embraces(by) and pain < BEARS:
+        if (self._embraces(by) and pain < BEARS) or self._holds(by):
             return
         self.struck = (now, by)
         self.anxiety = min(self.anxiety + SHOCK * min(pain, 2.0), 1.0)
@@ -175,6 +175,12 @@ class Mind:
         """Tell whether it holds somebody, or opens its arms for them, and means no harm."""
         gentle = self.doing.startswith(("attachment", "comfort")) and self.motor.touching
         return gentle and self.motor.target == by and not self.slapstick
+
+    def _holds(self, owner: int) -> bool:
+        """Tell whether it has a character in its hand, which then does not come as a shock."""
+        nodes = self.around.stage.crowd.nodes
+        held = [self.actor.held(k) for k in range(2)]
+        return any(node >= 0 and int(nodes[node].owner) == owner for node in held)
 
     def notice(self, now: float, dt: float) -> None:
         """See, remember, feel, and attend, `dt` [s] after the last time."""

@@ -47,7 +47,7 @@ def test_who_gets_no_farther_tries_one_way_and_then_the_other() -> None:
 
 
 COUNTS = [
-    pytest.param(range(4), marks=pytest.mark.slow),
+    pytest.param(range(12), marks=pytest.mark.slow),
     pytest.param(range(200), marks=pytest.mark.nightly),
 ]
 
@@ -56,7 +56,7 @@ COUNTS = [
 def test_it_finds_its_way_around_obstacles(seeds: range) -> None:
     failed = []
     for seed in seeds:
-        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1")
+        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1\nsamples: 1")
         characters = troupe(made)
         minds = characters.minds
         assert minds is not None

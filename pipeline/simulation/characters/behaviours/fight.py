@@ -40,7 +40,7 @@ class FightIt:
         """See `Behaviour`."""
         near = max(1.0 - mind.away(self.rival) / NEAR, 0.0)
         heat = mind.traits.aggression * (0.35 + 0.65 * near) + mind.anger
-        return heat - 0.5 * mind.attention.fears[self.rival] + self.words.urge
+        return heat - 0.5 * float(mind.attention.fears[self.rival]) + self.words.urge
 
     def motor(self, mind: Mind) -> Motor:
         """See `Behaviour`."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.simulation.spatial import Array
 
-RATE = 0.75
+RATE = 1.5
 """Glances a second at what has a priority of 1."""
 
 LASTS = (0.55, 0.95)

@@ -90,7 +90,9 @@ class Mind:
         self.biases: dict[str, float] = {}
         self.doing = ""
         self.motor = Motor()
-        self.now = self.distance = 0.0
+        self.now = 0.0
+        away = around.places[max(bond, 0)] - around.places[self.me]
+        self.distance = math.hypot(away[0], away[2]) if bond >= 0 else 0.0
         self.at = np.zeros(2)
         self.root = math.sqrt(GRAVITY * float(actor.me.hip_height))
         self.glances: Glances

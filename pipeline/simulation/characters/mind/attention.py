@@ -86,7 +86,7 @@ class Attention:
             self.valence[self.bond] = min(0.3 + anxiety, 1.0)
             self.salience[self.bond] += anxiety
             far = exposed(float(memory.away[self.bond]))
-            self.priority[self.bond] = 0.05 + 0.6 * far + 0.35 * anxiety * far
+            self.priority[self.bond] = 0.02 + 0.7 * far + 0.4 * anxiety * far
         self.salience[self.me] = self.priority[self.me] = 0.0
         if self.focus >= 0:
             self.salience[self.focus] += KEEPS

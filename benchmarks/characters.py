@@ -115,8 +115,13 @@ def humanoid(x: float) -> str:
     limbs = "".join(chain(at) for at in ("0 .1 -.3", "0 -.1 -.3", "0 .25 .25", "0 -.25 .25"))
     trunk = "".join(
         f'<geom type="capsule" fromto="{ends}" size=".07"/>'
-        for ends in ("0 0 -.3 0 0 0", "0 0 0 0 0 .25", "0 0 .3 0 0 .4", "0 -.2 .25 0 .2 .25",
-                     "0 -.1 -.3 0 .1 -.3")
+        for ends in (
+            "0 0 -.3 0 0 0",
+            "0 0 0 0 0 .25",
+            "0 0 .3 0 0 .4",
+            "0 -.2 .25 0 .2 .25",
+            "0 -.1 -.3 0 .1 -.3",
+        )
     )
     return f'<body pos="{x} 0 1.2"><freejoint/>{trunk}{limbs}</body>'
 

@@ -9,7 +9,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.behaviour import Behaviour, Traits
 from pipeline.spec.body import BodyWords
-from pipeline.spec.character import PEOPLE, Kind
+from pipeline.spec.character import HANDS, PEOPLE, Kind
 from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.group import Fire, GroupWords
@@ -316,6 +316,9 @@ class Character(Performer):
         "world [degrees/s].",
     )
 
+    pose: Annotated[tuple[PoseKey, ...], Field(max_length=MOST_KEYS)] = Field(
+        (), description="Where hands are to be at certain times, over what else it does."
+    )
     traits: Traits | None = Field(
         None,
         description="How a child or an adult is minded; who has traits or behaviours acts by "
@@ -350,8 +353,22 @@ class Character(Performer):
             if len(self.at) == 3:
                 message = "who stands by itself stands on the ground: give [x, z], or limp: true"
                 faults.append(Fault(("at",), message))
+        faults += self._faults_of_pose()
         refuse(faults)
         return self
+
+    def _faults_of_pose(self) -> Iterator[Fault]:
+        if self.pose and not self.acts:
+            message = "it does not hold itself, and so holds no pose; take this away"
+            yield Fault(("pose",), message, at_key=True)
+        message = "of a person hands are posed: give limb arm_l or arm_r and reach, or release"
+        for k, key in enumerate(self.pose):
+            for word in ("aim", "turn_deg", "joints", "body"):
+                if getattr(key, word) is not None:
+                    yield Fault(("pose", k, word), message, at_key=True)
+            for word in ("limb", "node", "release"):
+                if getattr(key, word) not in (None, *HANDS):
+                    yield Fault(("pose", k, word), message)
 
     @property
     def acts(self) -> bool:

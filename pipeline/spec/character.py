@@ -17,5 +17,8 @@ PARTS = (
 )
 """Of these, what can be taken."""
 
+HANDS = {"arm_l": 0, "arm_r": 1, "hand_l": 0, "hand_r": 1}
+"""What of people is posed: limbs and nodes."""
+
 Kind = Literal["child", "adult", "ragdoll", "ball", "merry-go-round", "box", "bench"]
 """What there is."""

@@ -258,7 +258,8 @@ class Instruction(Words):
     who: Name = Field(description="Who is to do it.")
     do: Do = Field(
         description="stop, walk, hop, or go_to, turn_deg, speed, gait, mood, look_at, look, wait, "
-        "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple, urge."
+        "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple "
+        "or urge."
     )
 
     @model_validator(mode="after")

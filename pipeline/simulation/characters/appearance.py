@@ -23,7 +23,6 @@ from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
 from pipeline.spec.cast import Character
 
-
 FEET = [FRAMES.index("foot_l"), FRAMES.index("foot_r")]
 
 
@@ -90,8 +89,9 @@ class Appearance:
             R[:, thing.frame] = turned
             middle = turn(turned, np.broadcast_to(thing.rest.mean(axis=0), own[:, 0].shape))
             # What a ball is seen as lies about its node, not where it stands.
-            middle = middle if thing.directions is not None else 0.0
-            places[:, thing.frame] = own.mean(axis=1) - middle
+            places[:, thing.frame] = own.mean(axis=1)
+            if thing.directions is not None:
+                places[:, thing.frame] -= middle
         return R, places
 
 
@@ -100,7 +100,7 @@ def appearance(
 ) -> Appearance:
     """Return what is seen of characters."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
-    people, joints, things = list[int](), list[Array](), list[Thing]()
+    people, joints, things = list[int](), list[Numbers](), list[Thing]()
     acting = list[int]()
     first = 0
     for member, plan in zip(cast, plans, strict=True):
@@ -114,8 +114,9 @@ def appearance(
             span = first, first + len(plan.rest)
             things.append(Thing(frame, span, plan.rest, directions_of(member.character)))
             seen = _thing(member, plan, frame, len(meshes), rows)
-        for found, some in zip((nodes, meshes, parts), seen, strict=True):
-            found.extend(some)  # type: ignore[arg-type]
+        nodes += seen[0]
+        meshes += seen[1]
+        parts += seen[2]
         first += len(plan.rest)
     return Appearance(
         Inventory(tuple(nodes), (), tuple(meshes), tuple(parts)),

@@ -19,6 +19,7 @@ from pipeline.simulation.characters.record import (
     HAND,
     HIP,
     KNEE,
+    LONGEST_ARM,
     OUT,
     PLACED,
     REACHING,
@@ -113,13 +114,13 @@ def _swung(person: Record, k: int) -> Vector:
     # It hangs down, however the trunk leans.
     c, s = math.cos(person.heading), math.sin(person.heading)
     angle += 0.9 * math.atan(person.lean[0] * c - person.lean[1] * s) - 0.3 * run
-    out = OUT - 0.05 * run
+    out = OUT - 0.04 * run
     side = 1.0 if k == 1 else -1.0
     upper, fore = person.upper_arm, person.forearm
     x = upper * math.sin(angle) + fore * math.sin(angle + bend)
     y = -upper * math.cos(angle) - fore * math.cos(angle + bend)
-    z = side * (person.shoulders + out * upper - run * 0.25 * fore)
-    return (x, y, z)
+    z = side * (person.shoulders - y * math.sin(out) - run * 0.25 * fore)
+    return (x, y * math.cos(out), z)
 
 
 @compiled
@@ -152,7 +153,7 @@ def _in_lap(person: Record, k: int, chest: Vector, frame: Frame) -> Vector:
 def _bend(person: Record, k: int, shoulder: Vector, hand: Vector, frame: Frame) -> None:
     """Put hand and elbow where the lengths of the arm let them be."""
     upper, fore = person.upper_arm, person.forearm
-    hand = within(shoulder, hand, 0.25 * (upper + fore), 0.995 * (upper + fore))
+    hand = within(shoulder, hand, 0.25 * (upper + fore), LONGEST_ARM * (upper + fore))
     along = minus(hand, shoulder)
     side = 1.0 if k == 1 else -1.0
     # Down where the hand is ahead, back where it hangs; outward where it is aside or inside.

@@ -246,7 +246,9 @@ def _meet(
     stopped = min(depth, max(nearer, 0.0))
     parted = min(depth - stopped, slack)
     friction = 0.5 * (one.friction + other.friction)
-    move = times(1.0 / weight, plus(times(stopped, normal), rubbed(went, normal, friction * stopped)))
+    move = times(
+        1.0 / weight, plus(times(stopped, normal), rubbed(went, normal, friction * stopped))
+    )
     part = times(parted / weight, normal)
     back = (0.0, 0.0, 0.0)
     if one.bounciness > 0.0 and nearer > 2.0 * WAKES * h:

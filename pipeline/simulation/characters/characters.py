@@ -72,7 +72,8 @@ class Characters:
         bodies = [proportions_of(member) is not None for member in cast]
         people = frozenset(i for i, one in enumerate(bodies) if one)
         stage = Stage([member.name for member in cast], self.crowd, world.ground, people)
-        self.direction = Direction(stage, self.persons, dt)
+        poses = {member.name: member.pose for member in cast}
+        self.direction = Direction(stage, self.persons, dt, poses)
         self.minds = self._minds(stage)
         channels = self.minds.channels if self.minds is not None else ()
         self.inventory = replace(self._look.inventory, channels=channels)

@@ -28,7 +28,7 @@ def steer(crowd: Crowd, persons: Records, ground: Grid, h: float) -> None:
         avoid(persons)
     for i in range(len(persons)):
         person = persons[i]
-        feel(person, links, owners, h)
+        feel(person, nodes, links, owners, h)
         if not person.frozen:
             lead(person, nodes, ground, h)
             tread(person, ground.frame, ground.vertices, h)

@@ -6,7 +6,7 @@ Source: Sims 1987, 3.2.4; Horswill 2008, "High-level Control", for what there is
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -24,10 +24,12 @@ from pipeline.simulation.characters.errands import (
     Walk,
 )
 from pipeline.simulation.characters.layout import NOBODY
+from pipeline.simulation.characters.posing import Posing
 from pipeline.simulation.characters.record import STANDING, SWINGING
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.script import Orders
 from pipeline.spec import script as words
+from pipeline.spec.pose import PoseKey
 from pipeline.spec.script import Do
 from pipeline.spec.values import Target
 
@@ -46,9 +48,16 @@ class Direction:
         stage: all characters.
         persons: records of those who can be told something.
         dt: a step [s].
+        poses: keys of their hands, by name.
     """
 
-    def __init__(self, stage: Stage, persons: Records, dt: float) -> None:
+    def __init__(
+        self,
+        stage: Stage,
+        persons: Records,
+        dt: float,
+        poses: Mapping[str, Sequence[PoseKey]] | None = None,
+    ) -> None:
         self.stage = stage
         self.dt = dt
         self.actors = [Actor(stage.names[person.owner], person, stage) for person in persons]
@@ -59,6 +68,9 @@ class Direction:
         self._arrived: list[str] = []
         self._told = [False for _ in self.actors]
         self._glances = [NOBODY for _ in self.actors]
+        self.minded: frozenset[int] = frozenset()
+        self._posing = {name: Posing(keys) for name, keys in (poses or {}).items() if keys}
+        self._steps = 0
 
     def read(self, orders: Orders) -> None:
         """Take in what is asked of anybody from this step on."""
@@ -105,6 +117,8 @@ class Direction:
     def before(self) -> None:
         """Command everybody for the step to come."""
         self._arrived.clear()
+        time = self._steps * self.dt
+        self._steps += 1
         for k, actor in enumerate(self.actors):
             errand = self._errands[k]
             if errand is not None:
@@ -113,6 +127,8 @@ class Direction:
                     self._arrived.append(actor.name)
                 self._done[k] = done or self._done[k]
                 self._told[k] = self._told[k] and (not done or self._lasts(k))
+            if actor.name in self._posing:
+                self._posing[actor.name].go_on(actor, time)
             self._look(k, actor)
 
     def arrived(self) -> tuple[str, ...]:
@@ -141,6 +157,11 @@ class Direction:
         actor = self.actors[k]
         actor.me.frozen = do == "freeze"
         self._told[k] |= not isinstance(do, LOOKS)
+        if do == "walk" and k in self.minded:
+            # Its own mind says where to.
+            self._told[k] = False
+            self.end(k)
+            return
         if isinstance(do, str):
             self._say(k, actor, do)
         elif isinstance(do, words.LookAt):

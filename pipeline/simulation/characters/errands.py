@@ -271,7 +271,9 @@ class Hug:
         low, high = float(nodes[PELVIS, 1]), float(nodes[SHOULDERS, 1])
         me = actor.me
         own = float(me.floor + me.hip_height + me.belly + me.chest)
-        level = min(max(own - 0.1 * me.height, low + 0.05 * self.size), high - 0.06 * self.size)
+        # The taller one's arms go over, the smaller one's under.
+        over = -0.005 if me.height > 1.05 * self.size else -0.06
+        level = min(max(own - 0.1 * me.height, low + 0.05 * self.size), high + over * self.size)
         return level + (0.035 if k == 0 else -0.035) * actor.me.height
 
     def _open(self, actor: Actor) -> None:

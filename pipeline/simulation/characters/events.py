@@ -40,11 +40,11 @@ class Log(NamedTuple):
 
     Attributes:
         events: (ROOM,) `EVENT`.
-        count: (1,) how many there are.
+        filled: (1,) how many there are.
     """
 
     events: Structures
-    count: Numbers
+    filled: Numbers
 
 
 def new_log() -> Log:
@@ -71,11 +71,11 @@ def note(
         normal: towards who.
         hard: speed of approach [m/s] and energy [J].
     """
-    n = log.count[0]
+    n = log.filled[0]
     if n < len(log.events):
         event = log.events[n]
         event.moment, event.link, event.other = moment, pair[0], pair[1]
         event.speed, event.energy = hard[0], hard[1]
         set_triple(event.place, place)
         set_triple(event.normal, normal)
-        log.count[0] = n + 1
+        log.filled[0] = n + 1

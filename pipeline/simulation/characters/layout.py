@@ -352,9 +352,7 @@ def _firsts(counts: Sequence[int]) -> Numbers:
     return ends[:-1]
 
 
-def _numbered(
-    rows: Sequence[Sequence[Sequence[int]]], firsts: Numbers, columns: int
-) -> Numbers:
+def _numbered(rows: Sequence[Sequence[Sequence[int]]], firsts: Numbers, columns: int) -> Numbers:
     """Return numbers of each character, counted from its first, as numbers of all."""
     all_rows = [[k + a for k in row] for one, a in zip(rows, firsts, strict=True) for row in one]
     return np.array(all_rows, dtype=np.int64).reshape(-1, columns)

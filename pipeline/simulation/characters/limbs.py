@@ -70,7 +70,10 @@ def settle(nodes: Records, limb: Record) -> None:
     if nodes[limb.joint].give == 0.0:
         return
     x, y, z = trunk(nodes, limb)
-    root, along = triple(nodes[limb.root].p), minus(triple(nodes[limb.tip].p), triple(nodes[limb.root].p))
+    root, along = (
+        triple(nodes[limb.root].p),
+        minus(triple(nodes[limb.tip].p), triple(nodes[limb.root].p)),
+    )
     far = length(along)
     if far < TINY:
         return
@@ -94,7 +97,11 @@ def settle(nodes: Records, limb: Record) -> None:
 def bend(nodes: Records, limb: Record) -> float:
     """Return how far a joint is bent [rad], negative if it points where it may not."""
     x, y, z = trunk(nodes, limb)
-    root, joint, tip = triple(nodes[limb.root].p), triple(nodes[limb.joint].p), triple(nodes[limb.tip].p)
+    root, joint, tip = (
+        triple(nodes[limb.root].p),
+        triple(nodes[limb.joint].p),
+        triple(nodes[limb.tip].p),
+    )
     upper, lower = minus(joint, root), minus(tip, joint)
     angle = math.atan2(length(cross(upper, lower)), dot(upper, lower))
     along = minus(tip, root)

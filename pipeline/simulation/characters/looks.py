@@ -93,9 +93,7 @@ def _bar(a: Array, b: Array, radius: float) -> Solid:
     angle = 2.0 * np.pi * np.arange(BARS) / BARS
     ring = np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * other
     steps = [(a, s) for s in (-0.9, -0.5, 0.0)] + [(b, s) for s in (0.0, 0.5, 0.9)]
-    rings = [
-        end + radius * (s * along + np.sqrt(1.0 - s * s) * ring) for end, s in steps
-    ]
+    rings = [end + radius * (s * along + np.sqrt(1.0 - s * s) * ring) for end, s in steps]
     return lofted(np.stack(rings), np.stack([a - radius * along, b + radius * along]))
 
 

@@ -87,7 +87,7 @@ def find_near(owners: Records, order: Numbers, near: Numbers) -> int:
 def find_pairs(
     nodes: Records, links: Records, owners: Records, own: Numbers, near: Numbers, pairs: Numbers
 ) -> int:
-    """Find links that may touch, those of one character first; what is no box meets boxes as wholes.
+    """Find links that may touch, those of one character first; boxes are met as wholes.
 
     Args:
         nodes: of all characters.
@@ -103,11 +103,8 @@ def find_pairs(
     found = 0
     for n in range(len(own)):
         a, b = own[n, 0], own[n, 1]
-        if owners[links[a].owner].asleep:
-            continue
-        if found < len(pairs) and _side_by_side(nodes, links[a], links[b]):
-            pairs[found, 0], pairs[found, 1] = a, b
-            found += 1
+        if not owners[links[a].owner].asleep:
+            found = _keep_if_near(nodes, links, (a, b), pairs, found)
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
         if (one.asleep and other.asleep) or (one.edge > 0.0) != (other.edge > 0.0):
@@ -116,12 +113,20 @@ def find_pairs(
             if links[a].girth == 0.0 or not _in_box(nodes, links[a], other):
                 continue
             for b in range(other.links[0], other.links[0] + other.links[1]):
-                if found == len(pairs) or links[b].girth == 0.0:
-                    continue
-                if _side_by_side(nodes, links[a], links[b]):
-                    pairs[found, 0], pairs[found, 1] = a, b
-                    found += 1
+                if links[b].girth > 0.0:
+                    found = _keep_if_near(nodes, links, (a, b), pairs, found)
     return found
+
+
+@inlined
+def _keep_if_near(
+    nodes: Records, links: Records, pair: tuple[int, int], pairs: Numbers, found: int
+) -> int:
+    """Keep a pair of links if it may touch; return how many are kept now."""
+    if found == len(pairs) or not _side_by_side(nodes, links[pair[0]], links[pair[1]]):
+        return found
+    pairs[found, 0], pairs[found, 1] = pair[0], pair[1]
+    return found + 1
 
 
 @inlined

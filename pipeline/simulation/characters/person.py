@@ -210,7 +210,7 @@ def _limbs(rest: Array) -> Structures:
             strict=True,
         ):
             limbs[word][k] = PERSON_NODES[name]
-        limbs["upper"][k], limbs["lower"][k] = _sides(*names, rest)
+        limbs["upper"][k], limbs["lower"][k] = _sides(names[0], names[1], names[2], rest)
         middle, cone, bend, spread = LEG if leg else ARM
         mirror = np.array([1.0, 1.0, 1.0 if side == "r" else -1.0])
         m = normalized(mirror * middle)

@@ -50,9 +50,7 @@ def project(
 
 
 @inlined
-def finish(
-    nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record
-) -> None:
+def finish(nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record) -> None:
     """Go on with one character until nobody sees that its links are off; then set its joints."""
     for _ in range(MOST):
         if project(nodes, links, middles, limbs, owner) <= ENOUGH:
@@ -107,7 +105,7 @@ def _link(one: Record, other: Record, link: Record) -> float:
     q[1] += b * y
     q[2] += b * z
     # What only limits may be off a little more: nobody sees it.
-    off = abs(apart - wanted) / wanted
+    off: float = abs(apart - wanted) / wanted
     return off if least == most else 0.2 * off
 
 

@@ -32,8 +32,11 @@ put somewhere, which is told in the frame of the chest or in the world."""
 
 STANDING, SITTING = 0, 1
 
-AT_EASE, OUT = (0.02, np.radians(12.0)), 0.11
-"""Of arms that hang: how far they swing ahead and bend [rad], and how far outward, in upper arms."""
+AT_EASE, OUT = (0.02, np.radians(14.0)), 0.13
+"""Of arms that hang: how far they swing ahead and bend [rad]; how far outward [rad]."""
+
+LONGEST_ARM = 0.995
+"""Of an arm, in the sum of its links."""
 
 _SIZES = ("height", "thigh", "shin", "upper_arm", "forearm", "hips", "shoulders", "hip_height")
 _MORE = ("ankle", "belly", "chest", "neck", "foot", "ball")
@@ -191,9 +194,10 @@ def at_ease(proportions: Proportions) -> Array:
     for k, side in enumerate((-1.0, 1.0)):
         ahead = upper * np.sin(swing) + lower * np.sin(swing + bend)
         down = upper * np.cos(swing) + lower * np.cos(swing + bend)
-        along = np.array([ahead, -down, side * OUT * upper])
+        along = np.array([ahead, -down * np.cos(OUT), side * down * np.sin(OUT)])
         size = float(np.sqrt((along * along).sum()))
         along /= size
+        size = min(size, LONGEST_ARM * (upper + lower))
         back = np.array([along[1], -along[0], 0.28 * side])
         back -= (back * along).sum() * along
         part = (upper**2 - lower**2 + size**2) / (2.0 * size)

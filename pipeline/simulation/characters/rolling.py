@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import UP, Array, cross, rotation
 
@@ -22,7 +23,7 @@ class Rolling:
         self.R: Array = np.broadcast_to(np.eye(3), (len(radius), 3, 3)).copy()
         self._turn = np.zeros((len(radius), 3))
 
-    def go(self, moved: Array, on_ground: Array) -> None:
+    def go(self, moved: Array, on_ground: NDArray[np.bool_]) -> None:
         """Go on by a step in which balls moved (T, 3) [m], those on the ground rolling."""
         rolled = cross(np.broadcast_to(UP, moved.shape), moved) / self.radius[:, None]
         self._turn = np.where(on_ground[:, None], rolled, self._turn)

@@ -10,7 +10,7 @@ from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
-from pipeline.simulation.characters.projecting import are_held, finish, hold, project
+from pipeline.simulation.characters.projecting import finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
 from pipeline.simulation.characters.touching import PARTING, are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
@@ -53,7 +53,7 @@ def advance(
         count: of sub-steps.
     """
     h = dt / count
-    log.count[0] = 0
+    log.filled[0] = 0
     _forget(crowd.links)
     for n in range(count):
         steer(crowd, persons, grid, h)
@@ -91,12 +91,7 @@ def _sub_step(
             if owners[c].busy:
                 project(nodes, links, middles, limbs, owners[c])
         hold(nodes, grips)
-        for k in range(len(pairs)):
-            a, b = links[pairs[k, 0]], links[pairs[k, 1]]
-            if not (owners[a.owner].busy or owners[b.owner].busy) or are_held(nodes, a, b):
-                continue
-            if are_near(nodes, a, b):
-                meet(nodes, links, owners, (pairs[k, 0], pairs[k, 1]), h, slack, moment, log)
+        _meet_all(nodes, links, owners, pairs, h, slack, moment, log)
         _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
         for c in range(len(owners)):
             if owners[c].busy:
@@ -104,6 +99,23 @@ def _sub_step(
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish(nodes, links, middles, limbs, owners[c])
+
+
+@compiled
+def _meet_all(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    pairs: Numbers,
+    h: float,
+    slack: float,
+    moment: float,
+    log: Log,
+) -> None:
+    for n in range(len(pairs)):
+        a, b = links[pairs[n, 0]], links[pairs[n, 1]]
+        if (owners[a.owner].busy or owners[b.owner].busy) and are_near(nodes, a, b):
+            meet(nodes, links, owners, (pairs[n, 0], pairs[n, 1]), h, slack, moment, log)
 
 
 @compiled

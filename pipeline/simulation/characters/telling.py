@@ -32,7 +32,7 @@ class Telling:
     def contacts(self, log: Log, step: int) -> tuple[Contact, ...]:
         """Return the touches of a step, but for the feet of those who walk."""
         found = []
-        for event in log.events[: int(log.count[0])]:
+        for event in log.events[: int(log.filled[0])]:
             member = self.cast[int(self._links["owner"][event["link"]])]
             name = self._name(member, int(event["link"]))
             on_ground = event["other"] < 0
@@ -43,8 +43,8 @@ class Telling:
 
     def touched(self, log: Log) -> tuple[tuple[str, str], ...]:
         """Return who began to touch whom in a step."""
-        pairs = {}
-        for event in log.events[: int(log.count[0])]:
+        pairs = dict[tuple[str, str], None]()
+        for event in log.events[: int(log.filled[0])]:
             if event["other"] >= 0:
                 one, other = (
                     self.cast[int(self._links["owner"][event[word]])].name

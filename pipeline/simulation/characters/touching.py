@@ -59,7 +59,8 @@ def are_near(nodes: Records, one: Record, other: Record) -> bool:
         away = 0.5 * (p[k] + q[k] - r[k] - s[k])
         squared += away * away
     reach = one.girth + other.girth + 0.5 * (one.reach[0] + other.reach[0]) * (1.0 + SPARE)
-    return squared < reach * reach
+    near: bool = squared < reach * reach
+    return near
 
 
 @inlined
@@ -114,14 +115,7 @@ def meet(
         return
     share = 1.0 / (w_a + w_b)
     if a.owner != b.owner:
-        speed = max(nearer, 0.0) / h
-        energy = 0.5 * share * speed * speed
-        # Both have been apart for a while, or it is another that is touched now.
-        new = a.touched_owner != b.owner or a.age[0] > PAUSE
-        if new and speed > ABOVE:
-            note(log, moment, pair, place, n, (speed, energy))
-        sense(a, pair[1], b.owner, energy)
-        sense(b, pair[0], a.owner, energy)
+        _feel(links, pair, (place, n), max(nearer, 0.0) / h, share, moment, log)
     depth = reach - apart
     one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
     stopped = min(depth, max(nearer, 0.0))
@@ -141,8 +135,29 @@ def meet(
 
 
 @inlined
+def _feel(
+    links: Records,
+    pair: tuple[int, int],
+    where: tuple[Vector, Vector],
+    speed: float,
+    mass: float,
+    moment: float,
+    log: Log,
+) -> None:
+    """Let two links of two characters know of one another."""
+    a, b = links[pair[0]], links[pair[1]]
+    energy = 0.5 * mass * speed * speed
+    # Both have been apart for a while, or it is another that is touched now.
+    new = a.touched_owner != b.owner or a.age[0] > PAUSE
+    if new and speed > ABOVE:
+        note(log, moment, pair, where[0], where[1], (speed, energy))
+    sense(a, pair[1], b.owner, energy)
+    sense(b, pair[0], a.owner, energy)
+
+
+@inlined
 def rub(node: Record, owner: Record, speed: float) -> None:
-    """Let a node be damped that touches somebody gently, as on the ground; who acts damps itself."""
+    """Let a node that touches gently be damped as on the ground; who acts damps itself."""
     if speed < GENTLE and not owner.acts and owner.bounciness == 0.0:
         node.rubbed = owner.ground
 
@@ -171,7 +186,8 @@ def borne(one: Record, other: Record, up: float) -> float:
 @inlined
 def _lightness(nodes: Records, link: Record) -> float:
     """Return the inverse mass of a link that is moved as a whole, of what of it can move."""
-    one, other = nodes[link.ends[0]].give, nodes[link.ends[1]].give
+    one: float = nodes[link.ends[0]].give
+    other: float = nodes[link.ends[1]].give
     if link.ends[0] == link.ends[1] or other == 0.0:
         return one
     return other if one == 0.0 else one * other / (one + other)

@@ -272,7 +272,9 @@ def stretch(person: Record, links: Records, owners: Records) -> None:
 @compiled
 def chest_frame(person: Record) -> tuple[Vector, Frame]:
     """Return the middle of the shoulders, and the frame of the chest, as they should be."""
+    _, stance = pace_of(person)
     yaw = person.heading + person.twist
+    yaw += COUNTER * person.walking * turn_of(person, 1.0 - stance)
     return row(person.wanted, SHOULDERS), frame_of(yaw, person.lean[0], person.lean[1], 0.0)
 
 

@@ -1,8 +1,8 @@
 """Compiled: loops over bodies as machine code, made when they are first run and kept.
 
 What is made is kept in the user's cache, never beside the package, in a folder named by a
-digest of the sources of all rooms that compile: numba alone would not see that a function which another one
-calls has changed. Where nothing can be written it is made anew each time.
+digest of the sources of all rooms that compile: numba alone would not see that a function
+which another one calls has changed. Where nothing can be written it is made anew each time.
 
 Compiled functions take numbers, tuples of them, and records, which are passed as one address:
 tuples of many arrays cost as much as the work. Vectors are triples and rotations three rows:

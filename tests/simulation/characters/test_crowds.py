@@ -66,8 +66,8 @@ def test_the_same_crowd_moves_the_same_to_the_last_bit_alone_or_beside_others() 
     from .yards import PLANS, Yard
 
     plans = PLANS[:5]
-    places = [plan.rest + [0.4 * k, 0.3 * k, 0.2] for k, plan in enumerate(plans)]
-    far = [plan.rest + [25.0, 0.5, 1.5 * k] for k, plan in enumerate(plans)]
+    places = [plan.rest + np.array([0.4 * k, 0.3 * k, 0.2]) for k, plan in enumerate(plans)]
+    far = [plan.rest + np.array([25.0, 0.5, 1.5 * k]) for k, plan in enumerate(plans)]
     alone = Yard(crowd_of(plans, places))
     beside = Yard(crowd_of([*plans, *plans], [*places, *far]))
     for yard in (alone, beside):

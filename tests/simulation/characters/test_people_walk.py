@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -137,7 +138,7 @@ def test_steps_come_as_often_as_people_take_them() -> None:
 def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None:
     play = walk("adult", speed)
     doing = play.records["doing"][:, 0]
-    going = np.hypot(*play.records["going"][:, 0].T) > 0.95 * speed
+    going = np.hypot(*play.records["going"][:, 0].T) > 0.85 * speed
     assert going.sum() > 20
     assert bool((doing[going] == 1).all(axis=1).any()) == flies
     assert (strides_at(speed, ADULT.hip * ADULT.height)[1] < 0.5) == flies
@@ -173,6 +174,6 @@ def test_footfalls_are_contacts_with_the_ground() -> None:
     assert {c.part for c in falls} == {"a.foot_l", "a.foot_r"}
     assert {c.other for c in falls} == {"terrain"}
     sides = [c.part[-1] for c in falls]
-    assert all(a != b for a, b in zip(sides[:-2], sides[1:-1], strict=True))
+    assert all(a != b for a, b in pairwise(sides))
     assert all(abs(c.place[1]) < 1e-6 and 0.05 < c.speed < 2.0 and c.energy > 0.0 for c in falls)
     assert not [c for c in play.contacts if c.other == "terrain" and c.kind != "touch"]

@@ -19,12 +19,14 @@ from .yards import DT, depth, lengths_off, yard_of
 def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
     plans = [person(CHILD), ball(0.1, 0.4)._replace(air=0.0)]
     shin = plans[0].rest[[12, 14]].mean(axis=0)
-    yard = yard_of(plans, [plans[0].rest, np.array([shin + [0.35, 0.0, 0.0]])], gravity=0.0)
+    yard = yard_of(
+        plans, [plans[0].rest, np.array([shin + np.array([0.35, 0.0, 0.0])])], gravity=0.0
+    )
     v = np.zeros_like(yard.crowd.p)
     v[16, 0] = -6.0
     yard.throw(v)
     links = yard.crowd.links
-    while not yard.log.count[0]:
+    while not yard.log.filled[0]:
         yard.step()
     event = yard.log.events[0]
     struck, other = LINK_NAMES.index("shin_l"), len(plans[0].links)
@@ -42,7 +44,7 @@ def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
 
 def test_what_hurts_is_forgotten_at_a_rate() -> None:
     plan = person(CHILD)
-    yard = yard_of([plan], [plan.rest + [0.0, 20.0, 0.0]], gravity=0.0)
+    yard = yard_of([plan], [plan.rest + np.array([0.0, 20.0, 0.0])], gravity=0.0)
     yard.crowd.owners["pain"][0] = 2.0
     yard.step(96)
     assert yard.crowd.owners["pain"][0] == pytest.approx(2.0 * math.exp(-PAIN_ENDS), rel=1e-9)
@@ -50,7 +52,7 @@ def test_what_hurts_is_forgotten_at_a_rate() -> None:
 
 def test_a_fall_hurts_and_lying_does_not() -> None:
     plan = person(ADULT)
-    yard = yard_of([plan], [plan.rest + [0.0, 2.0, 0.0]])
+    yard = yard_of([plan], [plan.rest + np.array([0.0, 2.0, 0.0])])
     yard.step(96)
     fallen = float(yard.crowd.owners["pain"][0])
     assert fallen > 0.2
@@ -81,8 +83,8 @@ def test_a_ball_lies_on_a_box_and_a_person_on_a_bench() -> None:
     places = [
         crate.rest,
         np.array([[0.0, 0.62, 0.0]]),
-        seat.rest + [3.0, 0.0, 0.0],
-        lying + [3.0, 0.65, 0.0],
+        seat.rest + np.array([3.0, 0.0, 0.0]),
+        lying + np.array([3.0, 0.65, 0.0]),
     ]
     yard = yard_of(plans, places)
     yard.step(300)
@@ -102,7 +104,9 @@ def test_links_beside_the_ground_and_far_from_it() -> None:
     heights = np.tile(0.16 * np.floor(-x / 0.3 + 1e-9), (9, 1))
     field = HeightField(heights, (8.0, 8.0))
     plan = person(RAGDOLL)
-    yard = yard_of([plan], [plan.rest + [-2.0, 1.6, 0.0]], grid=grid_of(field), level=False)
+    yard = yard_of(
+        [plan], [plan.rest + np.array([-2.0, 1.6, 0.0])], grid=grid_of(field), level=False
+    )
     v = np.zeros_like(yard.crowd.p)
     v[:, 0] = 5.0
     yard.throw(v)

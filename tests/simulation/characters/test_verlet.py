@@ -68,7 +68,7 @@ def test_people_who_run_into_one_another_keep_it_too() -> None:
     before, met = momentum(yard), False
     for _ in range(150):
         yard.step()
-        met = met or bool(yard.log.count[0])
+        met = met or bool(yard.log.filled[0])
         np.testing.assert_allclose(momentum(yard), before, rtol=0, atol=1e-8)
     assert met
 
@@ -91,7 +91,7 @@ def test_at_another_rate_the_motion_is_the_same() -> None:
 
 def test_a_locked_node_stays_and_one_that_lands_locks_itself() -> None:
     plan = person(CHILD)
-    yard = yard_of([plan], [plan.rest + [0.0, 0.3, 0.0]])
+    yard = yard_of([plan], [plan.rest + np.array([0.0, 0.3, 0.0])])
     nodes, foot, hand = yard.crowd.nodes, 14, 8
     nodes["lock"][hand], nodes["lock"][foot] = LOCKED, LANDING
     held = yard.crowd.p[hand].copy()
@@ -108,7 +108,7 @@ def test_a_locked_node_stays_and_one_that_lands_locks_itself() -> None:
 
 def test_a_ball_bounces_by_its_bounciness() -> None:
     plan = ball(0.12, 0.4)._replace(air=0.0, ground=0.0)
-    yard = yard_of([plan], [plan.rest + [0.0, 1.0, 0.0]], count=30)
+    yard = yard_of([plan], [plan.rest + np.array([0.0, 1.0, 0.0])], count=30)
     heights = []
     for _ in range(round(1.4 / DT)):
         yard.step()

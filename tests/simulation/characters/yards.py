@@ -47,10 +47,12 @@ class Yard:
 
     @property
     def h(self) -> float:
+        """The sub-step [s]."""
         return self.dt / self.count
 
     @property
     def velocities(self) -> Array:
+        """(N, 3) of the nodes [m/s]."""
         result: Array = (self.crowd.p - self.crowd.before) / self.h
         return result
 
@@ -59,6 +61,7 @@ class Yard:
         self.crowd.nodes["before"] = self.crowd.p - self.h * v
 
     def step(self, steps: int = 1) -> None:
+        """Go on by so many steps."""
         for _ in range(steps):
             advance(
                 *(self.crowd, zeros(0, PERSON), self.grid, self.level, self.room, self.log),

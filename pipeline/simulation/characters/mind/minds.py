@@ -66,6 +66,7 @@ class Minds:
             if member.has_mind:
                 self.minds.append(_mind(member, cast, actor, around, seed))
                 self.places.append(k)
+        direction.minded = frozenset(self.places)
         acting = np.array([member.acts for member in cast], dtype=bool)
         arms = {int(actor.me.owner): actor.me for actor in direction.actors}
         for mind in self.minds:

@@ -187,7 +187,8 @@ def number_of(whom: str, figures: Mapping[str, Figure], numbers: Mapping[str, in
 def _node(name: str, part: str, figure: Figure | None, numbers: Mapping[str, int]) -> int | None:
     """Return the number of a link, or of the link that ends at a node of the drawing."""
     if not part:
-        return numbers.get(name, numbers.get(f"{name}.body"))
+        whole = (name, f"{name}.body", f"{name}.pelvis")
+        return next((numbers[one] for one in whole if one in numbers), None)
     if figure is not None:
         names = PartNames(figure)
         if part in names.nodes:

@@ -17,7 +17,7 @@ from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
-from pipeline.spec.cast import Body, Creature, Group, Many, Prop
+from pipeline.spec.cast import Body, Character, Creature, Group, Many, Prop
 from pipeline.spec.scene import Scene
 
 Performer = tuple[int, Creature, Figure]
@@ -39,6 +39,12 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     props = [member for member in scene.cast if isinstance(member, Prop)]
     if props:
         troupes.append(Props(props, world, [member.material or THING for member in props]))
+    characters = [member for member in scene.cast if isinstance(member, Character)]
+    if characters:
+        # As below: they need a compiler.
+        from pipeline.simulation.characters.characters import Characters
+
+        troupes.append(Characters(characters, world))
     pushing = [troupe.inventory for troupe in troupes]
     troupes += _alone(scene, world)
     meeting = [
@@ -60,11 +66,15 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
 
 def makes_machine_code(scene: Scene) -> bool:
     """Tell whether the machine code of bodies is made first, which takes a while, once."""
-    if not any(isinstance(member, Body | Many) for member in scene.cast):
+    rooms = {
+        "dynamics": any(isinstance(member, Body | Many) for member in scene.cast),
+        "characters": any(isinstance(member, Character) for member in scene.cast),
+    }
+    if not any(rooms.values()):
         return False
     from pipeline.simulation.dynamics.compiled import is_made
 
-    return not is_made()
+    return not all(is_made(room) for room, needed in rooms.items() if needed)
 
 
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

@@ -18,6 +18,18 @@ Orders = Mapping[str, Sequence[Do]]
 """What each performer is to do now, by its name."""
 
 
+Event = str | frozenset[str]
+"""Who has arrived, or who touch one another."""
+
+
+def _event(instruction: Instruction) -> Event:
+    """Return what an instruction waits for."""
+    when = instruction.when
+    if when is None:
+        return ""
+    return when.arrived or frozenset(when.touch or ())
+
+
 class Script:
     """The instructions of a scene that are not given yet."""
 
@@ -31,15 +43,19 @@ class Script:
             else:
                 self._at(clock.step_from(one.at), one.who, one.do)
 
-    def orders(self, step: int, arrived: Collection[str]) -> Orders:
+    def orders(
+        self, step: int, arrived: Collection[str], touched: Collection[tuple[str, str]] = ()
+    ) -> Orders:
         """Return what is to be done from `step` on.
 
         Args:
             step: that is about to be taken.
             arrived: who has just come to the end of its way.
+            touched: pairs who have just begun to touch one another.
         """
         due = self._timed.pop(step, [])
-        due += self._happened(arrived) if arrived else []
+        events = {*arrived, *(frozenset(pair) for pair in touched)}
+        due += self._happened(events) if events else []
         given: dict[str, list[Do]] = {}
         for who, do in due:
             given.setdefault(who, []).append(do)
@@ -47,13 +63,13 @@ class Script:
                 self._at(step + max(self.clock.step_from(do.wait), 1), who, "walk")
         return given
 
-    def _happened(self, arrived: Collection[str]) -> list[tuple[str, Do]]:
-        """Return what waited for arrivals, the first for each performer and arrival."""
-        given: dict[tuple[str, str], Do] = {}
+    def _happened(self, events: Collection[Event]) -> list[tuple[str, Do]]:
+        """Return what waited for these events, the first for each performer and event."""
+        given: dict[tuple[str, Event], Do] = {}
         left = []
         for one in self._waiting:
-            event = one.when.arrived if one.when is not None else ""
-            if event in arrived and (one.who, event) not in given:
+            event = _event(one)
+            if event in events and (one.who, event) not in given:
                 given[one.who, event] = one.do
             else:
                 left.append(one)

@@ -72,6 +72,7 @@ class Simulation:
         self.script = Script(scene.script, clock)
         refuse_to_direct(scene, self.troupes)
         self._arrived: tuple[str, ...] = ()
+        self._touched: tuple[tuple[str, str], ...] = ()
         self.step_number = 0
         self._kept = self._written = 0
         room = POSES_AT_ONCE // max(len(self.recorder.nodes), 1)
@@ -132,7 +133,7 @@ class Simulation:
 
     def _read(self) -> None:
         """Show everybody what the script asks of them, and let them see the step before."""
-        orders = self.script.orders(self.step_number, self._arrived)
+        orders = self.script.orders(self.step_number, self._arrived, self._touched)
         for looker in self._lookers:
             if sought := looker.sought(orders):
                 self._write_kept()
@@ -192,6 +193,7 @@ class Simulation:
         contacts = [contact for fact in facts for contact in fact.contacts]
         notes = [note for fact in facts for note in fact.notes]
         self._arrived = tuple(name for fact in facts for name in fact.arrived)
+        self._touched = tuple(pair for fact in facts for pair in fact.touched)
         return sorted(contacts, key=lambda c: (c.step, c.fraction, c.part)), notes
 
 

@@ -93,11 +93,13 @@ class Facts:
         contacts: that began in it.
         notes: that the author should have.
         arrived: who has come to the end of its way in it.
+        touched: pairs who have begun to touch one another in it, by name.
     """
 
     contacts: tuple[Contact, ...] = ()
     notes: tuple[Note, ...] = ()
     arrived: tuple[str, ...] = ()
+    touched: tuple[tuple[str, str], ...] = ()
 
 
 class Troupe(Protocol):

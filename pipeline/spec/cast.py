@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self, TypeGuard
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.body import BodyWords
+from pipeline.spec.character import PEOPLE, Kind
 from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.group import Fire, GroupWords
@@ -282,7 +283,76 @@ class Many(Performer):
         return self.many.layout
 
 
-BLOCKS = {"figure": "Creature", "prop": "Prop", "body": "Body", "group": "Group", "many": "Many"}
+class Character(Performer):
+    """A body of nodes and links: a person, or what people play with."""
+
+    character: Kind = Field(
+        description="child and adult stand, walk, reach, hug and sit as the script tells them; "
+        "a ragdoll, a ball, a merry-go-round, a box and a bench are pushed, thrown and carried."
+    )
+    at: At = Field(
+        (0.0, 0.0),
+        description="Where it begins, [x, z] on the ground; [x, y, z] in the air, with the height "
+        "of its lowest place, if it is none who holds itself [m].",
+    )
+    scale: Annotated[Number, Field(ge=0.2, le=5)] = Field(
+        1.0, description="Factor on all its lengths; its mass goes by the third power."
+    )
+    limp: bool = Field(
+        False, description="Whether a child or an adult lets itself go: it holds nothing and falls."
+    )
+    rotation_deg: Turn = Field(
+        (0.0, 0.0, 0.0),
+        description=f"How what does not hold itself begins turned, before its heading: {TURN}.",
+    )
+    velocity: Velocity = Field(
+        (0.0, 0.0, 0.0),
+        description="Of what does not hold itself, at the begin, [x, y, z] [m/s].",
+    )
+    spin_deg: Turn = Field(
+        (0.0, 0.0, 0.0),
+        description="How what does not hold itself turns at the begin, about x, y and z of the "
+        "world [degrees/s].",
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        faults = []
+        if self.parent is not None:
+            message = "a character moves by itself; take parent away, or let it be grabbed"
+            faults.append(Fault(("parent",), message, at_key=True))
+        if self.limp and self.character not in PEOPLE:
+            message = f"a {self.character} never holds itself; take this away"
+            faults.append(Fault(("limp",), message, at_key=True))
+        if self.acts:
+            message = "who stands by itself cannot begin so; take this away, or give limp: true"
+            given = self.model_fields_set & {"rotation_deg", "velocity", "spin_deg"}
+            faults += [Fault((word,), message, at_key=True) for word in sorted(given)]
+            if len(self.at) == 3:
+                message = "who stands by itself stands on the ground: give [x, z], or limp: true"
+                faults.append(Fault(("at",), message))
+        refuse(faults)
+        return self
+
+    @property
+    def acts(self) -> bool:
+        """Whether it holds itself, and does what it is told."""
+        return self.character in PEOPLE and not self.limp
+
+    @property
+    def called(self) -> str:
+        """What it is called if it has no name."""
+        return self.character
+
+
+BLOCKS = {
+    "figure": "Creature",
+    "prop": "Prop",
+    "body": "Body",
+    "group": "Group",
+    "many": "Many",
+    "character": "Character",
+}
 """What a member is, by the block that it has."""
 
 
@@ -298,7 +368,8 @@ Member = Annotated[
     | Annotated[Prop, Tag("Prop")]
     | Annotated[Body, Tag("Body")]
     | Annotated[Group, Tag("Group")]
-    | Annotated[Many, Tag("Many")],
+    | Annotated[Many, Tag("Many")]
+    | Annotated[Character, Tag("Character")],
     Discriminator(_what),
 ]
 
@@ -331,12 +402,13 @@ def called(member: object) -> tuple[str, str, str]:
         Its own name or "", what it is, and what stands between that and a number: nothing
         for `many`, whose bodies are numbered after a `_`.
     """
-    if isinstance(member, Creature | Prop | Body | Group | Many):
+    if isinstance(member, Creature | Prop | Body | Group | Many | Character):
         return member.name, member.called, "" if isinstance(member, Many) else "_"
     if not isinstance(member, Mapping):
         return "", "", "_"
     shape, many = member.get("prop") or member.get("body"), member.get("many")
     kind = shape.get("shape") if isinstance(shape, Mapping) else member.get("figure")
+    kind = kind or member.get("character")
     if isinstance(group := member.get("group"), Mapping):
         kind = group.get("rule")
     if isinstance(many, Mapping):

@@ -13,6 +13,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from audio.fitting import matches
+from pipeline.spec.acting import PEOPLE_ALONE, fault_of_thing, faults_of_acting, faults_of_touch
 from pipeline.spec.cast import called, names_of
 from pipeline.spec.detect import Detect
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
@@ -178,28 +179,41 @@ def _attached(scene: object) -> Iterator[Fault]:
 
 def _scripted(scene: object) -> Iterator[Fault]:
     names = _names(scene)
+    members = dict(zip(names, (m for _, m in _items(_get(scene, "cast"))), strict=True))
     for i, instruction in _items(_get(scene, "script")):
+        when = _get(instruction, "when")
+        touch = _get(when, "touch")
+        yield from faults_of_touch(touch, ("script", i, "when", "touch"), members)
         who = (("who",), _get(instruction, "who"))
-        arrived = (("when", "arrived"), _get(_get(instruction, "when"), "arrived"))
-        for place, name in (who, arrived):
-            if not isinstance(name, str):
-                continue
-            if name not in names:
+        for place, name in (who, (("when", "arrived"), _get(when, "arrived"))):
+            if isinstance(name, str) and name not in names:
                 message = f"nobody in the cast is called '{name}', {hint(name, names)}"
                 yield Fault(("script", i, *place), message)
-                continue
-            member = dict(_items(_get(scene, "cast")))[names.index(name)]
-            if _get(member, "prop") is not None:
-                yield Fault(("script", i, *place), f"'{name}' is a prop, which no script moves")
-            elif _thing(member) == "body":
-                yield Fault(("script", i, *place), f"'{name}' is a body, which no script moves")
-            elif (group := _get(member, "group")) is not None:
-                yield from _directed(group, name, instruction, ("script", i), place)
-            elif not _walks(member) and not _hops(member):
-                message = f"'{name}' neither walks nor hops; give it walk: {{}} or pronk: {{}}"
-                yield Fault(("script", i, *place), message)
-            elif place == ("who",):
-                yield from _told(member, name, instruction, ("script", i, "do"))
+            elif isinstance(name, str):
+                yield from _asked(name, instruction, ("script", i), place, members)
+
+
+def _asked(
+    name: str, instruction: object, path: Place, place: Place, members: Mapping[str, object]
+) -> Iterator[Fault]:
+    """Find what a member is told that it cannot do, or waited for that never comes."""
+    member, do = members[name], _get(instruction, "do")
+    if _get(member, "character") is not None:
+        if place == ("who",):
+            yield from faults_of_acting(member, name, do, (*path, "do"), members)
+        elif (fault := fault_of_thing(member, name, (*path, *place))) is not None:
+            yield fault
+    elif _get(member, "prop") is not None:
+        yield Fault((*path, *place), f"'{name}' is a prop, which no script moves")
+    elif _thing(member) == "body":
+        yield Fault((*path, *place), f"'{name}' is a body, which no script moves")
+    elif (group := _get(member, "group")) is not None:
+        yield from _directed(group, name, instruction, path, place)
+    elif not _walks(member) and not _hops(member):
+        message = f"'{name}' neither walks nor hops; give it walk: {{}} or pronk: {{}}"
+        yield Fault((*path, *place), message)
+    elif place == ("who",):
+        yield from _told(member, name, instruction, (*path, "do"))
 
 
 def _walks(member: object) -> bool:
@@ -214,7 +228,10 @@ def _told(member: object, name: str, instruction: object, path: Place) -> Iterat
     """Find what a creature is told that it cannot do, as it goes."""
     do = _get(instruction, "do")
     word = do if isinstance(do, str) else next((w for w in FORMS if _get(do, w) is not None), None)
-    if word in JUMPS and _get(member, "pose"):
+    if word in PEOPLE_ALONE:
+        message = f"'{name}' is a creature; only a child or an adult can be told to {word}"
+        yield Fault(path if word == do else (*path, word), message, at_key=word != do)
+    elif word in JUMPS and _get(member, "pose"):
         yield Fault(path, f"'{name}' is posed, and who is posed does not jump; take pose away")
     elif word == "hop" and _walks(member):
         yield Fault(path, f"'{name}' walks; tell it walk, or to jump")
@@ -275,14 +292,16 @@ def _seen(scene: object) -> Iterator[Fault]:
     ]
     for i, one in _items(_get(scene, "script")):
         looks.append((("script", i, "do"), _get(_get(one, "do"), "look_at"), _get(one, "who")))
+    people = {name for i, name in enumerate(names) if _get(cast.get(i), "character") is not None}
     for place, whom, who in looks:
-        if not isinstance(whom, str):
+        if not isinstance(whom, str) or who in people:
             continue
         if whom not in names:
             message = f"nobody in the cast is called '{whom}', {hint(whom, names)}"
         elif whom == who:
             message = f"'{whom}' cannot look at itself"
-        elif (what := _thing(cast[names.index(whom)])) is not None:
+        elif (what := _thing(cast[names.index(whom)])) is not None or whom in people:
+            what = what or "character"
             message = f"'{whom}' is a {what}; give the place that is to be looked at, [x, y, z]"
         else:
             continue

@@ -100,8 +100,54 @@ class JumpOnce(Words):
     jump: JumpWords = Field(description="The jump; {} is an ordinary one.")
 
 
-Plain = Literal["stop", "walk", "hop"]
-"""Stop here; walk, or hop, straight on."""
+Side = Literal["left", "right", "both"]
+
+
+class Reach(Words):
+    """Hold a hand out to something, wherever it goes."""
+
+    reach: Target = Field(description="Another character, or a place [x, y, z] [m].")
+    hand: Side = Field("right", description="With which hand: left, right or both.")
+
+
+class Grab(Words):
+    """Go near something, take it and hold on to it; it hangs from the hand."""
+
+    grab: Name = Field(description="What or whom: a character.")
+    hand: Side = Field("right", description="With which hand: left, right or both.")
+    part: Name | None = Field(
+        None,
+        description="Where it is taken, such as hand_l or head; where it is nearest if left out.",
+    )
+
+
+class LetGo(Words):
+    """Let go of what is held, reached for or hugged; the arm hangs again."""
+
+    let_go: Side = Field(description="With which hand: left, right or both.")
+
+
+class Hug(Words):
+    """Go to somebody and put both arms around them."""
+
+    hug: Name = Field(description="Whom: a character.")
+
+
+class Grapple(Words):
+    """Go to somebody and shove, with both arms ahead."""
+
+    grapple: Name = Field(description="Whom: a character.")
+
+
+class SitOn(Words):
+    """Go to something and sit down on it."""
+
+    sit: Name = Field(description="On what: a bench or a box.")
+
+
+Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go"]
+"""Stop here; walk, or hop, straight on; sit down on the ground, stand up; keep quite still until
+something else is told; let go with both hands."""
 
 FORMS: Mapping[str, type[Words]] = {
     "gait": ChangeGait,
@@ -114,6 +160,12 @@ FORMS: Mapping[str, type[Words]] = {
     "look": LookAhead,
     "hop_over": HopOver,
     "jump": JumpOnce,
+    "reach": Reach,
+    "grab": Grab,
+    "let_go": LetGo,
+    "hug": Hug,
+    "grapple": Grapple,
+    "sit": SitOn,
 }
 """What can be done, by the key that says it."""
 
@@ -137,7 +189,13 @@ Do = Annotated[
     | Annotated[LookAt, Tag("LookAt")]
     | Annotated[LookAhead, Tag("LookAhead")]
     | Annotated[HopOver, Tag("HopOver")]
-    | Annotated[JumpOnce, Tag("JumpOnce")],
+    | Annotated[JumpOnce, Tag("JumpOnce")]
+    | Annotated[Reach, Tag("Reach")]
+    | Annotated[Grab, Tag("Grab")]
+    | Annotated[LetGo, Tag("LetGo")]
+    | Annotated[Hug, Tag("Hug")]
+    | Annotated[Grapple, Tag("Grapple")]
+    | Annotated[SitOn, Tag("SitOn")],
     Discriminator(_form),
 ]
 
@@ -161,7 +219,20 @@ def _flow(value: Any) -> str:
 class When(Words):
     """Something that happens."""
 
-    arrived: Name = Field(description="Who has come to the end of its way and stands there.")
+    arrived: Name | None = Field(
+        None,
+        description="Who has come to the end of its way and stands there; a character also when "
+        "it has done what it was told: sits, stands, holds, hugs.",
+    )
+    touch: tuple[Name, Name] | None = Field(
+        None, description="Two who begin to touch one another: characters."
+    )
+
+    @model_validator(mode="after")
+    def _is_one_thing(self) -> Self:
+        if (self.arrived is None) == (self.touch is None):
+            refuse([Fault((), "should have either arrived or touch")])
+        return self
 
 
 class Instruction(Words):
@@ -176,7 +247,7 @@ class Instruction(Words):
     who: Name = Field(description="Who is to do it.")
     do: Do = Field(
         description="stop, walk, hop, or go_to, turn_deg, speed, gait, mood, look_at, look, wait, "
-        "hop_over or jump."
+        "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple."
     )
 
     @model_validator(mode="after")

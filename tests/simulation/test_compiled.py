@@ -52,9 +52,9 @@ import numpy as np
 from pipeline.simulation.dynamics.compiled import is_made
 from pipeline.simulation.dynamics.tumbling import tumble
 q, one = np.array([[1.0, 0.0, 0.0, 0.0]]), np.eye(3)[None]
-before = is_made()
+before = is_made("dynamics")
 tumble(q, np.ones((1, 3)), one, one, 0.01)
-print(tumble.stats.cache_path, before, is_made())
+print(tumble.stats.cache_path, before, is_made("dynamics"))
 """
 
 

@@ -1,7 +1,7 @@
 """Compiled: loops over bodies as machine code, made when they are first run and kept.
 
 What is made is kept in the user's cache, never beside the package, in a folder named by a
-digest of this room's sources: numba alone would not see that a function which another one
+digest of the sources of all rooms that compile: numba alone would not see that a function which another one
 calls has changed. Where nothing can be written it is made anew each time.
 
 Compiled functions take numbers, tuples of them, and records, which are passed as one address:
@@ -36,7 +36,8 @@ def _kept() -> bool:
     if numba.config.CACHE_DIR:
         return True
     here = Path(__file__).parent
-    sources = b"".join(path.read_bytes() for path in sorted(here.rglob("*.py")))
+    rooms = (here, here.parent / "characters")
+    sources = b"".join(path.read_bytes() for room in rooms for path in sorted(room.rglob("*.py")))
     base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
     name = hashlib.blake2b(sources, digest_size=8).hexdigest()
     folder = Path(base, "pronk", "compiled", name)
@@ -52,15 +53,27 @@ KEPT = _kept()
 """Whether machine code can be kept."""
 
 
-def is_made() -> bool:
-    """Tell whether machine code was made before."""
-    return KEPT and any(Path(numba.config.CACHE_DIR).rglob("*.nbi"))
+def is_made(room: str) -> bool:
+    """Tell whether machine code of a room was made before."""
+    return KEPT and any(Path(numba.config.CACHE_DIR).glob(f"{room}_*/*.nbi"))
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
     """Return a function that others which are compiled call; it becomes part of them."""
     made: Callable[P, T] = numba.njit(
         error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True
+    )(function)
+    return made
+
+
+def inlined(function: Callable[P, T]) -> Callable[P, T]:
+    """Return a function that is copied to where others which are compiled call it.
+
+    A tuple of many arrays is handed over array by array, which costs more than short work on
+    it does.
+    """
+    made: Callable[P, T] = numba.njit(
+        error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
     )(function)
     return made
 

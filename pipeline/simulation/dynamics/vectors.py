@@ -67,6 +67,12 @@ def put(values: Array, i: int, a: Vector) -> None:
 
 
 @compiled
+def set_triple(values: Array, a: Vector) -> None:
+    """Set the three values."""
+    values[0], values[1], values[2] = a[0], a[1], a[2]
+
+
+@compiled
 def turned(R: Rows, a: Vector) -> Vector:
     """Return R a."""
     return (dot(R[0], a), dot(R[1], a), dot(R[2], a))

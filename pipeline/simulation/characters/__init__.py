@@ -1,0 +1,1 @@
+"""Characters made of nodes and links (Horswill 2008)."""

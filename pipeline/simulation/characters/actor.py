@@ -1,0 +1,179 @@
+"""Actor: one person among the characters, as what it is told sees it and commands it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.characters.gait import wrapped
+from pipeline.simulation.characters.layout import NOBODY, Crowd
+from pipeline.simulation.characters.record import (
+    HAND,
+    HEAD,
+    PELVIS,
+    PLACED,
+    SHOULDERS,
+    STANDING,
+    SWINGING,
+)
+from pipeline.simulation.dynamics.compiled import Record
+from pipeline.simulation.people.proportions import JOINTS
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import Ground
+
+SIDES: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0, 1)}
+"""Arms by name."""
+
+HEAVY = 0.5
+"""From which part of one's own mass on something is held, and does not hang from the hand."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Where actors are.
+
+    Attributes:
+        names: of all characters, in the order of the crowd's owners.
+        crowd: the characters.
+        ground: the terrain.
+        people: numbers of those owners who have the joints of people.
+    """
+
+    names: Sequence[str]
+    crowd: Crowd
+    ground: Ground
+    people: frozenset[int]
+
+    def number(self, name: str) -> int:
+        """Return the number of a character."""
+        return self.names.index(name)
+
+    def nodes(self, owner: int) -> Array:
+        """Return (n, 3) the nodes of a character [m]."""
+        first, count = (int(n) for n in self.crowd.owners[owner].nodes)
+        nodes: Array = self.crowd.p[first : first + count]
+        return nodes
+
+    def middle(self, owner: int) -> Array:
+        """Return (3,) about where a character is: its chest, if it has one [m]."""
+        nodes = self.nodes(owner)
+        middle: Array = nodes[SHOULDERS] if owner in self.people else nodes.mean(axis=0)
+        return middle
+
+    def face(self, owner: int) -> Array:
+        """Return (3,) what one looks at in a character [m]."""
+        nodes = self.nodes(owner)
+        face: Array = nodes[HEAD] if owner in self.people else nodes.mean(axis=0)
+        return face
+
+    def pelvis(self, owner: int) -> Array:
+        """Return (3,) the middle of a character that others come up to [m]."""
+        nodes = self.nodes(owner)
+        pelvis: Array = nodes[PELVIS] if owner in self.people else nodes.mean(axis=0)
+        return pelvis
+
+    def height(self, x: float, z: float) -> float:
+        """Return the height of the ground [m]."""
+        return float(self.ground.height(np.asarray(x), np.asarray(z)))
+
+
+@dataclass(frozen=True, eq=False)
+class Actor:
+    """One person.
+
+    Attributes:
+        name: of it.
+        me: its record.
+        stage: where it is.
+    """
+
+    name: str
+    me: Record
+    stage: Stage
+
+    @property
+    def arm(self) -> float:
+        """Length of an arm [m]."""
+        return float(self.me.upper_arm + self.me.forearm)
+
+    @property
+    def stands(self) -> bool:
+        """Whether it neither steps nor sits."""
+        return not self.me.stepping and float(self.me.seated) == 0.0
+
+    def hand(self, k: int) -> Array:
+        """Return (3,) where a hand is [m]."""
+        place: Array = self.stage.crowd.p[self.me.node + HAND + k]
+        return place
+
+    def away(self, place: Array) -> float:
+        """Return how far over the ground a place is [m]."""
+        return math.hypot(place[0] - self.me.at[0], place[2] - self.me.at[1])
+
+    def go(self, x: float, z: float, near: float = 0.0, whom: int = NOBODY) -> None:
+        """Walk somewhere, up to so near."""
+        me = self.me
+        me.posture, me.goes, me.faces = STANDING, True, False
+        me.goal[0], me.goal[1] = x, z
+        me.near, me.partner = near, whom
+
+    def stop(self) -> None:
+        """Stop and stand there."""
+        self.me.goes = False
+
+    def turn_to(self, heading: float) -> None:
+        """Turn on the spot."""
+        self.me.goes, self.me.faces, self.me.facing = False, True, heading
+
+    def face_to(self, place: Array) -> None:
+        """Turn to a place."""
+        x, z = place[0] - self.me.at[0], place[2] - self.me.at[1]
+        self.turn_to(math.atan2(-z, x))
+
+    def faces(self, tolerance: float) -> bool:
+        """Tell whether it has turned to where it was to."""
+        return abs(wrapped(float(self.me.facing - self.me.heading))) < tolerance
+
+    def look(self, place: Array) -> None:
+        """Look at a place."""
+        self.me.looks = True
+        self.me.look_at[:] = place
+
+    def put_hand(self, k: int, place: Array) -> None:
+        """Send a hand to a place."""
+        self.me.arm[k] = PLACED
+        self.me.arm_at[k] = place
+
+    def hold(self, k: int, node: int) -> None:
+        """Close a hand around a node."""
+        self.stage.crowd.grips[self.me.grip + k] = self.me.node + HAND + k, node
+
+    def held(self, k: int) -> int:
+        """Return the node that a hand holds, -1 for none."""
+        return int(self.stage.crowd.grips[self.me.grip + k, 1])
+
+    def let_go(self, k: int) -> None:
+        """Open a hand, and let the arm hang."""
+        self.stage.crowd.grips[self.me.grip + k] = NOBODY
+        self.stage.crowd.grips[self.me.grip + 2] = NOBODY
+        self.me.arm[k] = SWINGING
+
+    def nearest(self, owner: int, place: Array) -> int:
+        """Return the node of a character that is nearest to a place."""
+        apart = self.stage.nodes(owner) - place
+        return int(self.stage.crowd.owners[owner].nodes[0] + np.argmin((apart * apart).sum(axis=1)))
+
+    def part(self, owner: int, part: str | None, k: int) -> int:
+        """Return the node of a character that a hand takes: by name, or the nearest one."""
+        if part is None:
+            return self.nearest(owner, self.hand(k))
+        return int(self.stage.crowd.owners[owner].nodes[0]) + JOINTS.index(part)
+
+
+def is_heavy(actor: Actor, owner: int) -> bool:
+    """Tell whether a character is too heavy to hang from a hand."""
+    owners = actor.stage.crowd.owners
+    return bool(owners[owner].mass > HEAVY * owners[actor.me.owner].mass)

@@ -1,0 +1,266 @@
+"""Boxes: links that come into a box are moved out of it, through the face that is nearest.
+
+A box is its eight corners; between them it is solid, its edges rounded. A place in it is a
+mean of the corners, with the weights of trilinear interpolation, and so is what moves it.
+Links are rows of balls.
+"""
+
+from __future__ import annotations
+
+from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
+from pipeline.simulation.characters.resting import WAKES, wake
+from pipeline.simulation.characters.touching import PARTING, rubbed, sense
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
+from pipeline.simulation.dynamics.vectors import (
+    Vector,
+    dot,
+    length,
+    minus,
+    plus,
+    times,
+    triple,
+)
+
+APART = 0.08
+"""Distance of the balls along a link, about [m]."""
+
+MOST = 8
+"""Of them along a link."""
+
+DEEP = 0.02
+"""How deep two boxes are in one another that are moved apart as wholes [m]."""
+
+TINY = 1e-9
+
+Box = tuple[Vector, Vector, Vector, Vector, Vector]
+"""Its middle, its axes of length one, and half its extents between the corners [m]."""
+
+Corners = tuple[float, float, float, float, float, float, float, float]
+
+
+@compiled
+def meet_box(
+    nodes: Records,
+    links: Records,
+    one: Record,
+    other: Record,
+    h: float,
+    moment: float,
+    log: Log,
+) -> None:
+    """Move the links of one character out of a box, the other."""
+    box = _box(nodes, other)
+    for n in range(one.links[0], one.links[0] + one.links[1]):
+        link = links[n]
+        if link.girth == 0.0 or not _may_touch(nodes, link, other):
+            continue
+        # Of another box its corners: edges meet edges as links do.
+        parts = 1 if one.edge > 0.0 else min(int(link.reach[0] / APART) + 1, MOST)
+        if link.ends[0] == link.ends[1]:
+            _meet(nodes, links, one, other, box, (n, 0.0), h, moment, log)
+            continue
+        for k in range(parts + 1):
+            _meet(nodes, links, one, other, box, (n, k / parts), h, moment, log)
+
+
+@compiled
+def part(nodes: Records, one: Record, other: Record, h: float) -> None:
+    """Move two boxes apart that are deep in one another, as wholes, the shortest way.
+
+    Balls on their edges would be pushed out through different faces, and hold one another.
+
+    Source: Ericson 2005, 4.4.1 (separating axes; here those of the faces).
+    """
+    a, b = _box(nodes, one), _box(nodes, other)
+    off = minus(a[0], b[0])
+    least, way = 1e300, (0.0, 1.0, 0.0)
+    for k in range(6):
+        axis = a[1] if k == 0 else a[2] if k == 1 else a[3]
+        if k >= 3:
+            axis = b[1] if k == 3 else b[2] if k == 4 else b[3]
+        along = dot(off, axis)
+        overlap = _half(a, axis) + _half(b, axis) + one.edge + other.edge - abs(along)
+        if overlap < least:
+            least, way = overlap, axis if along >= 0.0 else times(-1.0, axis)
+    if least < DEEP:
+        return
+    w_a = 0.0 if one.asleep else 1.0 / one.mass
+    w_b = 0.0 if other.asleep else 1.0 / other.mass
+    if w_a + w_b == 0.0:
+        return
+    share = min(least - 0.5 * DEEP, PARTING * h) / (w_a + w_b)
+    still = (0.0, 0.0, 0.0)
+    for k in range(8):
+        _move(nodes[one.nodes[0] + k], share * w_a, still, way, still)
+        _move(nodes[other.nodes[0] + k], -share * w_b, still, way, still)
+
+
+@inlined
+def _half(box: Box, axis: Vector) -> float:
+    """Return half of the extent of a box along an axis [m]."""
+    half = box[4]
+    return (
+        half[0] * abs(dot(box[1], axis))
+        + half[1] * abs(dot(box[2], axis))
+        + half[2] * abs(dot(box[3], axis))
+    )
+
+
+@inlined
+def _box(nodes: Records, owner: Record) -> Box:
+    """Return where a box is, see `things.CORNERS`."""
+    first = owner.nodes[0]
+    middle = x = y = z = (0.0, 0.0, 0.0)
+    for k in range(8):
+        p = triple(nodes[first + k].p)
+        middle = plus(middle, times(0.125, p))
+        y = plus(y, times(0.25 if k & 4 else -0.25, p))
+        x = plus(x, times(0.25 if k & 2 else -0.25, p))
+        z = plus(z, times(0.25 if k & 1 else -0.25, p))
+    a, b, c = length(x), length(y), length(z)
+    half = (0.5 * a, 0.5 * b, 0.5 * c)
+    return middle, times(1.0 / a, x), times(1.0 / b, y), times(1.0 / c, z), half
+
+
+@inlined
+def _may_touch(nodes: Records, link: Record, owner: Record) -> bool:
+    p, q = nodes[link.ends[0]].p, nodes[link.ends[1]].p
+    for k in range(3):
+        if min(p[k], q[k]) - link.girth > owner.high[k]:
+            return False
+        if max(p[k], q[k]) + link.girth < owner.low[k]:
+            return False
+    return True
+
+
+@inlined
+def _nearest(box: Box, at: Vector) -> tuple[Vector, Vector, float]:
+    """Return a place on a box between its corners, along its axes from -1 to 1, that is nearest.
+
+    Returns:
+        The place, the outward normal there in the world, and the gap, negative inside [m].
+    """
+    middle, x, y, z, half = box
+    off = minus(at, middle)
+    u, v, w = dot(off, x), dot(off, y), dot(off, z)
+    a, b, c = (
+        min(max(u, -half[0]), half[0]),
+        min(max(v, -half[1]), half[1]),
+        min(max(w, -half[2]), half[2]),
+    )
+    away = plus(plus(times(u - a, x), times(v - b, y)), times(w - c, z))
+    gap = length(away)
+    if gap > TINY:
+        return (a / half[0], b / half[1], c / half[2]), times(1.0 / gap, away), gap
+    deep = (half[0] - abs(u), half[1] - abs(v), half[2] - abs(w))
+    if deep[0] <= deep[1] and deep[0] <= deep[2]:
+        s = 1.0 if u >= 0.0 else -1.0
+        return (s, b / half[1], c / half[2]), times(s, x), -deep[0]
+    if deep[1] <= deep[2]:
+        s = 1.0 if v >= 0.0 else -1.0
+        return (a / half[0], s, c / half[2]), times(s, y), -deep[1]
+    s = 1.0 if w >= 0.0 else -1.0
+    return (a / half[0], b / half[1], s), times(s, z), -deep[2]
+
+
+@inlined
+def _weights(at: Vector) -> Corners:
+    """Return the weights of the corners at a place along the axes from -1 to 1."""
+    a, b, c = 0.5 * (1.0 + at[0]), 0.5 * (1.0 + at[1]), 0.5 * (1.0 + at[2])
+    return (
+        (1.0 - b) * (1.0 - a) * (1.0 - c),
+        (1.0 - b) * (1.0 - a) * c,
+        (1.0 - b) * a * (1.0 - c),
+        (1.0 - b) * a * c,
+        b * (1.0 - a) * (1.0 - c),
+        b * (1.0 - a) * c,
+        b * a * (1.0 - c),
+        b * a * c,
+    )
+
+
+@compiled
+def _meet(
+    nodes: Records,
+    links: Records,
+    one: Record,
+    other: Record,
+    box: Box,
+    ball: tuple[int, float],
+    h: float,
+    moment: float,
+    log: Log,
+) -> None:
+    """Move a ball, at a place from 0 to 1 on a link, out of a box.
+
+    The box that is asked is where it was when the link was first looked at: what other balls
+    have moved it by since is less than what a round leaves anyway.
+    """
+    n, t = ball
+    link = links[n]
+    i, j = nodes[link.ends[0]], nodes[link.ends[1]]
+    at = plus(times(1.0 - t, triple(i.p)), times(t, triple(j.p)))
+    place, normal, gap = _nearest(box, at)
+    depth = link.girth + other.edge - gap
+    if depth <= 0.0 or (one.edge > 0.0 and depth > DEEP + one.edge + other.edge):
+        return
+    weights = _weights(place)
+    first = other.nodes[0]
+    went = plus(
+        times(1.0 - t, minus(triple(i.p), triple(i.before))),
+        times(t, minus(triple(j.p), triple(j.before))),
+    )
+    for k in range(8):
+        corner = nodes[first + k]
+        went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.before))))
+    nearer = -dot(went, normal)
+    if nearer > WAKES * h:
+        wake(nodes, one)
+        wake(nodes, other)
+    weight = (1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give
+    for k in range(8):
+        weight += weights[k] ** 2 * nodes[first + k].give
+    if weight == 0.0:
+        return
+    _feel(links, n, other, max(nearer, 0.0) / h, weight, (at, normal), moment, log)
+    stopped = min(depth, max(nearer, 0.0))
+    parted = min(depth - stopped, PARTING * h)
+    friction = 0.5 * (one.friction + other.friction)
+    move = times(1.0 / weight, plus(times(stopped, normal), rubbed(went, normal, friction * stopped)))
+    part = times(parted / weight, normal)
+    back = (0.0, 0.0, 0.0)
+    if one.bounciness > 0.0 and nearer > 2.0 * WAKES * h:
+        back = times((one.bounciness * nearer + nearer - stopped) / weight, normal)
+    _move(i, i.give * (1.0 - t if t > 0.0 else 1.0), move, part, back)
+    if t > 0.0:
+        _move(j, j.give * t, move, part, back)
+    for k in range(8):
+        corner = nodes[first + k]
+        _move(corner, -corner.give * weights[k], move, part, back)
+
+
+@inlined
+def _move(node: Record, share: float, move: Vector, part: Vector, back: Vector) -> None:
+    for k in range(3):
+        node.p[k] += share * (move[k] + part[k])
+        node.before[k] += share * (part[k] - back[k])
+
+
+@inlined
+def _feel(
+    links: Records,
+    n: int,
+    box: Record,
+    speed: float,
+    weight: float,
+    where: tuple[Vector, Vector],
+    moment: float,
+    log: Log,
+) -> None:
+    """Let a link and the box's first edge know of one another."""
+    link, edge = links[n], links[box.links[0]]
+    energy = 0.5 * speed * speed / weight
+    if (link.touched_owner != edge.owner or link.age[0] > PAUSE) and speed > ABOVE:
+        note(log, moment, (n, box.links[0]), where[0], where[1], (speed, energy))
+    sense(link, box.links[0], edge.owner, energy)
+    sense(edge, n, link.owner, energy)

@@ -1,0 +1,146 @@
+"""Characters: the troupe of all that is made of nodes and links.
+
+Source: Horswill 2008.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.simulation.characters.actor import Stage
+from pipeline.simulation.characters.appearance import appearance
+from pipeline.simulation.characters.bearing import gaze_of, soles_of
+from pipeline.simulation.characters.direction import Direction
+from pipeline.simulation.characters.events import new_log
+from pipeline.simulation.characters.footfalls import footfalls
+from pipeline.simulation.characters.layout import crowd_of
+from pipeline.simulation.characters.making import before_of, plan_of, proportions_of, start_of
+from pipeline.simulation.characters.neighbours import room_for
+from pipeline.simulation.characters.record import persons_of
+from pipeline.simulation.characters.rolling import DEEP, Rolling
+from pipeline.simulation.characters.stepping import advance
+from pipeline.simulation.characters.telling import Telling
+from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.grid import grid_of
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Contact
+from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.spec.cast import Character
+
+SUB_STEPS = 240.0
+"""Of a second, at least."""
+
+SHOES = "leather"
+"""What people step with."""
+
+Kept = tuple[Array, Array, Array, Array]
+"""Of a row: nodes, rotations of balls, where people look, and what is up for their soles."""
+
+
+class Characters:
+    """All characters of a scene."""
+
+    def __init__(self, cast: Sequence[Character], world: World) -> None:
+        self.world, self.cast = world, cast
+        self.plans = [plan_of(member) for member in cast]
+        dt = world.clock.dt
+        self.count = math.ceil(dt * SUB_STEPS - 1e-9)
+        pairs = list(zip(cast, self.plans, strict=True))
+        starts = [start_of(member, plan, world.ground) for member, plan in pairs]
+        self.crowd = crowd_of(self.plans, starts)
+        self.crowd.nodes["before"] = np.concatenate(
+            [
+                p if member.acts else before_of(member, p, plan.mass, dt / self.count)
+                for (member, plan), p in zip(pairs, starts, strict=True)
+            ]
+        )
+        self.persons = self._persons()
+        self.grid = grid_of(world.ground.field)
+        self.level = bool(np.ptp(world.ground.field.heights) == 0.0)
+        self.room, self.log = room_for(self.crowd), new_log()
+        self.telling = Telling(cast, self.crowd, world.ground.material)
+        self._look = appearance(cast, self.plans, world.seed, world.clock.rows)
+        self.inventory = self._look.inventory
+        self._firsts = np.array([thing.nodes[0] for thing in self._look.things], dtype=np.int64)
+        bodies = [proportions_of(member) is not None for member in cast]
+        people = frozenset(i for i, one in enumerate(bodies) if one)
+        stage = Stage([member.name for member in cast], self.crowd, world.ground, people)
+        self.direction = Direction(stage, self.persons, dt)
+        self.rolling = Rolling(self.crowd.nodes["radius"][self._firsts])
+        self._facts = Facts()
+        self._kept: list[Kept] = []
+
+    def _persons(self) -> Records:
+        """Return those who act, see `record`."""
+        owners = self.crowd.owners
+        acting = [i for i, member in enumerate(self.cast) if member.acts]
+        at = np.array([[self.cast[i].at[0], self.cast[i].at[-1]] for i in acting]).reshape(-1, 2)
+        persons = persons_of(
+            [p for i in acting if (p := proportions_of(self.cast[i])) is not None],
+            [int(owners["nodes"][i, 0]) for i in acting],
+            at,
+            np.radians([self.cast[i].heading_deg for i in acting]),
+            self.world.ground.height(at[:, 0], at[:, 1]),
+        )
+        grips = np.cumsum([0, *(plan.grips for plan in self.plans)])
+        persons["owner"] = acting
+        owners["acts"][acting] = True
+        persons["grip"] = [grips[i] for i in acting]
+        return persons
+
+    # --- the passes of the step -----------------------------------------------------
+
+    def read(self, orders: Orders) -> None:
+        """Take in what the script asks of its members from this step on."""
+        self.direction.read(orders)
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to the next."""
+        self.direction.before()
+        before = self.crowd.p[self._firsts]
+        self.move()
+        self._roll(before)
+        contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
+        arrived, touched = self.direction.arrived(), self.telling.touched(self.log)
+        self._facts = Facts(contacts, arrived=arrived, touched=touched)
+
+    def move(self) -> None:
+        """Let all nodes go on by a step."""
+        advance(
+            *(self.crowd, self.persons, self.grid, self.level, self.room, self.log),
+            *(GRAVITY, self.world.clock.dt, self.count),
+        )
+
+    def _footfalls(self, step: int) -> tuple[Contact, ...]:
+        """Return what feet came down in a step."""
+        owners = [int(owner) for owner in self.persons["owner"]]
+        names = [self.cast[owner].name for owner in owners]
+        masses = [float(self.crowd.owners["mass"][owner]) for owner in owners]
+        world = self.world
+        return tuple(footfalls(self.persons, names, masses, SHOES, world.ground, world.clock, step))
+
+    def _roll(self, before: Array) -> None:
+        p, radius = self.crowd.p[self._firsts], self.rolling.radius
+        height = p[:, 1] - self.world.ground.height(p[:, 0], p[:, 2])
+        self.rolling.go(p - before, height < radius * (1.0 + DEEP) + 1e-3)
+
+    def keep(self) -> None:
+        """Keep the present state as the next row."""
+        gaze, soles = gaze_of(self.persons), soles_of(self.persons, self.world.ground)
+        self._kept.append((self.crowd.p.copy(), self.rolling.R, gaze, soles))
+
+    def write(self, rows: Rows) -> None:
+        """Write all rows kept."""
+        p, spins, gaze, soles = (np.array(values) for values in zip(*self._kept, strict=True))
+        rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, gaze, soles)
+        rows.alive[:] = True
+        self._kept.clear()
+
+    def facts(self) -> Facts:
+        """Return what touched in the last step."""
+        return self._facts

@@ -1,0 +1,188 @@
+"""Direction: what a script tells people becomes commands to their control.
+
+Source: Sims 1987, 3.2.4; Horswill 2008, "High-level Control", for what there is to be told.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pipeline.simulation.characters.actor import SIDES, Actor, Stage
+from pipeline.simulation.characters.errands import (
+    Errand,
+    Grab,
+    Grapple,
+    Hug,
+    Reach,
+    Rise,
+    SitDown,
+    SitOn,
+    Turn,
+    Walk,
+)
+from pipeline.simulation.characters.layout import NOBODY
+from pipeline.simulation.characters.record import STANDING, SWINGING
+from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array
+from pipeline.spec import script as words
+from pipeline.spec.script import Do
+from pipeline.spec.values import Target
+
+STRAIGHT_ON = 1000.0
+"""How far somebody goes who is told to walk and not where to [m]."""
+
+
+class Direction:
+    """What all people of a troupe are told, and whether it is done.
+
+    Args:
+        stage: all characters.
+        persons: records of those who can be told something.
+        dt: a step [s].
+    """
+
+    def __init__(self, stage: Stage, persons: Records, dt: float) -> None:
+        self.stage = stage
+        self.dt = dt
+        self.actors = [Actor(stage.names[person.owner], person, stage) for person in persons]
+        self._by_name = {actor.name: k for k, actor in enumerate(self.actors)}
+        self._errands: list[Errand | None] = [None for _ in self.actors]
+        self._done = [True for _ in self.actors]
+        self._looks: list[Target | None] = [None for _ in self.actors]
+        self._arrived: list[str] = []
+
+    def read(self, orders: Orders) -> None:
+        """Take in what is asked of anybody from this step on."""
+        for name, given in orders.items():
+            if (k := self._by_name.get(name)) is not None:
+                for do in given:
+                    self._tell(k, do)
+
+    def look_at(self, name: str, target: Target | None) -> None:
+        """Let somebody look at something from now on; None is ahead."""
+        self._looks[self._by_name[name]] = target
+
+    def before(self) -> None:
+        """Command everybody for the step to come."""
+        self._arrived.clear()
+        for k, actor in enumerate(self.actors):
+            errand = self._errands[k]
+            if errand is not None:
+                done = errand.go_on(actor, self.dt)
+                if done and not self._done[k]:
+                    self._arrived.append(actor.name)
+                self._done[k] = done or self._done[k]
+            self._look(k, actor)
+
+    def arrived(self) -> tuple[str, ...]:
+        """Return who has done what it was told, since the last step."""
+        return tuple(self._arrived)
+
+    def _look(self, k: int, actor: Actor) -> None:
+        target = self._looks[k]
+        whom = getattr(self._errands[k], "owner", NOBODY)
+        if isinstance(target, str):
+            actor.look(self.stage.face(self.stage.number(target)))
+        elif target is not None:
+            actor.look(np.array(target))
+        elif whom >= 0:
+            actor.look(self.stage.face(whom))
+        else:
+            actor.me.looks = False
+
+    def _tell(self, k: int, do: Do) -> None:
+        actor = self.actors[k]
+        actor.me.frozen = do == "freeze"
+        if isinstance(do, str):
+            self._say(k, actor, do)
+        elif isinstance(do, words.LookAt):
+            self._looks[k] = do.look_at
+        elif isinstance(do, words.LookAhead):
+            self._looks[k] = None
+        elif isinstance(do, words.SetSpeed):
+            actor.me.pace = do.speed
+        elif isinstance(do, words.Wait):
+            actor.stop()
+        elif isinstance(do, words.LetGo):
+            self._let_go(k, SIDES[do.let_go])
+        else:
+            self._send(k, actor, do)
+
+    def _say(self, k: int, actor: Actor, do: str) -> None:
+        """Do what one word says."""
+        if do == "stop":
+            actor.stop()
+            self._begin(k, Walk())
+        elif do == "walk":
+            self._walk_on(k, actor)
+        elif do == "sit":
+            self._begin(k, SitDown())
+        elif do == "stand":
+            actor.stop()
+            self._begin(k, Rise())
+        elif do == "let_go":
+            self._let_go(k, SIDES["both"])
+
+    def _walk_on(self, k: int, actor: Actor) -> None:
+        """Go on to where somebody went, or straight on."""
+        me = actor.me
+        if isinstance(self._errands[k], Walk) and not self._done[k]:
+            me.goes, me.posture = True, STANDING
+            return
+        actor.go(
+            me.at[0] + STRAIGHT_ON * math.cos(me.heading),
+            me.at[1] - STRAIGHT_ON * math.sin(me.heading),
+        )
+        self._begin(k, Walk())
+
+    def _send(self, k: int, actor: Actor, do: Do) -> None:
+        """Do what takes a while."""
+        actor.me.posture = STANDING
+        if isinstance(do, words.GoTo):
+            actor.go(*do.go_to)
+            self._begin(k, Walk(), keeps_arms=True)
+        elif isinstance(do, words.TurnBy):
+            actor.turn_to(float(actor.me.heading) + math.radians(do.turn_deg))
+            self._begin(k, Turn(), keeps_arms=True)
+        elif isinstance(do, words.Reach):
+            place = None if isinstance(do.reach, str) else np.array(do.reach)
+            whom = self.stage.number(do.reach) if isinstance(do.reach, str) else NOBODY
+            self._begin(k, Reach(SIDES[do.hand], place, whom), keeps_arms=True)
+        elif isinstance(do, words.Grab):
+            number = self.stage.number(do.grab)
+            self._begin(k, Grab(SIDES[do.hand], number, do.part), keeps_arms=True)
+        elif isinstance(do, words.Hug):
+            number = self.stage.number(do.hug)
+            self._begin(k, Hug(number, self._size(number)))
+        elif isinstance(do, words.Grapple):
+            self._begin(k, Grapple(self.stage.number(do.grapple)))
+        elif isinstance(do, words.SitOn):
+            self._begin(k, SitOn(self.stage.number(do.sit)))
+
+    def _size(self, owner: int) -> float:
+        """Return about how high a character is [m]."""
+        nodes: Array = self.stage.nodes(owner)
+        return float(np.ptp(nodes[:, 1])) * 1.12
+
+    def _begin(self, k: int, errand: Errand, keeps_arms: bool = False) -> None:
+        """Begin something; arms that do not hold anything hang again, unless they are kept."""
+        actor, before = self.actors[k], self._errands[k]
+        keeps_arms = keeps_arms and (self._done[k] or not isinstance(before, Grab))
+        self._errands[k], self._done[k] = errand, False
+        actor.me.down = 0.0
+        for hand in range(2):
+            if not keeps_arms and actor.held(hand) < 0:
+                actor.me.arm[hand] = SWINGING
+
+    def _let_go(self, k: int, hands: Sequence[int]) -> None:
+        for hand in hands:
+            self.actors[k].let_go(hand)
+        if isinstance(self._errands[k], Hug | Reach | Grab | Grapple):
+            self.actors[k].stop()
+            self.actors[k].me.faces = False
+            self.actors[k].me.down = 0.0
+            self._errands[k] = None

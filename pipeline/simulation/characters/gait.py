@@ -1,0 +1,272 @@
+"""Gait: feet that stand, and are moved ahead of the pelvis when they are far enough behind.
+
+A clock that runs at the rate of strides says whose turn it is; the legs are half a cycle apart.
+It runs while somebody walks, or a foot is farther from below its hip than it should be, so that
+who is pushed steps after, who turns steps round, and who stops closes up and stands. A foot
+goes on a straight line, arched over the ground, to where it will be under the hip in the middle
+of its stance. It stands still until the heel comes off the ground; then it turns about the ball.
+
+Source: Horswill 2008, "Gait Control".
+"""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.record import STANCE, SWING
+from pipeline.simulation.characters.strides import duty, eased, running, stride_rate
+from pipeline.simulation.dynamics.compiled import Record, compiled
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.grid import surface
+from pipeline.simulation.dynamics.vectors import Vector, plus, put, row
+from pipeline.simulation.spatial import Array
+
+GAIN = 3.5
+"""How quickly the velocity of one who walks becomes the walk vector [1/s]."""
+
+TOLERANCE = 0.16
+"""How far from below its hip a foot may stand before it steps, in legs."""
+
+CLOSED = 0.05
+"""How near it has to come, in legs, before somebody who stops stands."""
+
+AWRY = math.radians(28.0)
+"""How much a foot may be turned away from the pelvis before it steps."""
+
+MOVING = 0.03
+"""Below this speed nobody walks, as a part of √(g l) [m/s at 1 m]."""
+
+ROLL = 0.55
+"""Of a stance: when the heel comes off the ground, at the earliest."""
+
+HEEL = math.radians(48.0)
+"""How far a foot turns about its ball until it leaves the ground, at most."""
+
+TOES = math.radians(16.0)
+"""How far the toes point up when the heel comes down."""
+
+
+@compiled
+def leg_of(person: Record) -> float:
+    """Return the height of the hips, which is the length of a leg [m]."""
+    height: float = person.hip_height
+    return height
+
+
+@compiled
+def speed_of(person: Record) -> float:
+    """Return how fast somebody goes over the ground [m/s]."""
+    return math.hypot(person.going[0], person.going[1])
+
+
+@compiled
+def home(person: Record, k: int, x: float, z: float, heading: float) -> tuple[float, float]:
+    """Return the place below hip k of one whose pelvis is at x, z."""
+    narrow = person.hips * (1.0 - 0.42 * person.walking)
+    aside = narrow if k == 1 else -narrow
+    return x + aside * math.sin(heading), z + aside * math.cos(heading)
+
+
+@compiled
+def wrapped(angle: float) -> float:
+    """Return an angle in (-π, π]."""
+    return angle - 2.0 * math.pi * math.ceil((angle - math.pi) / (2.0 * math.pi))
+
+
+@compiled
+def astray(person: Record, k: int) -> float:
+    """Return how far from below its hip a foot stands; 1 is as far as it may."""
+    x, z = home(person, k, person.at[0], person.at[1], person.heading)
+    away = math.hypot(person.stood[k, 0] - x, person.stood[k, 2] - z)
+    turned = abs(wrapped(person.yaw[k] - person.heading))
+    return max(away / (TOLERANCE * leg_of(person)), turned / AWRY)
+
+
+@compiled
+def tread(person: Record, frame: Record, vertices: Array, dt: float) -> None:
+    """Go on with both feet by one sub-step.
+
+    Args:
+        person: whose.
+        frame: of the terrain's grid.
+        vertices: of it.
+        dt: the sub-step [s].
+    """
+    leg = leg_of(person)
+    speed = speed_of(person)
+    rate, stance = pace_of(person)
+    walks = speed > MOVING * math.sqrt(GRAVITY * leg)
+    if not person.stepping:
+        _begin(person, walks)
+    if person.stepping:
+        before = person.phase
+        person.phase = (before + rate * dt) % 1.0
+    for k in range(2):
+        if person.doing[k] == SWING:
+            _swing(person, k, rate, stance, frame, vertices)
+        elif person.stepping and _is_due(person, k, rate * dt, walks):
+            _lift(person, k, frame, vertices)
+        if person.doing[k] == STANCE:
+            _stand(person, k, stance)
+    still = person.doing[0] == STANCE and person.doing[1] == STANCE and not walks
+    if person.stepping and still:
+        near = CLOSED / TOLERANCE
+        person.stepping = astray(person, 0) > near or astray(person, 1) > near
+
+
+@compiled
+def pace_of(person: Record) -> tuple[float, float]:
+    """Return cycles a second, and the part of a cycle for which a foot stands."""
+    leg = leg_of(person)
+    speed = speed_of(person)
+    # Who turns or is pushed steps as briskly as one who walks slowly.
+    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), duty(speed, leg)
+
+
+@compiled
+def cycle_of(person: Record, k: int) -> float:
+    """Return where a leg is in its own cycle: 0 when its foot may leave the ground."""
+    return (person.phase + 0.5 * k) % 1.0
+
+
+@compiled
+def _begin(person: Record, walks: bool) -> None:
+    """Let the clock go on where that foot is due which stands worse."""
+    worse = [astray(person, 0), astray(person, 1)]
+    if walks or max(worse[0], worse[1]) > 1.0:
+        first = 0 if worse[0] >= worse[1] else 1
+        person.stepping = True
+        # Due when the clock has gone on.
+        person.phase = (1.0 - 1e-9 - 0.5 * first) % 1.0
+
+
+@compiled
+def _is_due(person: Record, k: int, gone: float, walks: bool) -> bool:
+    """Tell whether a foot leaves the ground: its turn has come, and it stands too far off."""
+    turn = cycle_of(person, k) < gone + 1e-12
+    return turn and (walks or astray(person, k) > CLOSED / TOLERANCE)
+
+
+@compiled
+def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
+    """Let a foot leave the ground."""
+    person.doing[k] = SWING
+    person.left[k] = person.ankles[k]
+    person.yaw_left[k] = person.yaw[k]
+    person.pitch_left[k] = person.pitch[k]
+    person.arch[k] = 0.0
+    _aim(person, k, 1.0, frame, vertices)
+
+
+@compiled
+def _aim(person: Record, k: int, left: float, frame: Record, vertices: Array) -> None:
+    """Choose where a foot is to land.
+
+    Args:
+        person: whose.
+        k: which foot.
+        left: of its swing, 1 to 0.
+        frame: of the terrain's grid.
+        vertices: of it.
+    """
+    rate, stance = pace_of(person)
+    time = left * (1.0 - stance) / rate
+    heading = person.heading + person.turning * time
+    while_gaining = (1.0 - math.exp(-GAIN * time)) / GAIN
+    vx = person.going[0] + person.gaining[0] * while_gaining
+    vz = person.going[1] + person.gaining[1] * while_gaining
+    x = person.at[0] + 0.5 * (person.going[0] + vx) * time
+    z = person.at[1] + 0.5 * (person.going[1] + vz) * time
+    x, z = home(person, k, x, z, heading)
+    # Weight goes from heel to toes, so the ankle is behind the middle of the stance.
+    back = (0.35 + 0.25 * running(speed_of(person), leg_of(person))) * person.foot * person.walking
+    ahead = 0.5 * stance / rate
+    x += vx * ahead - back * math.cos(heading)
+    z += vz * ahead + back * math.sin(heading)
+    y, _ = surface(frame, vertices, x, z)
+    person.land[k, 0], person.land[k, 1], person.land[k, 2] = x, y + person.ankle, z
+    person.yaw_land[k] = heading
+    _arch(person, k, frame, vertices)
+
+
+@compiled
+def _arch(person: Record, k: int, frame: Record, vertices: Array) -> None:
+    """Raise the arch of a swing until the foot clears the ground on its way."""
+    a, b = row(person.left, k), row(person.land, k)
+    run = running(speed_of(person), leg_of(person))
+    clear = (0.035 + 0.02 * person.walking + 0.13 * run) * leg_of(person)
+    for i in range(1, 6):
+        u = i / 6.0
+        x, y, z = a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2])
+        ground, _ = surface(frame, vertices, x, z)
+        need = (ground + person.ankle + 0.5 * clear - y) / (4.0 * u * (1.0 - u))
+        clear = max(clear, need)
+    person.arch[k] = max(person.arch[k], min(clear, 0.6 * leg_of(person)))
+
+
+@compiled
+def reached(u: float) -> float:
+    """Return how far along its line a foot is, going as smoothly as it can.
+
+    Source: Flash and Hogan 1985.
+    """
+    return u * u * u * (10.0 + u * (6.0 * u - 15.0))
+
+
+@compiled
+def _swing(
+    person: Record, k: int, rate: float, stance: float, frame: Record, vertices: Array
+) -> None:
+    """Move a foot through the air, and put it down at the end."""
+    u = cycle_of(person, k) / (1.0 - stance)
+    if u >= 1.0:
+        person.doing[k] = STANCE
+        person.landed[k] += 1
+        person.landed_at[k] = person.since
+        person.landing[k] = 3.0 * person.arch[k] * rate / (1.0 - stance)
+        person.stood[k] = person.land[k]
+        person.yaw[k] = person.yaw_land[k]
+        return
+    if u < 0.75:
+        _aim(person, k, 1.0 - u, frame, vertices)
+    s = reached(u)
+    toes = TOES * person.walking * (1.0 - running(speed_of(person), leg_of(person)))
+    end = plus(row(person.land, k), on_ground(person, person.yaw_land[k], toes))
+    for c in range(3):
+        person.ankles[k, c] = (1.0 - s) * person.left[k, c] + s * end[c]
+    # Level at both ends: a foot that falls to the ground bumps, and one that is torn off it jerks.
+    person.ankles[k, 1] += 16.0 * person.arch[k] * (u * (1.0 - u)) ** 2
+    person.yaw[k] = person.yaw_left[k] + s * wrapped(person.yaw_land[k] - person.yaw_left[k])
+    turn = eased(u / 0.8)
+    person.pitch[k] = (1.0 - turn) * person.pitch_left[k] + turn * toes
+
+
+@compiled
+def _stand(person: Record, k: int, stance: float) -> None:
+    """Keep a foot where it is, and turn it about its heel or its ball."""
+    done = (cycle_of(person, k) - (1.0 - stance)) / stance if person.stepping else 0.3
+    done = min(max(done, 0.0), 1.0)
+    rise = HEEL * min(person.walking, 1.0) * eased((done - ROLL) / (1.0 - ROLL) * 0.5) * 2.0
+    wanted = -rise if person.stepping else 0.0
+    if done < ROLL:
+        wanted = 0.0
+        down = 0.06 if person.stepping else 1.0
+        person.pitch[k] *= 1.0 - eased(min(done / down, 1.0)) * 0.25
+    else:
+        person.pitch[k] = wanted
+    put(
+        person.ankles,
+        k,
+        plus(row(person.stood, k), on_ground(person, person.yaw[k], person.pitch[k])),
+    )
+
+
+@compiled
+def on_ground(person: Record, yaw: float, pitch: float) -> Vector:
+    """Return how an ankle moves when its foot, flat before, turns about its ball or its heel."""
+    c, s = math.cos(pitch), math.sin(pitch)
+    ahead = person.ball if pitch < 0.0 else person.ball - 0.72 * person.foot
+    # The ankle from the pivot is (-ahead, ankle); toes up is positive.
+    x = -ahead * c - person.ankle * s + ahead
+    y = -ahead * s + person.ankle * c - person.ankle
+    return (x * math.cos(yaw), y, -x * math.sin(yaw))

@@ -1,0 +1,115 @@
+"""Projecting: nodes are moved to where links have their lengths and middles are in the middle.
+
+Each end of a link moves by its share of the inverse masses: the halves of Horswill 2008
+conserve momentum for equal masses alone. The offset printed there, p_i - p_i, is p_i - p_j.
+
+Source: Horswill 2008, "Kinematic constraints"; Jakobsen 2001.
+"""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.layout import Numbers
+from pipeline.simulation.characters.limbs import settle, straighten
+from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+
+ENOUGH = 2e-3
+"""Part of its length that a link may be off when no more is done."""
+
+MOST = 40
+"""Times that all links of a character are gone through, at most."""
+
+
+@inlined
+def project(
+    nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record
+) -> float:
+    """Move the nodes of one character nearer to where its links have their lengths.
+
+    Returns:
+        How much the worst was off, as a part of its length.
+    """
+    first = owner.links[0]
+    worst = 0.0
+    for n in range(first, first + owner.links[1]):
+        link = links[n]
+        worst = max(worst, _link(nodes[link.ends[0]], nodes[link.ends[1]], link))
+    first = owner.middles[0]
+    for n in range(first, first + owner.middles[1]):
+        m, i, j = middles[n, 0], middles[n, 1], middles[n, 2]
+        worst = max(worst, _middle(nodes[m], nodes[i], nodes[j]))
+    first = owner.limbs[0]
+    for n in range(first, first + owner.limbs[1]):
+        straighten(nodes, limbs[n])
+    return worst
+
+
+@inlined
+def finish(
+    nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record
+) -> None:
+    """Go on with one character until nobody sees that its links are off; then set its joints."""
+    for _ in range(MOST):
+        if project(nodes, links, middles, limbs, owner) <= ENOUGH:
+            break
+    first = owner.limbs[0]
+    for n in range(first, first + owner.limbs[1]):
+        settle(nodes, limbs[n])
+
+
+@inlined
+def hold(nodes: Records, grips: Numbers) -> None:
+    """Bring together nodes that are held together: links of length zero."""
+    for n in range(len(grips)):
+        if grips[n, 0] < 0 or grips[n, 1] < 0:
+            continue
+        one, other = nodes[grips[n, 0]], nodes[grips[n, 1]]
+        if one.give + other.give > 0.0:
+            share = 1.0 / (one.give + other.give)
+            for k in range(3):
+                apart = share * (one.p[k] - other.p[k])
+                one.p[k] -= one.give * apart
+                other.p[k] += other.give * apart
+
+
+@inlined
+def _link(one: Record, other: Record, link: Record) -> float:
+    """Move the ends of a link; return how much it was off, as a part of its length."""
+    p, q = one.p, other.p
+    x, y, z = p[0] - q[0], p[1] - q[1], p[2] - q[2]
+    squared = x * x + y * y + z * z
+    least, most = link.reach[0], link.reach[1]
+    weight = one.give + other.give
+    if least * least <= squared <= most * most or weight == 0.0 or squared == 0.0:
+        return 0.0
+    apart = math.sqrt(squared)
+    wanted = least if apart < least else most
+    share = (apart - wanted) / (apart * weight)
+    a, b = share * one.give, share * other.give
+    p[0] -= a * x
+    p[1] -= a * y
+    p[2] -= a * z
+    q[0] += b * x
+    q[1] += b * y
+    q[2] += b * z
+    # What only limits may be off a little more: nobody sees it.
+    off = abs(apart - wanted) / wanted
+    return off if least == most else 0.2 * off
+
+
+@inlined
+def _middle(middle: Record, one: Record, other: Record) -> float:
+    """Move three nodes so that one is in the middle of two; return how far it was."""
+    weight = middle.give + 0.25 * (one.give + other.give)
+    if weight == 0.0:
+        return 0.0
+    squared = 0.0
+    for k in range(3):
+        apart = middle.p[k] - 0.5 * (one.p[k] + other.p[k])
+        squared += apart * apart
+        apart /= weight
+        middle.p[k] -= middle.give * apart
+        one.p[k] += 0.5 * one.give * apart
+        other.p[k] += 0.5 * other.give * apart
+    return math.sqrt(squared)

@@ -1,0 +1,136 @@
+"""Stepping: a step of all characters, as one call of machine code."""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.boxes import meet_box, part
+from pipeline.simulation.characters.control import steer
+from pipeline.simulation.characters.events import Log
+from pipeline.simulation.characters.floor import stand
+from pipeline.simulation.characters.layout import Crowd, Numbers
+from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
+from pipeline.simulation.characters.projecting import finish, hold, project
+from pipeline.simulation.characters.resting import look_who_rests, wake_near
+from pipeline.simulation.characters.touching import are_near, grow_old, meet
+from pipeline.simulation.characters.verlet import damp, integrate
+from pipeline.simulation.dynamics.compiled import Records, compiled, entry
+from pipeline.simulation.dynamics.grid import Grid
+
+ROUNDS = 2
+"""Times that links and touches are gone through in a sub-step, before links have the last word."""
+
+PAIN_ENDS = 0.5
+"""How fast pain decays [1/s]."""
+
+
+@entry
+def advance(
+    crowd: Crowd,
+    persons: Records,
+    grid: Grid,
+    level: bool,
+    room: Room,
+    log: Log,
+    gravity: float,
+    dt: float,
+    count: int,
+) -> None:
+    """Go on by a step of `dt` [s] in `count` sub-steps.
+
+    Args:
+        crowd: all characters; changed.
+        persons: `control.PERSON` of those who act; changed.
+        grid: the terrain.
+        level: whether it is a level plane.
+        room: to work in.
+        log: of what touches; begun anew.
+        gravity: [m/s²].
+        dt: the step [s].
+        count: of sub-steps.
+    """
+    h = dt / count
+    log.count[0] = 0
+    _forget(crowd.links)
+    for n in range(count):
+        steer(crowd, persons, grid, h)
+        _sub_step(crowd, grid, level, room, log, gravity, h, n / count)
+    _feel(crowd.links, crowd.owners, dt)
+    look_who_rests(crowd.nodes, crowd.links, crowd.owners, crowd.grips, h, dt)
+
+
+@compiled
+def _sub_step(
+    crowd: Crowd,
+    grid: Grid,
+    level: bool,
+    room: Room,
+    log: Log,
+    gravity: float,
+    h: float,
+    moment: float,
+) -> None:
+    nodes, links, middles, limbs, own, grips, owners = crowd
+    damp(nodes, links, h)
+    integrate(nodes, gravity, h)
+    grow_old(links, h)
+    enclose(nodes, owners)
+    near = room.near[: find_near(owners, room.order, room.near)]
+    wake_near(nodes, owners, near)
+    pairs = room.pairs[: find_pairs(nodes, links, owners, own, near, room.pairs)]
+    for _ in range(ROUNDS):
+        for c in range(len(owners)):
+            if not owners[c].asleep:
+                project(nodes, links, middles, limbs, owners[c])
+        hold(nodes, grips)
+        for n in range(len(pairs)):
+            a, b = pairs[n, 0], pairs[n, 1]
+            if are_near(nodes, links[a], links[b]):
+                meet(nodes, links, owners, (a, b), h, moment, log)
+        _meet_boxes(nodes, links, owners, near, h, moment, log)
+        for c in range(len(owners)):
+            if not owners[c].asleep:
+                stand(nodes, links, owners[c], grid, level, h, moment, log)
+    for c in range(len(owners)):
+        if not owners[c].asleep:
+            finish(nodes, links, middles, limbs, owners[c])
+
+
+@compiled
+def _meet_boxes(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    near: Numbers,
+    h: float,
+    moment: float,
+    log: Log,
+) -> None:
+    for n in range(len(near)):
+        one, other = owners[near[n, 0]], owners[near[n, 1]]
+        if one.asleep and other.asleep:
+            continue
+        if one.edge > 0.0 and other.edge > 0.0:
+            part(nodes, one, other, h)
+        if other.edge > 0.0:
+            meet_box(nodes, links, one, other, h, moment, log)
+        if one.edge > 0.0:
+            meet_box(nodes, links, other, one, h, moment, log)
+
+
+@compiled
+def _forget(links: Records) -> None:
+    """Forget how hard touches of the last step were."""
+    for n in range(len(links)):
+        links[n].energy = 0.0
+
+
+@compiled
+def _feel(links: Records, owners: Records, dt: float) -> None:
+    """Let touches that are hard enough hurt, and pain decay."""
+    for c in range(len(owners)):
+        owner = owners[c]
+        owner.pain *= math.exp(-PAIN_ENDS * dt)
+        for n in range(owner.links[0], owner.links[0] + owner.links[1]):
+            if links[n].energy > owner.threshold:
+                owner.pain += links[n].energy / owner.threshold - 1.0

@@ -1,0 +1,211 @@
+"""Touching: links that come into one another are moved apart, and know what they touch.
+
+Both nodes of a link are moved by the same: torques are left to the links beside it. What two
+came nearer to one another in this sub-step is taken out of their positions alone, and so out
+of their velocities; what they were in one another before is taken out of both positions, so
+that nobody is shot off for having begun inside somebody. All shares go by mass, so momentum
+is kept.
+
+Source: Horswill 2008, "Collision handling" and "Tactile sensing". Printed there the second
+    pair of nodes moved is k, k; it is k, l. The closest points are those of the segments.
+"""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
+from pipeline.simulation.characters.layout import NOBODY
+from pipeline.simulation.characters.resting import WAKES, wake
+from pipeline.simulation.characters.segments import closest
+from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+from pipeline.simulation.dynamics.vectors import (
+    Vector,
+    cross,
+    dot,
+    length,
+    minus,
+    plus,
+    times,
+    triple,
+)
+
+PARTING = 0.6
+"""Speed at which what was in one another parts [m/s]."""
+
+LEAST_BOUNCE = 0.25
+"""Speed of approach below which nothing bounces [m/s]."""
+
+SPARE = 0.1
+"""Part of its length that a link may be longer than it should."""
+
+TINY = 1e-9
+
+
+@inlined
+def are_near(nodes: Records, one: Record, other: Record) -> bool:
+    """Tell whether the middles of two links are near enough that they may touch."""
+    p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
+    r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
+    squared = 0.0
+    for k in range(3):
+        away = 0.5 * (p[k] + q[k] - r[k] - s[k])
+        squared += away * away
+    reach = one.girth + other.girth + 0.5 * (one.reach[0] + other.reach[0]) * (1.0 + SPARE)
+    return squared < reach * reach
+
+
+@inlined
+def meet(
+    nodes: Records,
+    links: Records,
+    owners: Records,
+    pair: tuple[int, int],
+    h: float,
+    moment: float,
+    log: Log,
+) -> None:
+    """Move two links apart if they are in one another.
+
+    Args:
+        nodes: of all characters.
+        links: of all characters.
+        owners: all characters.
+        pair: numbers of two links.
+        h: the sub-step [s].
+        moment: of the step that has gone.
+        log: of what touched.
+    """
+    a, b = links[pair[0]], links[pair[1]]
+    p, q = triple(nodes[a.ends[0]].p), triple(nodes[b.ends[0]].p)
+    u, v = minus(triple(nodes[a.ends[1]].p), p), minus(triple(nodes[b.ends[1]].p), q)
+    s, t = closest(p, u, q, v)
+    place = plus(q, times(t, v))
+    away = minus(plus(p, times(s, u)), place)
+    squared = dot(away, away)
+    reach = a.girth + b.girth
+    if squared >= reach * reach:
+        return
+    one, other = owners[a.owner], owners[b.owner]
+    apart = math.sqrt(squared)
+    n = times(1.0 / apart, away) if apart > TINY else _aside(one, other, u, v)
+    if one.edge > 0.0 and other.edge > 0.0 and _points_in(one, other, n):
+        # Edges that have gone through one another are moved back through.
+        apart, n = -apart, times(-1.0, n)
+        if -apart > 0.5 * reach:
+            return
+    slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
+    nearer = -dot(slip, n)
+    if nearer > WAKES * h:
+        wake(nodes, one)
+        wake(nodes, other)
+    w_a, w_b = _lightness(nodes, a), _lightness(nodes, b)
+    if w_a + w_b == 0.0:
+        return
+    share = 1.0 / (w_a + w_b)
+    if a.owner != b.owner:
+        speed = max(nearer, 0.0) / h
+        energy = 0.5 * share * speed * speed
+        # Both have been apart for a while, or it is another that is touched now.
+        new = a.touched_owner != b.owner or a.age[0] > PAUSE
+        if new and speed > ABOVE:
+            note(log, moment, pair, place, n, (speed, energy))
+        sense(a, pair[1], b.owner, energy)
+        sense(b, pair[0], a.owner, energy)
+    depth = reach - apart
+    stopped = min(depth, max(nearer, 0.0))
+    parted = min(depth - stopped, PARTING * h)
+    move = plus(times(stopped, n), rubbed(slip, n, 0.5 * (one.friction + other.friction) * stopped))
+    back = 0.0
+    bounciness = max(one.bounciness, other.bounciness)
+    if bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
+        back = bounciness * nearer + nearer - stopped
+    part, back_a = times(share * parted, n), times(share * back, n)
+    _shift(nodes, a, times(share * w_a, move), times(w_a, part), times(w_a, back_a))
+    _shift(nodes, b, times(-share * w_b, move), times(-w_b, part), times(-w_b, back_a))
+
+
+@inlined
+def grow_old(links: Records, h: float) -> None:
+    """Forget touches that have ended, a sub-step later."""
+    for n in range(len(links)):
+        link = links[n]
+        link.age[0] += h
+        link.age[1] += h
+        if link.age[0] > PAUSE and (link.touched >= 0 or link.age[1] > PAUSE):
+            link.touched, link.touched_owner = NOBODY, NOBODY
+
+
+@inlined
+def _lightness(nodes: Records, link: Record) -> float:
+    """Return the inverse mass of a link that is moved as a whole, of what of it can move."""
+    one, other = nodes[link.ends[0]].give, nodes[link.ends[1]].give
+    if link.ends[0] == link.ends[1] or other == 0.0:
+        return one
+    return other if one == 0.0 else one * other / (one + other)
+
+
+@inlined
+def _moved(nodes: Records, link: Record, s: float) -> Vector:
+    """Return how far a place on a link went in this sub-step."""
+    one, other = nodes[link.ends[0]], nodes[link.ends[1]]
+    a = minus(triple(one.p), triple(one.before))
+    b = minus(triple(other.p), triple(other.before))
+    return plus(times(1.0 - s, a), times(s, b))
+
+
+@inlined
+def rubbed(slip: Vector, n: Vector, most: float) -> Vector:
+    """Return what friction takes of a slip across n, so much at most."""
+    along = minus(slip, times(dot(slip, n), n))
+    size = length(along)
+    return times(-min(most / size, 1.0), along) if size > TINY else (0.0, 0.0, 0.0)
+
+
+@inlined
+def _aside(one: Record, other: Record, u: Vector, v: Vector) -> Vector:
+    """Return a direction from the other to one, whose links' axes cross."""
+    n = cross(u, v)
+    size = length(n)
+    if size < TINY:
+        return (0.0, 1.0, 0.0)
+    n = times(1.0 / size, n)
+    return times(-1.0, n) if _points_in(one, other, n) else n
+
+
+@inlined
+def _points_in(one: Record, other: Record, n: Vector) -> bool:
+    """Tell whether a direction points from the middle of one to that of the other."""
+    towards = 0.0
+    for k in range(3):
+        towards += n[k] * (one.low[k] + one.high[k] - other.low[k] - other.high[k])
+    return towards < 0.0
+
+
+@inlined
+def _shift(nodes: Records, link: Record, move: Vector, part: Vector, back: Vector) -> None:
+    """Move a link as a whole.
+
+    Args:
+        nodes: of all characters.
+        link: which.
+        move: what changes its velocity.
+        part: what does not.
+        back: what changes its velocity alone.
+    """
+    for end in range(1 if link.ends[0] == link.ends[1] else 2):
+        node = nodes[link.ends[end]]
+        if node.give == 0.0:
+            continue
+        for k in range(3):
+            node.p[k] += move[k] + part[k]
+            node.before[k] += part[k] - back[k]
+
+
+@inlined
+def sense(link: Record, other: int, whose: int, energy: float) -> None:
+    """Let a link know of a touch; the hardest one counts."""
+    if link.age[0] > 0.0 or energy > link.energy:
+        link.touched, link.touched_owner = other, whose
+    link.energy = max(link.energy, energy)
+    link.age[0] = 0.0

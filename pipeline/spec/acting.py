@@ -1,0 +1,125 @@
+"""Acting: what a child or an adult can be told, and what of it they cannot do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel
+
+from pipeline.spec.character import JOINTED, PARTS, PEOPLE
+from pipeline.spec.faults import Fault, Step
+from pipeline.spec.nearest import hint
+
+PEOPLE_ALONE = ("reach", "grab", "let_go", "hug", "grapple", "sit", "stand", "freeze")
+"""What only people are told."""
+
+ACTING = ("go_to", "turn_deg", "walk", "stop", "wait", "speed", "look_at", "look", *PEOPLE_ALONE)
+"""What people can be told."""
+
+SEATS = ("box", "bench")
+
+WHOM: Mapping[str, tuple[Sequence[str], str]] = {
+    "hug": (JOINTED, "a child, an adult or a ragdoll"),
+    "grapple": (JOINTED, "a child, an adult or a ragdoll"),
+    "sit": (SEATS, "a box or a bench"),
+    "grab": ((), "a character"),
+    "reach": ((), "a character, or a place [x, y, z]"),
+    "look_at": ((), "a character, or a place [x, y, z]"),
+}
+"""What can be named by what people are told; nothing is any character."""
+
+Path = tuple[Step, ...]
+
+
+def faults_of_acting(
+    member: object, name: str, do: object, path: Path, cast: Mapping[str, object]
+) -> Iterator[Fault]:
+    """Find what a character is told that it cannot do.
+
+    Args:
+        member: it, typed or raw.
+        name: of it.
+        do: what it is told, likewise.
+        path: of that.
+        cast: all members, by name.
+    """
+    if (fault := fault_of_thing(member, name, (*path[:-1], "who"))) is not None:
+        yield fault
+        return
+    word = do if isinstance(do, str) else next(iter(_given(do)), None)
+    if word is not None and word not in ACTING:
+        message = f"'{name}' is a person, who can be told {', '.join(ACTING)}"
+        yield Fault(path if isinstance(do, str) else (*path, word), message, at_key=word != do)
+    for key, (kinds, what) in WHOM.items():
+        if isinstance(whom := _get(do, key), str):
+            yield from _named(whom, name, kinds, what, (*path, key), cast)
+    part, whom = _get(do, "part"), _get(do, "grab")
+    if isinstance(part, str) and isinstance(whom, str) and whom in cast:
+        if _get(cast[whom], "character") not in JOINTED:
+            message = f"'{whom}' has no parts with names; take this away"
+            yield Fault((*path, "part"), message, at_key=True)
+        elif part not in PARTS:
+            message = f"no part of '{whom}' is called '{part}', {hint(part, PARTS)}"
+            yield Fault((*path, "part"), message)
+
+
+def fault_of_thing(member: object, name: str, path: Path) -> Fault | None:
+    """Find who follows no script: a thing, or one who is limp."""
+    kind = _get(member, "character")
+    if kind not in PEOPLE:
+        return Fault(path, f"'{name}' is a {kind}, which no script moves")
+    if _get(member, "limp") is True:
+        return Fault(path, f"'{name}' is limp, and follows no script")
+    return None
+
+
+def faults_of_touch(pair: object, path: Path, cast: Mapping[str, object]) -> Iterator[Fault]:
+    """Find what is waited for to touch, and never will."""
+    names = pair if isinstance(pair, list | tuple) else ()
+    for k, name in enumerate(names):
+        if not isinstance(name, str):
+            continue
+        if name not in cast:
+            message = f"nobody in the cast is called '{name}', {hint(name, cast)}"
+            yield Fault((*path, k), message)
+        elif _get(cast[name], "character") is None:
+            yield Fault((*path, k), f"'{name}' is no character, whose touch nobody feels")
+        elif name in names[:k]:
+            yield Fault((*path, k), f"'{name}' cannot touch itself; name another")
+
+
+def _named(
+    whom: str,
+    name: str,
+    kinds: Sequence[str],
+    what: str,
+    path: Path,
+    cast: Mapping[str, object],
+) -> Iterator[Fault]:
+    if whom not in cast:
+        yield Fault(path, f"nobody in the cast is called '{whom}', {hint(whom, cast)}")
+    elif whom == name:
+        yield Fault(path, f"'{name}' cannot do that to itself; name {what}")
+    elif (kind := _get(cast[whom], "character")) is None or (kinds and kind not in kinds):
+        kind = kind or "no character"
+        yield Fault(path, f"'{whom}' is {_article(kind)}{kind}; name {what}")
+
+
+def _article(kind: str) -> str:
+    return "" if kind == "no character" else "an " if kind == "adult" else "a "
+
+
+def _given(do: object) -> Iterator[str]:
+    """Yield the keys of an instruction, the one that says what is done first."""
+    if isinstance(do, BaseModel):
+        yield from (key for key in type(do).model_fields if key in do.model_fields_set)
+    elif isinstance(do, Mapping):
+        keys = [key for key in do if isinstance(key, str)]
+        yield from sorted(keys, key=lambda key: key not in ACTING)
+
+
+def _get(thing: object, key: str) -> Any:
+    if isinstance(thing, Mapping):
+        return thing.get(key)
+    return getattr(thing, key, None) if isinstance(thing, BaseModel) else None

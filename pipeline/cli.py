@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Never
 
 import typer
 
+from pipeline.commands.direct import add_direct
 from pipeline.commands.golden import golden_commands
 from pipeline.errors import Problem, PronkError, SceneError, UsageError
 from pipeline.production.interrupts import ignore, listen
@@ -36,6 +37,7 @@ app = typer.Typer(
 plots = typer.Typer(no_args_is_help=True, help="Draw what a scene's creatures do, over time.")
 app.add_typer(plots, name="plot")
 app.add_typer(golden_commands(lambda *given: _flags(*given)), name="golden")
+add_direct(app, lambda *given: _flags(*given))
 
 
 class Preset(enum.StrEnum):

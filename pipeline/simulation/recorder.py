@@ -60,7 +60,7 @@ class Recorder:
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
         self._notes: dict[tuple[str, str], Note] = {}
-        self._told: list[Told] = []
+        self.orders: list[Told] = []
 
     def hang(self, bonds: Iterable[Bond]) -> None:
         """Let performers hang on the nodes that they go along with."""
@@ -163,7 +163,7 @@ class Recorder:
     def told(self, step: int, orders: Orders) -> None:
         """Keep what the script asks of whom from `step` on."""
         for who, given in orders.items():
-            self._told.extend(Told(step, who, said(do)) for do in given)
+            self.orders.extend(Told(step, who, said(do)) for do in given)
 
     def take(self) -> Take:
         """Return the finished take."""
@@ -191,7 +191,7 @@ class Recorder:
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
             notes=tuple(self.notes),
-            told=tuple(self._told),
+            told=tuple(self.orders),
         )
 
 

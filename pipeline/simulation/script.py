@@ -76,7 +76,7 @@ class Script:
             arrived: who has just come to the end of its way.
             touched: pairs who have just begun to touch one another.
         """
-        events = {*arrived, *(frozenset(pair) for pair in touched)}
+        events: set[Event] = {*arrived, *(frozenset(pair) for pair in touched)}
         outside = self._outside.pop(step, []) + _happened(self._waiting_outside, events)
         self.told.extend((step, who, do) for who, do in outside)
         due = self._timed.pop(step, []) + outside

@@ -68,9 +68,7 @@ class Simulation:
             ground = build_ground(scene.terrain, scene.seed)
             detect = scene.sound.detect
             script = scene.script
-            self.world = World(
-                ground, clock, scene.seed, script, scene.all_moods, detect, directed
-            )
+            self.world = World(ground, clock, scene.seed, script, scene.all_moods, detect, directed)
             figures = figures_of(scene)
             self.troupes: list[Troupe] = troupes_of(scene, figures, self.world)
             self._lookers = [troupe for troupe in self.troupes if isinstance(troupe, Sees)]

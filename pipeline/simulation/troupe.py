@@ -149,7 +149,7 @@ class Sees(Troupe, Protocol):
 
 @runtime_checkable
 class Prepares(Troupe, Protocol):
-    """A troupe that prepares for what its members will be asked to do, and refuses what none can."""
+    """A troupe that prepares for what its members will be asked, and refuses what they cannot."""
 
     def prepare(self, instruction: Instruction, where: str) -> None:
         """Be ready for an instruction of which nobody knew at the begin.

@@ -13,8 +13,8 @@ from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 from pipeline.spec.tree import Entry, Leaf, Place, Row, Table, Tree
 
-PLACE = Place("command")
-"""Where such an instruction stands."""
+PLACE = Place("")
+"""Words from outside stand in no file."""
 
 
 def instruction_of(words: Mapping[str, Any], scene: Scene, now: float) -> Instruction:
@@ -31,7 +31,7 @@ def instruction_of(words: Mapping[str, Any], scene: Scene, now: float) -> Instru
     """
     if "at" not in words and "when" not in words:
         words = {"at": now, **words}
-    tree = _tree(words)
+    tree = tree_of(words)
     instruction, problems = check(Instruction, tree)
     if instruction is None:
         raise SceneError(problems)
@@ -61,10 +61,10 @@ def _faults_of_names(instruction: Instruction, scene: Scene) -> Sequence[Fault]:
     ]
 
 
-def _tree(words: Any) -> Tree:
-    """Return plain words as a tree."""
+def tree_of(words: Any) -> Tree:
+    """Return plain words as a tree, which stands nowhere."""
     if isinstance(words, Mapping):
-        return Table(PLACE, {key: Entry(PLACE, _tree(one)) for key, one in words.items()})
+        return Table(PLACE, {key: Entry(PLACE, tree_of(one)) for key, one in words.items()})
     if isinstance(words, list | tuple):
-        return Row(PLACE, tuple(_tree(one) for one in words))
+        return Row(PLACE, tuple(tree_of(one) for one in words))
     return Leaf(PLACE, words)

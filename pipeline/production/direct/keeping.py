@@ -1,4 +1,4 @@
-"""Keeping: what is left of a directed scene: a scene that goes the same way by itself, and its take."""
+"""Keeping: what a directed scene leaves: one that goes the same way by itself, and its take."""
 
 from __future__ import annotations
 
@@ -96,9 +96,10 @@ class Place:
         file = self.outputs.folder / f"{self.name}.yaml"
         text = dump(directed(scene, simulation, now), in_full=False)
         try:
-            put(file, f"# {scene.title or self.name}, as it was directed.\n{text}".encode())
-        except AudioError as error:
-            raise StoreError(str(error)) from error
+            file.parent.mkdir(parents=True, exist_ok=True)
+            put(file, f"# As it was directed.\n{text}".encode())
+        except (AudioError, OSError) as error:
+            raise StoreError(f"{file}: could not be written ({error})") from error
         return file
 
 

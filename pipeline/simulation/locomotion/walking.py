@@ -9,6 +9,7 @@ Source: Sims 1987, ch. 10.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -188,6 +189,7 @@ class Walkers:
                 stoop=feet.stoop.copy(),
                 tuck=feet.tuck.copy(),
                 bearing=self.going.path.bearing,
+                ways=self.going.path.ways,
                 routes=self.leaps.routes(),
                 looks=self.going.looks,
                 bend=None if feet.bend is None else feet.bend.copy(),
@@ -197,11 +199,19 @@ class Walkers:
 
     def write(self, rows: Rows) -> None:
         """Write nodes and channels of all rows kept."""
-        poses = self.posing.poses(self._kept)
-        rows.positions[:], rows.rotations[:] = poses.positions, poses.rotations
+        path, first = self.going.path, 0
+        ways = path.ways
+        # On the ways that they had: another one is the same so far but for the last bit, which
+        # may not depend on how many rows are written at once.
+        for path.ways, moments in groupby(self._kept, key=lambda moment: moment.ways):
+            poses = self.posing.poses(list(moments))
+            here = slice(first, first + len(poses.positions))
+            rows.positions[here], rows.rotations[here] = poses.positions, poses.rotations
+            rows.values[here] = poses.values
+            self._late.extend(poses.notes)
+            first = here.stop
+        path.ways = ways
         rows.alive[:] = True
-        rows.values[:] = poses.values
-        self._late.extend(poses.notes)
         self._kept.clear()
 
     def facts(self) -> Facts:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.characters.gait import wrapped
 from pipeline.simulation.characters.layout import NOBODY, Crowd
 from pipeline.simulation.characters.record import (
     HAND,
@@ -135,7 +134,8 @@ class Actor:
 
     def faces(self, tolerance: float) -> bool:
         """Tell whether it has turned to where it was to."""
-        return abs(wrapped(float(self.me.facing - self.me.heading))) < tolerance
+        off = math.remainder(float(self.me.facing - self.me.heading), 2.0 * math.pi)
+        return abs(off) < tolerance
 
     def look(self, place: Array) -> None:
         """Look at a place."""
@@ -149,7 +149,9 @@ class Actor:
 
     def hold(self, k: int, node: int) -> None:
         """Close a hand around a node."""
-        self.stage.crowd.grips[self.me.grip + k] = self.me.node + HAND + k, node
+        hand, nodes = int(self.me.node) + HAND + k, self.stage.crowd.nodes
+        self.stage.crowd.grips[self.me.grip + k] = hand, node
+        nodes["holds"][hand], nodes["holds"][node] = nodes["owner"][node], self.me.owner
 
     def held(self, k: int) -> int:
         """Return the node that a hand holds, -1 for none."""
@@ -157,8 +159,10 @@ class Actor:
 
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""
-        self.stage.crowd.grips[self.me.grip + k] = NOBODY
-        self.stage.crowd.grips[self.me.grip + 2] = NOBODY
+        grip = self.stage.crowd.grips[self.me.grip + k]
+        if grip[0] >= 0:
+            self.stage.crowd.nodes["holds"][grip] = NOBODY
+        grip[:] = NOBODY
         self.me.arm[k] = SWINGING
 
     def nearest(self, owner: int, place: Array) -> int:

@@ -24,6 +24,9 @@ from pipeline.simulation.troupe import Inventory
 from pipeline.spec.cast import Character
 
 
+FEET = [FRAMES.index("foot_l"), FRAMES.index("foot_r")]
+
+
 @dataclass(frozen=True, eq=False)
 class Thing:
     """How a thing follows its nodes.
@@ -59,14 +62,14 @@ class Appearance:
     joints: Numbers
     things: tuple[Thing, ...]
 
-    def pose(self, p: Array, spins: Array, gaze: Array, soles: Array) -> tuple[Array, Array]:
+    def pose(self, p: Array, spins: Array, gaze: Array, feet: Array) -> tuple[Array, Array]:
         """Return rotations (K, J, 3, 3) and places (K, J, 3) of all frames.
 
         Args:
             p: (K, N, 3) nodes [m].
             spins: (K, T, 3, 3) rotations of things; those of balls count.
             gaze: (K, A, 3) where those look who hold themselves, a direction.
-            soles: (K, A, 2, 3) what is up for their feet.
+            feet: (K, A, 2, 3, 3) rotations of their feet, which nodes do not say.
         """
         count = len(self.inventory.nodes)
         R = np.empty((len(p), count, 3, 3))
@@ -74,10 +77,11 @@ class Appearance:
         if len(self.people):
             which = self.people[:, None] + np.arange(len(FRAMES))
             limp = np.setdiff1d(np.arange(len(which)), self.acting)
-            for some, how in ((limp, (None, None)), (self.acting, (gaze, soles))):
+            for some, looks in ((limp, None), (self.acting, gaze)):
                 if len(some):
-                    posed = frames_of(p[:, self.joints[some]], *how)
+                    posed = frames_of(p[:, self.joints[some]], looks)
                     R[:, which[some]], places[:, which[some]] = posed
+            R[:, which[self.acting][:, FEET]] = feet
         for k, thing in enumerate(self.things):
             own = p[:, slice(*thing.nodes)]
             turned = spins[:, k]

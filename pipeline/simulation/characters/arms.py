@@ -14,10 +14,12 @@ import math
 from pipeline.simulation.characters.ballistic import sprung
 from pipeline.simulation.characters.gait import leg_of, pace_of, speed_of
 from pipeline.simulation.characters.record import (
+    AT_EASE,
     ELBOW,
     HAND,
     HIP,
     KNEE,
+    OUT,
     PLACED,
     REACHING,
     SHOULDER,
@@ -105,13 +107,13 @@ def _swung(person: Record, k: int) -> Vector:
     # A hand is ahead when the foot of the other side comes down.
     swing = turn_of(person, 1.0 - stance + (0.5 if k == 0 else 0.0))
     some = person.walking * min(relative(speed, leg) / 0.47, 1.0)
-    angle = SWING * (some * swing * (0.9 + 0.5 * run) + 0.05)
-    bend = math.radians(12.0) + some * math.radians(9.0) * (1.0 + 0.8 * swing)
+    angle = SWING * some * swing * (0.9 + 0.5 * run) + AT_EASE[0]
+    bend = AT_EASE[1] + some * math.radians(9.0) * (1.0 + 0.8 * swing)
     bend += run * math.radians(62.0)
     # It hangs down, however the trunk leans.
     c, s = math.cos(person.heading), math.sin(person.heading)
     angle += 0.9 * math.atan(person.lean[0] * c - person.lean[1] * s) - 0.3 * run
-    out = 0.11 - 0.05 * run
+    out = OUT - 0.05 * run
     side = 1.0 if k == 1 else -1.0
     upper, fore = person.upper_arm, person.forearm
     x = upper * math.sin(angle) + fore * math.sin(angle + bend)

@@ -17,8 +17,8 @@ def gaze_of(persons: Records) -> Array:
     return np.stack([level * np.cos(yaw), np.sin(pitch), -level * np.sin(yaw)], axis=1)
 
 
-def soles_of(persons: Records, ground: Ground) -> Array:
-    """Return (n, 2, 3) what is up for the soles of people: the ground's, turned by their pitch.
+def feet_of(persons: Records, ground: Ground) -> Array:
+    """Return (n, 2, 3, 3) the rotations of feet: they lie on the ground, or turned by their pitch.
 
     A foot that swings goes from the slope that it left to the one that it will stand on.
     """
@@ -32,8 +32,9 @@ def soles_of(persons: Records, ground: Ground) -> Array:
     ahead = np.stack([np.cos(yaw), np.zeros_like(yaw), -np.sin(yaw)], axis=-1)
     up = normalized(below)
     ahead = normalized(ahead - (ahead * up).sum(axis=-1)[..., None] * up)
-    result: Array = np.cos(pitch) * up - np.sin(pitch) * ahead
-    return result
+    x = np.cos(pitch) * ahead + np.sin(pitch) * up
+    y = np.cos(pitch) * up - np.sin(pitch) * ahead
+    return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
 def _normals(places: Array, ground: Ground) -> Array:

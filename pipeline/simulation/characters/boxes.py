@@ -204,6 +204,7 @@ def _meet(
     depth = link.girth + other.edge - gap
     if depth <= 0.0 or (one.edge > 0.0 and depth > DEEP + one.edge + other.edge):
         return
+    one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
     weights = _weights(place)
     first = other.nodes[0]
     went = plus(

@@ -12,7 +12,7 @@ import numpy as np
 
 from pipeline.simulation.characters.actor import Stage
 from pipeline.simulation.characters.appearance import appearance
-from pipeline.simulation.characters.bearing import gaze_of, soles_of
+from pipeline.simulation.characters.bearing import feet_of, gaze_of
 from pipeline.simulation.characters.direction import Direction
 from pipeline.simulation.characters.events import new_log
 from pipeline.simulation.characters.footfalls import footfalls
@@ -39,7 +39,7 @@ SHOES = "leather"
 """What people step with."""
 
 Kept = tuple[Array, Array, Array, Array]
-"""Of a row: nodes, rotations of balls, where people look, and what is up for their soles."""
+"""Of a row: nodes, rotations of balls, where people look, and how their feet lie."""
 
 
 class Characters:
@@ -131,13 +131,13 @@ class Characters:
 
     def keep(self) -> None:
         """Keep the present state as the next row."""
-        gaze, soles = gaze_of(self.persons), soles_of(self.persons, self.world.ground)
-        self._kept.append((self.crowd.p.copy(), self.rolling.R, gaze, soles))
+        gaze, feet = gaze_of(self.persons), feet_of(self.persons, self.world.ground)
+        self._kept.append((self.crowd.p.copy(), self.rolling.R, gaze, feet))
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept."""
-        p, spins, gaze, soles = (np.array(values) for values in zip(*self._kept, strict=True))
-        rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, gaze, soles)
+        p, spins, gaze, feet = (np.array(values) for values in zip(*self._kept, strict=True))
+        rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, gaze, feet)
         rows.alive[:] = True
         self._kept.clear()
 

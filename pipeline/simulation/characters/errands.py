@@ -186,7 +186,8 @@ class Grab:
             self._keep(actor)
             return True
         first = crowd.p[self.taken[self.hands[0]]]
-        near = 0.62 * actor.arm
+        # Bowing and crouching bring shoulders forward over what is low.
+        near = (0.8 if first[1] > 0.4 * me.height else 0.62) * actor.arm
         if actor.away(first) > near + 0.12 * actor.arm:
             actor.go(first[0], first[2], near, self.owner)
             if self.part is None:

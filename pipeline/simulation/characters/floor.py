@@ -177,6 +177,7 @@ def _press(
     weight = one.give if t == 0.0 else (1.0 - t) ** 2 * one.give + t * t * other.give
     if depth <= 0.0 or weight == 0.0:
         return
+    owner.deep = max(owner.deep, depth)
     went = minus(_between(one.p, other.p, t), _between(one.before, other.before, t))
     nearer = max(-dot(went, n), 0.0)
     _tell(node, links[node.link], n, nearer / h, weight, moment, log)

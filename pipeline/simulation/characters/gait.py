@@ -107,7 +107,7 @@ def tread(person: Record, frame: Record, vertices: Array, dt: float) -> None:
         elif person.stepping and _is_due(person, k, rate * dt, walks):
             _lift(person, k, frame, vertices)
         if person.doing[k] == STANCE:
-            _stand(person, k, stance)
+            _stand(person, k, stance, frame, vertices)
     still = person.doing[0] == STANCE and person.doing[1] == STANCE and not walks
     if person.stepping and still:
         near = CLOSED / TOLERANCE
@@ -231,7 +231,9 @@ def _swing(
         _aim(person, k, 1.0 - u, frame, vertices)
     s = reached(u)
     toes = TOES * person.walking * (1.0 - running(speed_of(person), leg_of(person)))
-    end = plus(row(person.land, k), on_ground(person, person.yaw_land[k], toes))
+    land = row(person.land, k)
+    slope = incline(frame, vertices, land, person.yaw_land[k])
+    end = plus(land, on_ground(person, person.yaw_land[k], toes, slope))
     for c in range(3):
         person.ankles[k, c] = (1.0 - s) * person.left[k, c] + s * end[c]
     # Level at both ends: a foot that falls to the ground bumps, and one that is torn off it jerks.
@@ -242,7 +244,7 @@ def _swing(
 
 
 @compiled
-def _stand(person: Record, k: int, stance: float) -> None:
+def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array) -> None:
     """Keep a foot where it is, and turn it about its heel or its ball."""
     done = (cycle_of(person, k) - (1.0 - stance)) / stance if person.stepping else 0.3
     done = min(max(done, 0.0), 1.0)
@@ -254,19 +256,34 @@ def _stand(person: Record, k: int, stance: float) -> None:
         person.pitch[k] *= 1.0 - eased(min(done / down, 1.0)) * 0.25
     else:
         person.pitch[k] = wanted
-    put(
-        person.ankles,
-        k,
-        plus(row(person.stood, k), on_ground(person, person.yaw[k], person.pitch[k])),
-    )
+    stood = row(person.stood, k)
+    slope = incline(frame, vertices, stood, person.yaw[k])
+    moved = on_ground(person, person.yaw[k], person.pitch[k], slope)
+    put(person.ankles, k, plus(stood, moved))
 
 
 @compiled
-def on_ground(person: Record, yaw: float, pitch: float) -> Vector:
-    """Return how an ankle moves when its foot, flat before, turns about its ball or its heel."""
+def incline(frame: Record, vertices: Array, place: Vector, yaw: float) -> float:
+    """Return how steep the ground is along a foot, upward [rad]."""
+    _, n = surface(frame, vertices, place[0], place[2])
+    return math.atan2(n[2] * math.sin(yaw) - n[0] * math.cos(yaw), n[1])
+
+
+@compiled
+def on_ground(person: Record, yaw: float, pitch: float, slope: float) -> Vector:
+    """Return how an ankle moves when its foot turns about its ball or its heel.
+
+    Args:
+        person: whose.
+        yaw: of the foot [rad].
+        pitch: by which it is turned from lying flat, toes up [rad].
+        slope: of the ground that it lies on, see `incline`.
+    """
     c, s = math.cos(pitch), math.sin(pitch)
     ahead = person.ball if pitch < 0.0 else person.ball - 0.72 * person.foot
     # The ankle from the pivot is (-ahead, ankle); toes up is positive.
     x = -ahead * c - person.ankle * s + ahead
     y = -ahead * s + person.ankle * c - person.ankle
+    c, s = math.cos(slope), math.sin(slope)
+    x, y = c * x - s * y, s * x + c * y
     return (x * math.cos(yaw), y, -x * math.sin(yaw))

@@ -60,6 +60,10 @@ NODE = np.dtype(
         ("lock", "i8"),
         ("owner", "i8"),
         ("link", "i8"),
+        # Whose the node is that it is held together with by a grip, or NOBODY.
+        ("holds", "i8"),
+        # Whether it runs on a level bearing, at the height of its place.
+        ("glides", "?"),
     ],
     align=True,
 )
@@ -106,6 +110,12 @@ OWNER = np.dtype(
         ("pain", "f8"),
         # Radius of the edges of a box, whose nodes are its eight corners; 0 of what is none [m].
         ("edge", "f8"),
+        # Whether some of its nodes glide.
+        ("glides", "?"),
+        # How deep something was found in it, or it in something, in this sub-step [m].
+        ("deep", "f8"),
+        # Whether it is gone through now.
+        ("busy", "?"),
         # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s],
         # and how often it did not go far; how fast its fastest node is [m/s].
         ("acts", "?"),
@@ -225,6 +235,7 @@ class Plan(NamedTuple):
         threshold: energy of a touch that hurts [J].
         grips: how many things it can hold.
         edge: radius of the edges of a box, whose nodes are its eight corners [m].
+        gliding: nodes that run on a level bearing.
     """
 
     rest: Array
@@ -241,6 +252,7 @@ class Plan(NamedTuple):
     threshold: float = np.inf
     grips: int = 0
     edge: float = 0.0
+    gliding: tuple[int, ...] = ()
 
 
 def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
@@ -270,6 +282,9 @@ def _nodes(plans: Sequence[Plan], places: Sequence[Array], links: Structures) ->
     nodes["radius"] = np.concatenate([np.zeros(0), *(plan.radius for plan in plans)])
     nodes["air"] = np.repeat([plan.air for plan in plans], counts)
     nodes["owner"] = np.repeat(np.arange(len(plans)), counts)
+    nodes["holds"] = NOBODY
+    for plan, first in zip(plans, _firsts(counts), strict=True):
+        nodes["glides"][[first + k for k in plan.gliding]] = True
     nodes["link"] = _links_of(links["ends"], links["girth"], len(nodes))
     return nodes
 
@@ -311,6 +326,7 @@ def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Str
         owners[name] = np.stack([first, counts], axis=1)
     for name in ("friction", "bounciness", "ground", "threshold", "edge"):
         owners[name] = [getattr(plan, name) for plan in plans]
+    owners["glides"] = [bool(plan.gliding) for plan in plans]
     owners["mass"] = [plan.mass[np.isfinite(plan.mass)].sum() for plan in plans]
     return owners
 

@@ -42,6 +42,10 @@ def project(
     first = owner.limbs[0]
     for n in range(first, first + owner.limbs[1]):
         straighten(nodes, limbs[n])
+    if owner.glides:
+        for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
+            if nodes[i].glides:
+                nodes[i].p[1] = nodes[i].before[1] = nodes[i].place[1]
     return worst
 
 
@@ -71,6 +75,15 @@ def hold(nodes: Records, grips: Numbers) -> None:
                 apart = share * (one.p[k] - other.p[k])
                 one.p[k] -= one.give * apart
                 other.p[k] += other.give * apart
+
+
+@inlined
+def are_held(nodes: Records, one: Record, other: Record) -> bool:
+    """Tell whether one of two links is held at one of its ends by whose the other is."""
+    for k in range(2):
+        if nodes[one.ends[k]].holds == other.owner or nodes[other.ends[k]].holds == one.owner:
+            return True
+    return False
 
 
 @inlined

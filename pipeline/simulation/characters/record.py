@@ -32,6 +32,9 @@ put somewhere, which is told in the frame of the chest or in the world."""
 
 STANDING, SITTING = 0, 1
 
+AT_EASE, OUT = (0.02, np.radians(12.0)), 0.11
+"""Of arms that hang: how far they swing ahead and bend [rad], and how far outward, in upper arms."""
+
 _SIZES = ("height", "thigh", "shin", "upper_arm", "forearm", "hips", "shoulders", "hip_height")
 _MORE = ("ankle", "belly", "chest", "neck", "foot", "ball")
 
@@ -174,10 +177,30 @@ def standing(
     proportions: Proportions, at: NDArray[np.float64], heading: float, ground: float
 ) -> Array:
     """Return (16, 3) the nodes of one who stands at a place (x, z) [m]."""
-    rest = proportions.rest()
+    rest = at_ease(proportions)
     c, s = np.cos(heading), np.sin(heading)
     x, y, z = rest.T
     return np.stack([at[0] + c * x + s * z, ground + y, at[1] - s * x + c * z], axis=1)
+
+
+def at_ease(proportions: Proportions) -> Array:
+    """Return (16, 3) the rest pose with arms that hang as they do before they swing [m]."""
+    rest = proportions.rest()
+    upper, lower = (proportions.height * x for x in (proportions.upper_arm, proportions.forearm))
+    swing, bend = AT_EASE
+    for k, side in enumerate((-1.0, 1.0)):
+        ahead = upper * np.sin(swing) + lower * np.sin(swing + bend)
+        down = upper * np.cos(swing) + lower * np.cos(swing + bend)
+        along = np.array([ahead, -down, side * OUT * upper])
+        size = float(np.sqrt((along * along).sum()))
+        along /= size
+        back = np.array([along[1], -along[0], 0.28 * side])
+        back -= (back * along).sum() * along
+        part = (upper**2 - lower**2 + size**2) / (2.0 * size)
+        aside = np.sqrt(upper**2 - part**2) / np.sqrt((back * back).sum())
+        rest[ELBOW + k] = rest[SHOULDER + k] + part * along + aside * back
+        rest[HAND + k] = rest[SHOULDER + k] + size * along
+    return rest
 
 
 def _measure(person: np.record, who: Proportions) -> None:

@@ -10,7 +10,7 @@ from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
-from pipeline.simulation.characters.projecting import finish, hold, project
+from pipeline.simulation.characters.projecting import are_held, finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
 from pipeline.simulation.characters.touching import are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
@@ -19,6 +19,9 @@ from pipeline.simulation.dynamics.grid import Grid
 
 ROUNDS = 2
 """Times that links and touches are gone through in a sub-step, before links have the last word."""
+
+MORE, DEEP = 4, 0.003
+"""Times that those are gone through again in whom, or who, lies something so deep [m]."""
 
 PAIN_ENDS = 0.5
 """How fast pain decays [1/s]."""
@@ -77,23 +80,37 @@ def _sub_step(
     enclose(nodes, owners)
     near = room.near[: find_near(owners, room.order, room.near)]
     wake_near(nodes, owners, near)
+    _choose(owners, False)
     pairs = room.pairs[: find_pairs(nodes, links, owners, own, near, room.pairs)]
-    for _ in range(ROUNDS):
+    for n in range(ROUNDS + MORE):
+        if n > 0:
+            _choose(owners, n >= ROUNDS)
         for c in range(len(owners)):
-            if not owners[c].asleep:
+            if owners[c].busy:
                 project(nodes, links, middles, limbs, owners[c])
         hold(nodes, grips)
-        for n in range(len(pairs)):
-            a, b = pairs[n, 0], pairs[n, 1]
-            if are_near(nodes, links[a], links[b]):
-                meet(nodes, links, owners, (a, b), h, moment, log)
+        for k in range(len(pairs)):
+            a, b = links[pairs[k, 0]], links[pairs[k, 1]]
+            if not (owners[a.owner].busy or owners[b.owner].busy) or are_held(nodes, a, b):
+                continue
+            if are_near(nodes, a, b):
+                meet(nodes, links, owners, (pairs[k, 0], pairs[k, 1]), h, moment, log)
         _meet_boxes(nodes, links, owners, near, h, moment, log)
         for c in range(len(owners)):
-            if not owners[c].asleep:
+            if owners[c].busy:
                 stand(nodes, links, owners[c], grid, level, h, moment, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish(nodes, links, middles, limbs, owners[c])
+
+
+@compiled
+def _choose(owners: Records, again: bool) -> None:
+    """Choose who is gone through: who is awake; or again, in whom something lies deep."""
+    for c in range(len(owners)):
+        owner = owners[c]
+        owner.busy = not owner.asleep and (not again or owner.deep > DEEP)
+        owner.deep = 0.0
 
 
 @compiled
@@ -108,7 +125,7 @@ def _meet_boxes(
 ) -> None:
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
-        if one.asleep and other.asleep:
+        if not one.busy and not other.busy:
             continue
         if one.edge > 0.0 and other.edge > 0.0:
             part(nodes, one, other, h)

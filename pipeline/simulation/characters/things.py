@@ -73,6 +73,8 @@ def merry_go_round(radius: float, mass: float) -> Plan:
     it stiff: from the tops of posts to the top of the axis, and from there down to the rim's
     next node.
 
+    So many links leave seven ways to bend: what the rim lies on has to hold it level.
+
     Source: Horswill 2008, "Geometric and kinematic modeling", which counts them.
     """
     deck, top = 0.22 * radius / 1.3, 0.95 * radius / 1.3
@@ -103,6 +105,7 @@ def merry_go_round(radius: float, mass: float) -> Plan:
         links=(*(Link(bar, girth) for bar in bars), *(Link(brace) for brace in braces)),
         air=0.12,
         friction=0.5,
+        gliding=tuple(rim),
     )
 
 

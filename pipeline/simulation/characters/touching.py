@@ -30,7 +30,7 @@ from pipeline.simulation.dynamics.vectors import (
     triple,
 )
 
-PARTING = 0.6
+PARTING = 0.4
 """Speed at which what was in one another parts [m/s]."""
 
 LEAST_BOUNCE = 0.25
@@ -113,6 +113,7 @@ def meet(
         sense(a, pair[1], b.owner, energy)
         sense(b, pair[0], a.owner, energy)
     depth = reach - apart
+    one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
     stopped = min(depth, max(nearer, 0.0))
     parted = min(depth - stopped, PARTING * h)
     move = plus(times(stopped, n), rubbed(slip, n, 0.5 * (one.friction + other.friction) * stopped))

@@ -1,0 +1,69 @@
+"""What characters are made of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters.layout import crowd_of
+from pipeline.simulation.characters.person import LINK_NAMES, person
+from pipeline.simulation.characters.things import merry_go_round
+from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
+
+from .yards import attitude, least_bend, yard_of
+
+
+@pytest.mark.parametrize("who", [ADULT, CHILD])
+def test_a_person_is_sixteen_nodes_and_thirteen_links(who: Proportions) -> None:
+    plan = person(who)
+    assert len(plan.rest) == len(JOINTS) == 16
+    touched = [link for link in plan.links if link.girth > 0.0]
+    # And a skull, which is a ball about a node.
+    assert len([link for link in touched if link.ends[0] != link.ends[1]]) == len(SEGMENTS) == 13
+    assert [name for name in LINK_NAMES if name not in SEGMENTS] == ["skull"]
+    assert plan.mass.sum() == pytest.approx(who.mass, rel=1e-9)
+
+
+def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
+    plan = merry_go_round(1.3, 90.0)
+    assert len(plan.rest) == 18
+    assert len(plan.links) == 41
+    assert len([link for link in plan.links if link.girth > 0.0]) == 25
+
+
+@pytest.mark.parametrize("who", [ADULT, CHILD])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    plan = person(who)
+    turn = attitude(chance)
+    rest = plan.rest.copy()
+    # Knees back and elbows forward by a hand's breadth: the wrong way round.
+    for name, way in (("knee", -0.1), ("elbow", 0.1)):
+        for side in "lr":
+            rest[JOINTS.index(f"{name}_{side}"), 0] += way
+    yard = yard_of([plan], [rest @ turn.T + [0.0, 20.0, 0.0]], gravity=0.0)
+    assert least_bend(yard.crowd.nodes, yard.crowd.limbs) < np.radians(-5.0)
+    yard.step()
+    assert least_bend(yard.crowd.nodes, yard.crowd.limbs) > np.radians(-0.1)
+    # Against the trunk's own axes, whatever they are now: the knee lies before hip and foot.
+    p = {name: yard.crowd.p[k] for k, name in enumerate(JOINTS)}
+    forward = np.cross(p["spine"] - p["pelvis"], p["hip_r"] - p["hip_l"])
+    for side in "lr":
+        hip, knee, foot = (p[f"{name}_{side}"] for name in ("hip", "knee", "foot"))
+        along = (foot - hip) / np.linalg.norm(foot - hip)
+        aside = (knee - hip) - ((knee - hip) @ along) * along
+        assert aside @ forward > -1e-9
+
+
+def test_numbers_count_from_each_ones_first() -> None:
+    plans = [person(CHILD), merry_go_round(1.3, 90.0), person(ADULT)]
+    crowd = crowd_of(plans, [plan.rest for plan in plans])
+    for k, owner in enumerate(crowd.owners):
+        first, count = owner.links
+        links = crowd.links[first : first + count]
+        assert (links.owner == k).all()
+        assert (crowd.nodes.owner[links.ends] == k).all()
+        first, count = owner.pairs
+        assert (crowd.links.owner[crowd.pairs[first : first + count]] == k).all()
+    assert (crowd.links.owner[crowd.nodes.link] == crowd.nodes.owner).all()

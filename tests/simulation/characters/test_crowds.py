@@ -1,0 +1,75 @@
+"""Whatever is thrown together stays whole, comes to rest, and lies beside one another."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from .yards import DT, depth, least_bend, lengths_off, random_crowd
+
+FEW, SOME, ALL = range(8), range(8, 100), range(100, 1000)
+LONGEST = 40.0
+"""In which all lie still: balls roll for long [s]."""
+
+
+def holds(seed: int) -> None:
+    yard, chance = random_crowd(seed), np.random.default_rng(seed + 10**6)
+    crowd, off, reversed_by = yard.crowd, 0.0, 0.0
+    for step in range(round(LONGEST / DT)):
+        if step in (60, 120):
+            # Pushed at 20 m/s, any one node in any direction.
+            node, way = int(chance.integers(len(crowd.nodes))), chance.normal(size=3)
+            before = crowd.p[node] - yard.h * 20.0 * way / np.linalg.norm(way)
+            crowd.nodes["before"][node] = before
+        yard.step()
+        off = max(off, lengths_off(crowd))
+        if len(crowd.limbs):
+            reversed_by = max(reversed_by, -least_bend(crowd.nodes, crowd.limbs))
+        if step > 150 and crowd.owners["asleep"].all():
+            break
+    assert np.isfinite(crowd.p).all()
+    assert off < 0.05
+    assert math.degrees(reversed_by) < 2.0
+    assert crowd.owners["asleep"].all()
+    # At rest.
+    before = crowd.p.copy()
+    yard.step()
+    assert np.abs(crowd.p - before).max() / DT < 1e-3
+    assert lengths_off(crowd) < 0.005
+    assert depth(crowd.nodes, crowd.links) < 0.005
+    assert (crowd.nodes["radius"] - crowd.p[:, 1]).max() < 0.005
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_nothing_explodes(seed: int) -> None:
+    holds(seed)
+
+
+@pytest.mark.slow
+def test_nothing_explodes_a_hundred_times() -> None:
+    for seed in SOME:
+        holds(seed)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("tenth", range(9))
+def test_nothing_explodes_a_thousand_times(tenth: int) -> None:
+    for seed in ALL[100 * tenth : 100 * (tenth + 1)]:
+        holds(seed)
+
+
+def test_the_same_crowd_moves_the_same_to_the_last_bit_alone_or_beside_others() -> None:
+    from pipeline.simulation.characters.layout import crowd_of
+
+    from .yards import PLANS, Yard
+
+    plans = PLANS[:5]
+    places = [plan.rest + [0.4 * k, 0.3 * k, 0.2] for k, plan in enumerate(plans)]
+    far = [plan.rest + [25.0, 0.5, 1.5 * k] for k, plan in enumerate(plans)]
+    alone = Yard(crowd_of(plans, places))
+    beside = Yard(crowd_of([*plans, *plans], [*places, *far]))
+    for yard in (alone, beside):
+        yard.step(150)
+    np.testing.assert_array_equal(alone.crowd.p, beside.crowd.p[: len(alone.crowd.p)])

@@ -1,0 +1,178 @@
+"""How people walk: feet that stay where they stand, knees, elbows, strides as people have."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters.strides import duty, stride_rate
+from pipeline.simulation.dynamics.compiled import entry
+from pipeline.simulation.people.proportions import ADULT, CHILD
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import build_ground
+from pipeline.spec import read_scene
+
+from .acting import STEPS, Play, spells, walk, walk_words
+from .yards import least_bend
+
+WHO = {"adult": ADULT, "child": CHILD}
+
+WALKS = [
+    ("adult", 1.35, "flat"),
+    pytest.param("adult", 0.6, "flat", marks=pytest.mark.slow),
+    pytest.param("adult", 1.8, "flat", marks=pytest.mark.slow),
+    pytest.param("adult", 3.2, "flat", marks=pytest.mark.slow),
+    pytest.param("child", 1.0, "flat", marks=pytest.mark.slow),
+    pytest.param("child", 2.2, "flat", marks=pytest.mark.nightly),
+    pytest.param("adult", 1.2, "{preset: hills, height: 0.6}", marks=pytest.mark.slow),
+    pytest.param("child", 0.9, "{preset: hills, height: 0.6}", marks=pytest.mark.nightly),
+]
+
+
+@entry
+def strides_at(speed: float, leg: float) -> tuple[float, float]:
+    """Return the rate of strides, and the part of one for which a foot stands."""
+    return stride_rate(speed, leg), duty(speed, leg)
+
+
+ON_GROUND = 0.006
+"""Height up to which a place on a sole stands [m]."""
+
+
+def soles(play: Play, kind: str, side: str) -> list[Array]:
+    """Return the places of heel and ball (K, 3) as they are seen [m]."""
+    who = WHO[kind]
+    R, p = play.frames[f"a.foot_{side}"]
+    length, ankle = who.foot * who.height, who.ankle * who.height
+    return [p + R @ [x * length, -ankle, 0.0] for x in (-0.24, 0.48)]
+
+
+@pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
+def test_what_stands_of_a_sole_slips_less_than_two_centimetres(
+    kind: str, speed: float, terrain: str
+) -> None:
+    play = walk(kind, speed, terrain)
+    scene = read_scene("pronk: 1\n" + walk_words(kind, speed, terrain))
+    ground = build_ground(scene.terrain, scene.seed)
+    stands = 0
+    for side in "lr":
+        for place in soles(play, kind, side):
+            above = place[:, 1] - ground.height(place[:, 0], place[:, 2])
+            assert above.min() > -0.02
+            for first, last in spells(above < ON_GROUND):
+                stood = place[first : last + 1]
+                stands += last - first > 10
+                slips = np.hypot(stood[:, 0] - stood[0, 0], stood[:, 2] - stood[0, 2])
+                assert slips.max() < 0.02
+    assert stands >= 6
+
+
+@pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
+def test_knees_bend_forward_and_elbows_back(kind: str, speed: float, terrain: str) -> None:
+    play = walk(kind, speed, terrain)
+    for side in "lr":
+        hip, knee, foot = (play.joint("a", f"{n}_{side}") for n in ("hip", "knee", "foot"))
+        along = foot - hip
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        off = knee - hip
+        off = off - (off * along).sum(axis=1)[:, None] * along
+        heading = play.records["heading"][:, 0]
+        ahead = np.stack([np.cos(heading), 0 * heading, -np.sin(heading)], axis=1)
+        # Ahead of the line from hip to foot, or on it.
+        up = np.cross(np.stack([np.sin(heading), 0 * heading, np.cos(heading)], axis=1), along)
+        assert ((off * up).sum(axis=1) > -1e-3).all()
+        assert ((off * ahead).sum(axis=1) > -0.02).all()
+
+
+def test_no_joint_is_ever_reversed() -> None:
+    from .acting import play_scene
+
+    seen = []
+    play_scene(
+        walk_words("adult", 1.35),
+        lambda troupe, _: seen.append(least_bend(troupe.crowd.nodes, troupe.crowd.limbs)),
+    )
+    assert min(seen) > -math.radians(2.0)
+
+
+@pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
+def test_elbows_swing_and_do_not_wiggle(kind: str, speed: float, terrain: str) -> None:
+    """A human elbow goes through about 30 degrees and back once a stride.
+
+    At 15 degrees to both sides and the rate f of strides its jerk is at most 15° (2π f)³; the
+    bound is eight times that, for swings are no pure sines: a wiggle of two degrees at 8 Hz has
+    more than ten times as much.
+    """
+    play = walk(kind, speed, terrain)
+    who = WHO[kind]
+    rate = strides_at(speed, who.hip * who.height)[0]
+    bound = 8.0 * math.radians(15.0) * (2.0 * math.pi * rate) ** 3
+    for side in "lr":
+        upper = play.joint("a", f"elbow_{side}") - play.joint("a", f"shoulder_{side}")
+        lower = play.joint("a", f"hand_{side}") - play.joint("a", f"elbow_{side}")
+        across = np.linalg.norm(np.cross(upper, lower), axis=1)
+        angle = np.arctan2(across, (upper * lower).sum(axis=1))
+        # Differences over a sixteenth of a second: what is quicker than that nobody sees.
+        every = angle[:: STEPS // 32]
+        jerk = np.abs(np.diff(every, 3)) * 32.0**3
+        assert jerk.max() < bound
+        assert np.ptp(angle[STEPS:-STEPS]) > math.radians(4.0)
+
+
+def test_steps_come_as_often_as_people_take_them() -> None:
+    # 115 steps a minute at 1.4 m/s; children of six take 140 at 1.0 m/s.
+    assert 120.0 * strides_at(1.4, ADULT.hip * ADULT.height)[0] == pytest.approx(115.0, abs=2.0)
+    assert 120.0 * strides_at(1.0, CHILD.hip * CHILD.height)[0] == pytest.approx(140.0, abs=5.0)
+    play = walk("adult", 1.35)
+    falls = [(c.step + c.fraction) / STEPS for c in play.contacts if c.kind == "touch"]
+    middle = np.diff(falls[2:-3])
+    expected = 1.0 / (2.0 * strides_at(1.35, ADULT.hip * ADULT.height)[0])
+    np.testing.assert_allclose(middle, expected, rtol=0.06)
+
+
+@pytest.mark.parametrize(("speed", "flies"), [(1.35, False), (3.2, True)])
+@pytest.mark.slow
+def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None:
+    play = walk("adult", speed)
+    doing = play.records["doing"][:, 0]
+    going = np.hypot(*play.records["going"][:, 0].T) > 0.95 * speed
+    assert going.sum() > 20
+    assert bool((doing[going] == 1).all(axis=1).any()) == flies
+    assert (strides_at(speed, ADULT.hip * ADULT.height)[1] < 0.5) == flies
+
+
+def test_arms_go_against_legs_and_the_pelvis_bobs_a_little() -> None:
+    play = walk("adult", 1.35)
+    going = np.hypot(*play.records["going"][:, 0].T) > 1.25
+    for arm, leg in (("l", "r"), ("r", "l")):
+        pelvis = play.joint("a", "pelvis")[going, 0]
+        hand = play.joint("a", f"hand_{arm}")[going, 0] - pelvis
+        foot = play.joint("a", f"foot_{leg}")[going, 0] - pelvis
+        assert np.corrcoef(hand, foot)[0, 1] > 0.7
+    height = play.joint("a", "pelvis")[going, 1]
+    assert 0.015 < np.ptp(height) < 0.07
+
+
+def test_who_arrives_stands_there_with_both_feet_side_by_side() -> None:
+    play = walk("adult", 1.35)
+    assert len(play.when("a")) == 1
+    end = play.p[-1]
+    feet = np.array([play.joint("a", f"foot_{side}")[-1] for side in "lr"])
+    assert np.hypot(*(end[0] - [2.0, 0.0, 0.3])[[0, 2]]) < 0.12
+    assert abs(feet[0, 0] - feet[1, 0]) < 0.06
+    assert 0.12 < feet[1, 2] - feet[0, 2] < 0.26
+    speed = np.abs(play.joint("a", "pelvis")[-1] - play.joint("a", "pelvis")[-12]) * 8.0
+    assert speed.max() < 0.01
+
+
+def test_footfalls_are_contacts_with_the_ground() -> None:
+    play = walk("adult", 1.35)
+    falls = [c for c in play.contacts if c.kind == "touch"]
+    assert {c.part for c in falls} == {"a.foot_l", "a.foot_r"}
+    assert {c.other for c in falls} == {"terrain"}
+    sides = [c.part[-1] for c in falls]
+    assert all(a != b for a, b in zip(sides[:-2], sides[1:-1], strict=True))
+    assert all(abs(c.place[1]) < 1e-6 and 0.05 < c.speed < 2.0 and c.energy > 0.0 for c in falls)
+    assert not [c for c in play.contacts if c.other == "terrain" and c.kind != "touch"]

@@ -1,0 +1,135 @@
+"""Touches: what meets, what it feels, and what it does not do."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters.layout import NOBODY, TERRAIN
+from pipeline.simulation.characters.person import LINK_NAMES, person
+from pipeline.simulation.characters.stepping import PAIN_ENDS
+from pipeline.simulation.characters.things import ball, box, merry_go_round
+from pipeline.simulation.people.proportions import ADULT, CHILD
+
+from .yards import DT, depth, lengths_off, yard_of
+
+
+def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
+    plans = [person(CHILD), ball(0.1, 0.4)._replace(air=0.0)]
+    shin = plans[0].rest[[12, 14]].mean(axis=0)
+    yard = yard_of(plans, [plans[0].rest, np.array([shin + [0.35, 0.0, 0.0]])], gravity=0.0)
+    v = np.zeros_like(yard.crowd.p)
+    v[16, 0] = -6.0
+    yard.throw(v)
+    links = yard.crowd.links
+    while not yard.log.count[0]:
+        yard.step()
+    event = yard.log.events[0]
+    struck, other = LINK_NAMES.index("shin_l"), len(plans[0].links)
+    assert (event.link, event.other) == (struck, other)
+    assert links.touched[struck] == other
+    assert links.touched_owner[struck] == 1
+    # Half of the reduced mass times the square of the speed along the normal.
+    lighter = 1.0 / (plans[0].mass[12] + plans[0].mass[14]) + 1.0 / 0.4
+    speed = -np.dot(event.normal, [6.0, 0.0, 0.0])
+    assert abs(speed) == pytest.approx(6.0, rel=0.02)
+    assert links.energy[struck] == pytest.approx(0.5 * speed**2 / lighter, rel=0.02)
+    yard.step(60)
+    assert links.touched[struck] == NOBODY
+
+
+def test_what_hurts_is_forgotten_at_a_rate() -> None:
+    plan = person(CHILD)
+    yard = yard_of([plan], [plan.rest + [0.0, 20.0, 0.0]], gravity=0.0)
+    yard.crowd.owners["pain"][0] = 2.0
+    yard.step(96)
+    assert yard.crowd.owners["pain"][0] == pytest.approx(2.0 * math.exp(-PAIN_ENDS), rel=1e-9)
+
+
+def test_a_fall_hurts_and_lying_does_not() -> None:
+    plan = person(ADULT)
+    yard = yard_of([plan], [plan.rest + [0.0, 2.0, 0.0]])
+    yard.step(96)
+    fallen = float(yard.crowd.owners["pain"][0])
+    assert fallen > 0.2
+    assert (yard.crowd.links.touched == TERRAIN).any()
+    yard.step(600)
+    assert yard.crowd.owners["pain"][0] < 0.2 * fallen
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.02, 0.15])
+def test_who_begins_in_somebody_is_not_shot_off(apart: float) -> None:
+    plan = person(ADULT)
+    up = np.array([0.0, 20.0, 0.0])
+    places = [plan.rest + up, plan.rest + up + [apart, 0.0, 0.01]]
+    yard = yard_of([plan, plan], places, gravity=0.0)
+    fastest = 0.0
+    for _ in range(150):
+        before = yard.crowd.p.copy()
+        yard.step()
+        fastest = max(fastest, float(np.abs(yard.crowd.p - before).max()) / DT)
+    assert depth(yard.crowd.nodes, yard.crowd.links) < 0.005
+    assert fastest < 4.0
+
+
+def test_a_ball_lies_on_a_box_and_a_person_on_a_bench() -> None:
+    crate, seat = box((0.5, 0.5, 0.5), 9.0), box((0.42, 0.42, 1.5), 26.0)
+    plans = [crate, ball(0.1, 0.4), seat, person(CHILD)]
+    lying = plans[3].rest[:, [2, 0, 1]] - [0.0, 0.0, 0.5]
+    places = [
+        crate.rest,
+        np.array([[0.0, 0.62, 0.0]]),
+        seat.rest + [3.0, 0.0, 0.0],
+        lying + [3.0, 0.65, 0.0],
+    ]
+    yard = yard_of(plans, places)
+    yard.step(300)
+    p, first = yard.crowd.p, 8 + 1 + 8
+    assert p[8, 1] == pytest.approx(0.6, abs=0.005)
+    assert p[first, 1] > 0.42
+    assert lengths_off(yard.crowd) < 0.005
+
+
+def test_links_beside_the_ground_and_far_from_it() -> None:
+    """A ragdoll on stairs: neither nodes nor links lie deep in them."""
+    from pipeline.simulation.characters.making import RAGDOLL
+    from pipeline.simulation.dynamics.grid import grid_of
+    from pipeline.simulation.terrain.heightfield import HeightField
+
+    x = np.linspace(-4.0, 4.0, 161)
+    heights = np.tile(0.16 * np.floor(-x / 0.3 + 1e-9), (9, 1))
+    field = HeightField(heights, (8.0, 8.0))
+    plan = person(RAGDOLL)
+    yard = yard_of([plan], [plan.rest + [-2.0, 1.6, 0.0]], grid=grid_of(field), level=False)
+    v = np.zeros_like(yard.crowd.p)
+    v[:, 0] = 5.0
+    yard.throw(v)
+    yard.step(700)
+    crowd = yard.crowd
+    assert np.isfinite(crowd.p).all()
+    assert crowd.p[0, 0] > -1.2
+    gap = crowd.p[:, 1] - field.height(crowd.p[:, 0], crowd.p[:, 2])
+    # A node's middle is never below the surface.
+    assert gap.min() > 0.0
+    assert lengths_off(crowd) < 0.005
+
+
+def test_a_merry_go_round_turns_when_it_is_pushed_and_stays_where_it_is() -> None:
+    plan = merry_go_round(1.3, 90.0)
+    yard = yard_of([plan], [plan.rest])
+    nodes = yard.crowd.nodes
+    post = 2 + 8
+    for _ in range(48):
+        # A push along the rim.
+        across = np.cross([0.0, 1.0, 0.0], yard.crowd.p[post])
+        nodes["acceleration"][post] = 60.0 * across / np.linalg.norm(across)
+        yard.step()
+    v = yard.velocities[2:]
+    rate = np.cross(yard.crowd.p[2:], v)[:, 1] / (yard.crowd.p[2:, [0, 2]] ** 2).sum(axis=1)
+    assert rate.mean() > 0.1
+    assert rate.std() < 0.1 * rate.mean()
+    np.testing.assert_array_equal(yard.crowd.p[:2], plan.rest[:2])
+    assert np.abs(yard.crowd.p[2:10, 1] - plan.rest[2:10, 1]).max() < 0.005
+    assert lengths_off(yard.crowd) < 0.005

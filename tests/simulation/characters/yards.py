@@ -1,0 +1,145 @@
+"""Yards: characters without a scene, and what is measured of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pipeline.simulation.characters.events import Log, new_log
+from pipeline.simulation.characters.layout import Crowd, Plan, crowd_of
+from pipeline.simulation.characters.limbs import bend
+from pipeline.simulation.characters.making import RAGDOLL
+from pipeline.simulation.characters.neighbours import Room, room_for
+from pipeline.simulation.characters.person import person
+from pipeline.simulation.characters.record import PERSON
+from pipeline.simulation.characters.segments import closest
+from pipeline.simulation.characters.stepping import advance
+from pipeline.simulation.characters.things import ball, box
+from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.grid import Grid, grid_of
+from pipeline.simulation.dynamics.records import zeros
+from pipeline.simulation.people.proportions import ADULT, CHILD
+from pipeline.simulation.spatial import Array, matrix
+from pipeline.simulation.terrain.heightfield import HeightField
+
+DT, COUNT = 1.0 / 96.0, 3
+FLAT = grid_of(HeightField(np.zeros((3, 3)), (60.0, 60.0)))
+
+
+@dataclass
+class Yard:
+    """Characters and where they are."""
+
+    crowd: Crowd
+    grid: Grid = FLAT
+    level: bool = True
+    gravity: float = 9.81
+    dt: float = DT
+    count: int = COUNT
+    room: Room = field(init=False)
+    log: Log = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.room, self.log = room_for(self.crowd), new_log()
+
+    @property
+    def h(self) -> float:
+        return self.dt / self.count
+
+    @property
+    def velocities(self) -> Array:
+        result: Array = (self.crowd.p - self.crowd.before) / self.h
+        return result
+
+    def throw(self, v: Array) -> None:
+        """Give nodes (N, 3) velocities [m/s]."""
+        self.crowd.nodes["before"] = self.crowd.p - self.h * v
+
+    def step(self, steps: int = 1) -> None:
+        for _ in range(steps):
+            advance(
+                *(self.crowd, zeros(0, PERSON), self.grid, self.level, self.room, self.log),
+                *(self.gravity, self.dt, self.count),
+            )
+
+
+def attitude(chance: np.random.Generator) -> Array:
+    """Return any rotation, all alike."""
+    q = chance.normal(size=4)
+    return matrix(q / np.linalg.norm(q))
+
+
+def yard_of(plans: Sequence[Plan], places: Sequence[Array], **words: object) -> Yard:
+    return Yard(crowd_of(plans, places), **words)  # type: ignore[arg-type]
+
+
+def free(plan: Plan) -> Plan:
+    """Return a person without damping and limits."""
+    links = tuple(k._replace(damping=0.0) for k in plan.links if k.least is None)
+    return plan._replace(links=links, limbs=plan.limbs[:0], pairs=(), air=0.0)
+
+
+PLANS = (
+    *(person(who) for who in (ADULT, CHILD, RAGDOLL)),
+    ball(0.12, 0.4),
+    box((0.5, 0.5, 0.5), 9.0),
+    box((0.42, 0.42, 1.5), 26.0),
+)
+
+
+def random_crowd(seed: int) -> Yard:
+    """Return two to six of whatever there is, in one another, thrown and turning."""
+    chance = np.random.default_rng(seed)
+    plans = [PLANS[int(chance.integers(len(PLANS)))] for _ in range(int(chance.integers(2, 7)))]
+    places, velocities = [], []
+    for plan in plans:
+        p = plan.rest @ attitude(chance).T
+        p -= p.mean(axis=0)
+        way = chance.normal(size=3)
+        v = way * chance.uniform(0.0, 20.0) / np.linalg.norm(way)
+        velocities.append(v + np.cross(chance.normal(size=3) * chance.uniform(0.0, 6.0), p))
+        places.append(p + chance.uniform([-0.8, 0.9, -0.8], [0.8, 2.2, 0.8]))
+    yard = yard_of(plans, places)
+    yard.throw(np.concatenate(velocities))
+    return yard
+
+
+def lengths_off(crowd: Crowd) -> float:
+    """Return how much the worst rigid link is off, as a part of its length."""
+    least, most = crowd.links["reach"].T
+    rigid = (least == most) & (least > 0.0)
+    apart = crowd.p[crowd.ends[:, 0]] - crowd.p[crowd.ends[:, 1]]
+    return float(np.abs(np.linalg.norm(apart, axis=1)[rigid] / least[rigid] - 1.0).max(initial=0.0))
+
+
+@entry
+def least_bend(nodes: Records, limbs: Records) -> float:
+    """Return the least bend of all joints, negative where one points where it may not [rad]."""
+    least = 9.0
+    for n in range(len(limbs)):
+        least = min(least, bend(nodes, limbs[n]))
+    return least
+
+
+@entry
+def depth(nodes: Records, links: Records) -> float:
+    """Return how deep links of different characters are in one another at most [m]."""
+    deepest = 0.0
+    for a in range(len(links)):
+        for b in range(a + 1, len(links)):
+            one, other = links[a], links[b]
+            if one.girth == 0.0 or other.girth == 0.0 or one.owner == other.owner:
+                continue
+            p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
+            r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
+            u = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
+            v = (s[0] - r[0], s[1] - r[1], s[2] - r[2])
+            t, w = closest((p[0], p[1], p[2]), u, (r[0], r[1], r[2]), v)
+            squared = 0.0
+            for k in range(3):
+                squared += (p[k] + t * u[k] - r[k] - w * v[k]) ** 2
+            deepest = max(deepest, one.girth + other.girth - math.sqrt(squared))
+    return deepest

@@ -59,6 +59,11 @@ class Script:
             else:
                 _at(self._timed, clock.step_from(one.at), one)
 
+    @property
+    def due_from_outside(self) -> int:
+        """Number of instructions from outside that are not given yet."""
+        return sum(map(len, self._outside.values())) + len(self._waiting_outside)
+
     def tell(self, instruction: Instruction, step: int) -> None:
         """Take in an instruction from outside, before `step` is taken."""
         if instruction.at is None:

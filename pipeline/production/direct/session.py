@@ -42,7 +42,6 @@ class Session:
         self._answers = Answers(scene, self.simulation)
         self._events: frozenset[str] = frozenset()
         self._who: frozenset[str] = frozenset()
-        self._commands = 0
         self._broken: PronkError | None = None
 
     @property
@@ -74,7 +73,9 @@ class Session:
         self._refuse_after_end()
         clock, step = self.simulation.world.clock, self.simulation.step_number
         instruction = instruction_of(params, self.scene, float(clock.time_of(step)))
-        if len(self.scene.script) + self._commands >= MOST_INSTRUCTIONS:
+        script = self.simulation.script
+        given = len(self.scene.script) + len(script.told) + script.due_from_outside
+        if given >= MOST_INSTRUCTIONS:
             text = f"a scene holds at most {MOST_INSTRUCTIONS} instructions"
             raise SceneError([Problem("", text)])
         try:
@@ -84,7 +85,6 @@ class Session:
             raise SceneError(
                 [Problem(one.path.removeprefix(f"{COMMAND}."), one.message) for one in problems]
             ) from None
-        self._commands += 1
         return self._answers.time()
 
     def query(self, params: Params) -> object:

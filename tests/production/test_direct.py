@@ -96,7 +96,11 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         ({"who": "bug", "do": {"gait": "canter"}}, "do.gait", "take trot, wave, tripod or ripple"),
         ({"who": "bug", "do": {"hop_over": "bug"}}, "do.hop_over", "cannot jump over itself"),
         ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can be told"),
-        ({"who": "roo", "do": {"jump": {"speed": 1, "height": 3}}}, "do.jump.speed", "take speed: "),
+        (
+            {"who": "roo", "do": {"jump": {"speed": 1, "height": 3}}},
+            "do.jump.speed",
+            "take speed: ",
+        ),
         ({"who": "box", "do": "stop"}, "who", "is a prop, which no script moves"),
         ({"who": "bug", "do": "stop", "at": 0.01}, "at", "is over: the scene is at 0.02083 s"),
         ({"who": "bug", "do": "stop", "at": 2.0}, "at", "never comes: the scene ends at 2 s"),

@@ -93,7 +93,7 @@ def test_who_vanishes_in_the_middle_leaves_a_finished_take(reset: bool, tmp_path
 
     kept = _directed(door_of(None, 0, LOOPBACK), tmp_path, client)
     _whole(kept)
-    assert reset or [told.text for told in read_take(kept.take).told][0] == "turn_deg 90"
+    assert reset or read_take(kept.take).told[0].text == "turn_deg 90"
 
 
 def test_browsers_are_turned_away(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ somebody has come in: a scene has one director.
 from __future__ import annotations
 
 import contextlib
+import io
 import ipaddress
 import os
 import re
@@ -16,7 +17,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import BinaryIO
 
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.direct.wire import Wire
@@ -54,7 +55,10 @@ def standard(say: Say) -> Iterator[Wire]:
     out = os.dup(1)
     os.dup2(2, 1)
     try:
-        with open(0, "rb", closefd=False) as reader, open(out, "wb", closefd=False) as writer:
+        with (
+            _closed(open(0, "rb", closefd=False)) as reader,
+            _closed(open(out, "wb", closefd=False)) as writer,
+        ):
             yield Wire(reader, writer)
     finally:
         sys.stdout.flush()
@@ -140,29 +144,26 @@ def _entered(listener: socket.socket) -> Iterator[Wire]:
         reader.close()
         connection.close()
     listener.close()
-    with connection, reader, connection.makefile("wb") as writer:
-        try:
-            yield Wire(reader, writer)
-        finally:
-            # What is not sent yet is for somebody who has gone.
-            with contextlib.suppress(OSError):
-                connection.shutdown(socket.SHUT_RDWR)
+    with connection, _closed(reader), _closed(connection.makefile("wb")) as writer:
+        yield Wire(reader, writer)
 
 
-def _peeked(reader: object) -> bytes:
+@contextmanager
+def _closed(stream: BinaryIO) -> Iterator[BinaryIO]:
+    """Close a stream in the end; what is not sent yet is for somebody who has gone."""
+    try:
+        yield stream
+    finally:
+        with contextlib.suppress(OSError):
+            stream.close()
+
+
+def _peeked(reader: io.BufferedReader) -> bytes:
     """Return the beginning of what comes first, which stays there to be read."""
     try:
-        return bytes(cast("PeekingReader", reader).peek(64)[:64])
+        return reader.peek(64)[:64]
     except OSError:
         return b""
-
-
-class PeekingReader(BinaryIO):
-    """What sockets' files can do beside others."""
-
-    def peek(self, size: int) -> bytes:
-        """Return what is there, and leave it there."""
-        raise NotImplementedError
 
 
 def _refuse_taken(path: Path) -> None:

@@ -10,6 +10,7 @@ from pipeline.production.direct.news import Item
 from pipeline.production.direct.protocol import Protocol, notification
 from pipeline.production.direct.session import Session
 from pipeline.production.direct.wire import Gone, Wire
+from pipeline.production.interrupts import answered
 from pipeline.simulation.casting import makes_machine_code
 from pipeline.spec import Scene
 
@@ -34,6 +35,7 @@ def direct(scene: Scene, place: Place, door: Door) -> Kept:
         with door(place.reporter.note) as wire:
             serve(session, wire)
     except KeyboardInterrupt:
+        answered()
         place.reporter.note("stopped; the scene goes to its end, unless it is stopped again")
     if session.kept is None:
         return session.finish()

@@ -420,6 +420,23 @@ def plot_gait(
     reporter.result(f"{svg}, {png}")
 
 
+@plots.command("mind")
+def plot_mind(
+    scene: SceneName,
+    out: Out = Path("out"),
+    sets: Sets = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Draw anxiety, distance, focus and behaviour of all who have a mind."""
+    from pipeline.production import mind_plot
+
+    reporter = _flags(json_lines, quiet, verbose)
+    svg, png = mind_plot.plot_mind(_order(scene, sets, out), reporter)
+    reporter.result(f"{svg}, {png}")
+
+
 @app.command()
 def effort(
     scene: SceneName,

@@ -15,6 +15,9 @@ import shlex
 import subprocess
 import sys
 
+PATIENCE = 8.0
+"""How long a visit may take [s]."""
+
 
 class Stage:
     """The other end: a scene that is directed.
@@ -78,7 +81,7 @@ class Manager:
             others = [name for name in self.cast if name != visitor]
             visited = min(others, key=lambda name: (self._visited[name], self._last[name], name))
             hugs = self._send(visitor, visited)
-            found = self.stage.ask("step", event=["arrived"], who=[visitor], until=time + 4.0)
+            found = self.stage.ask("step", event=["arrived"], who=[visitor], until=time + PATIENCE)
             time, finished = found["time"], found["finished"]
             self._last[visitor] = time
             self._visited[visited] += 1

@@ -1,6 +1,6 @@
 """The scene language: models, loading, errors with line and column."""
 
-from pipeline.spec.cast import Body, Creature, Group, Many, Member, Prop
+from pipeline.spec.cast import Body, Character, Creature, Group, Many, Member, Prop
 from pipeline.spec.digest import scene_digest, simulation_key
 from pipeline.spec.figure import Figure, Node
 from pipeline.spec.json_schema import figure_schema, schema
@@ -29,6 +29,7 @@ __all__ = [
     "VERSION",
     "Body",
     "BouldersTerrain",
+    "Character",
     "Creature",
     "DitchesTerrain",
     "Figure",

@@ -11,7 +11,7 @@ from pipeline.spec.character import JOINTED, PARTS, PEOPLE
 from pipeline.spec.faults import Fault, Step
 from pipeline.spec.nearest import hint
 
-PEOPLE_ALONE = ("reach", "grab", "let_go", "hug", "grapple", "sit", "stand", "freeze")
+PEOPLE_ALONE = ("reach", "grab", "let_go", "hug", "grapple", "sit", "stand", "freeze", "urge")
 """What only people are told."""
 
 ACTING = ("go_to", "turn_deg", "walk", "stop", "wait", "speed", "look_at", "look", *PEOPLE_ALONE)

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Self, TypeGuard
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
+from pipeline.spec.behaviour import Behaviour, Traits
 from pipeline.spec.body import BodyWords
 from pipeline.spec.character import PEOPLE, Kind
 from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
@@ -315,9 +316,27 @@ class Character(Performer):
         "world [degrees/s].",
     )
 
+    traits: Traits | None = Field(
+        None,
+        description="How a child or an adult is minded; who has traits or behaviours acts by "
+        "itself.",
+    )
+    behaviours: Annotated[tuple[Behaviour, ...], Field(max_length=200)] = Field(
+        (),
+        description="What it does by itself, the most pressing first; who has traits alone plays "
+        "with the nearest ball and is attached to the nearest adult, or hugs children who come.",
+    )
+    slapstick: bool = Field(
+        False, description="Whether it runs into those whom it hugs instead of slowing down."
+    )
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         faults = []
+        for word in ("traits", "behaviours", "slapstick"):
+            if getattr(self, word) and not self.acts:
+                message = f"a {self.character} that holds nothing has no mind; take this away"
+                faults.append(Fault((word,), message, at_key=True))
         if self.parent is not None:
             message = "a character moves by itself; take parent away, or let it be grabbed"
             faults.append(Fault(("parent",), message, at_key=True))
@@ -338,6 +357,11 @@ class Character(Performer):
     def acts(self) -> bool:
         """Whether it holds itself, and does what it is told."""
         return self.character in PEOPLE and not self.limp
+
+    @property
+    def has_mind(self) -> bool:
+        """Whether it acts by itself."""
+        return self.acts and (self.traits is not None or bool(self.behaviours))
 
     @property
     def called(self) -> str:

@@ -18,6 +18,7 @@ from pipeline.spec.cast import called, names_of
 from pipeline.spec.detect import Detect
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
 from pipeline.spec.group import DIRECTED
+from pipeline.spec.minding import faults_of_minds, faults_of_urges
 from pipeline.spec.mood import MOODS
 from pipeline.spec.nearest import hint
 from pipeline.spec.script import FORMS
@@ -50,6 +51,7 @@ def faults_of_references(scene: object) -> list[Fault]:
         _carried,
         _attached,
         _scripted,
+        _minded,
         _hopped,
         _moods,
         _seen,
@@ -177,6 +179,13 @@ def _attached(scene: object) -> Iterator[Fault]:
                 yield Fault(("cast", i, *place), message)
 
 
+def _minded(scene: object) -> Iterator[Fault]:
+    """Find behaviours of characters towards nobody who is fit for them."""
+    names = _names(scene)
+    members = dict(zip(names, (m for _, m in _items(_get(scene, "cast"))), strict=True))
+    yield from faults_of_minds(names, members)
+
+
 def _scripted(scene: object) -> Iterator[Fault]:
     names = _names(scene)
     members = dict(zip(names, (m for _, m in _items(_get(scene, "cast"))), strict=True))
@@ -201,6 +210,7 @@ def _asked(
     if _get(member, "character") is not None:
         if place == ("who",):
             yield from faults_of_acting(member, name, do, (*path, "do"), members)
+            yield from faults_of_urges(member, name, do, (*path, "do"))
         elif (fault := fault_of_thing(member, name, (*path, *place))) is not None:
             yield fault
     elif _get(member, "prop") is not None:

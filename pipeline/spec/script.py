@@ -145,6 +145,15 @@ class SitOn(Words):
     sit: Name = Field(description="On what: a bench or a box.")
 
 
+class SetUrges(Words):
+    """Have more or less of a mind to do something, from now on."""
+
+    urge: dict[Name, Annotated[Number, Field(ge=-2, le=2)]] = Field(
+        description="What is added to the activation of behaviours that it does by itself, by "
+        "their names, such as {play: 0.3}; {} takes all away."
+    )
+
+
 Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go"]
 """Stop here; walk, or hop, straight on; sit down on the ground, stand up; keep quite still until
 something else is told; let go with both hands."""
@@ -166,6 +175,7 @@ FORMS: Mapping[str, type[Words]] = {
     "hug": Hug,
     "grapple": Grapple,
     "sit": SitOn,
+    "urge": SetUrges,
 }
 """What can be done, by the key that says it."""
 
@@ -195,7 +205,8 @@ Do = Annotated[
     | Annotated[LetGo, Tag("LetGo")]
     | Annotated[Hug, Tag("Hug")]
     | Annotated[Grapple, Tag("Grapple")]
-    | Annotated[SitOn, Tag("SitOn")],
+    | Annotated[SitOn, Tag("SitOn")]
+    | Annotated[SetUrges, Tag("SetUrges")],
     Discriminator(_form),
 ]
 
@@ -247,7 +258,7 @@ class Instruction(Words):
     who: Name = Field(description="Who is to do it.")
     do: Do = Field(
         description="stop, walk, hop, or go_to, turn_deg, speed, gait, mood, look_at, look, wait, "
-        "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple."
+        "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple, urge."
     )
 
     @model_validator(mode="after")

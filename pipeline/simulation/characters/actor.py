@@ -74,6 +74,10 @@ class Stage:
         pelvis: Array = nodes[PELVIS] if owner in self.people else nodes.mean(axis=0)
         return pelvis
 
+    def size(self, owner: int) -> float:
+        """Return about how high a character stands [m]."""
+        return float(np.ptp(self.nodes(owner)[:, 1])) * 1.12
+
     def height(self, x: float, z: float) -> float:
         """Return the height of the ground [m]."""
         return float(self.ground.height(np.asarray(x), np.asarray(z)))

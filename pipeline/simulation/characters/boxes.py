@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
 from pipeline.simulation.characters.resting import WAKES, wake
-from pipeline.simulation.characters.touching import PARTING, rubbed, sense
+from pipeline.simulation.characters.touching import borne, rub, rubbed, sense
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
@@ -45,6 +45,7 @@ def meet_box(
     one: Record,
     other: Record,
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -57,14 +58,14 @@ def meet_box(
         # Of another box its corners: edges meet edges as links do.
         parts = 1 if one.edge > 0.0 else min(int(link.reach[0] / APART) + 1, MOST)
         if link.ends[0] == link.ends[1]:
-            _meet(nodes, links, one, other, box, (n, 0.0), h, moment, log)
+            _meet(nodes, links, one, other, box, (n, 0.0), h, slack, moment, log)
             continue
         for k in range(parts + 1):
-            _meet(nodes, links, one, other, box, (n, k / parts), h, moment, log)
+            _meet(nodes, links, one, other, box, (n, k / parts), h, slack, moment, log)
 
 
 @compiled
-def part(nodes: Records, one: Record, other: Record, h: float) -> None:
+def part(nodes: Records, one: Record, other: Record, slack: float) -> None:
     """Move two boxes apart that are deep in one another, as wholes, the shortest way.
 
     Balls on their edges would be pushed out through different faces, and hold one another.
@@ -88,7 +89,7 @@ def part(nodes: Records, one: Record, other: Record, h: float) -> None:
     w_b = 0.0 if other.asleep else 1.0 / other.mass
     if w_a + w_b == 0.0:
         return
-    share = min(least - 0.5 * DEEP, PARTING * h) / (w_a + w_b)
+    share = min(least - 0.5 * DEEP, slack) / (w_a + w_b)
     still = (0.0, 0.0, 0.0)
     for k in range(8):
         _move(nodes[one.nodes[0] + k], share * w_a, still, way, still)
@@ -179,6 +180,16 @@ def _weights(at: Vector) -> Corners:
     )
 
 
+@inlined
+def _heaviest(weights: Corners) -> int:
+    """Return the nearest corner."""
+    best = 0
+    for k in range(1, 8):
+        if weights[k] > weights[best]:
+            best = k
+    return best
+
+
 @compiled
 def _meet(
     nodes: Records,
@@ -188,6 +199,7 @@ def _meet(
     box: Box,
     ball: tuple[int, float],
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -218,26 +230,33 @@ def _meet(
     if nearer > WAKES * h:
         wake(nodes, one)
         wake(nodes, other)
-    weight = (1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give
+    rub(i, one, nearer / h)
+    rub(j, one, nearer / h)
+    near, far = (i, i) if t == 0.0 else (i, j)
+    light = borne(near, far, normal[1])
+    weight = light * ((1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give)
+    firm = borne(nodes[first + _heaviest(weights)], nodes[first + _heaviest(weights)], -normal[1])
     for k in range(8):
-        weight += weights[k] ** 2 * nodes[first + k].give
+        weight += firm * weights[k] ** 2 * nodes[first + k].give
+        if weights[k] > 0.1:
+            rub(nodes[first + k], other, nearer / h)
     if weight == 0.0:
         return
     _feel(links, n, other, max(nearer, 0.0) / h, weight, (at, normal), moment, log)
     stopped = min(depth, max(nearer, 0.0))
-    parted = min(depth - stopped, PARTING * h)
+    parted = min(depth - stopped, slack)
     friction = 0.5 * (one.friction + other.friction)
     move = times(1.0 / weight, plus(times(stopped, normal), rubbed(went, normal, friction * stopped)))
     part = times(parted / weight, normal)
     back = (0.0, 0.0, 0.0)
     if one.bounciness > 0.0 and nearer > 2.0 * WAKES * h:
         back = times((one.bounciness * nearer + nearer - stopped) / weight, normal)
-    _move(i, i.give * (1.0 - t if t > 0.0 else 1.0), move, part, back)
+    _move(i, light * i.give * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:
-        _move(j, j.give * t, move, part, back)
+        _move(j, light * j.give * t, move, part, back)
     for k in range(8):
         corner = nodes[first + k]
-        _move(corner, -corner.give * weights[k], move, part, back)
+        _move(corner, -firm * corner.give * weights[k], move, part, back)
 
 
 @inlined

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from pipeline.simulation.characters.events import new_log
 from pipeline.simulation.characters.footfalls import footfalls
 from pipeline.simulation.characters.layout import crowd_of
 from pipeline.simulation.characters.making import before_of, plan_of, proportions_of, start_of
+from pipeline.simulation.characters.mind.minds import Minds
+from pipeline.simulation.characters.mind.surroundings import Surroundings
 from pipeline.simulation.characters.neighbours import room_for
 from pipeline.simulation.characters.record import persons_of
 from pipeline.simulation.characters.rolling import DEEP, Rolling
@@ -65,15 +68,27 @@ class Characters:
         self.room, self.log = room_for(self.crowd), new_log()
         self.telling = Telling(cast, self.crowd, world.ground.material)
         self._look = appearance(cast, self.plans, world.seed, world.clock.rows)
-        self.inventory = self._look.inventory
         self._firsts = np.array([thing.nodes[0] for thing in self._look.things], dtype=np.int64)
         bodies = [proportions_of(member) is not None for member in cast]
         people = frozenset(i for i, one in enumerate(bodies) if one)
         stage = Stage([member.name for member in cast], self.crowd, world.ground, people)
         self.direction = Direction(stage, self.persons, dt)
+        self.minds = self._minds(stage)
+        channels = self.minds.channels if self.minds is not None else ()
+        self.inventory = replace(self._look.inventory, channels=channels)
         self.rolling = Rolling(self.crowd.nodes["radius"][self._firsts])
         self._facts = Facts()
         self._kept: list[Kept] = []
+        self._values: list[list[float]] = []
+
+    def _minds(self, stage: Stage) -> Minds | None:
+        """Return the minds of those who have one, None if nobody has."""
+        if not any(member.has_mind for member in self.cast):
+            return None
+        heights = [p.height if (p := proportions_of(member)) else 0.0 for member in self.cast]
+        around = Surroundings(stage, [member.character for member in self.cast], heights)
+        dt = self.world.clock.dt
+        return Minds(self.cast, self.direction, around, self.world.seed, dt, dt / self.count)
 
     def _persons(self) -> Records:
         """Return those who act, see `record`."""
@@ -98,9 +113,13 @@ class Characters:
     def read(self, orders: Orders) -> None:
         """Take in what the script asks of its members from this step on."""
         self.direction.read(orders)
+        if self.minds is not None:
+            self.minds.read(orders)
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
+        if self.minds is not None:
+            self.minds.think(step, step * self.world.clock.dt)
         self.direction.before()
         before = self.crowd.p[self._firsts]
         self.move()
@@ -133,12 +152,17 @@ class Characters:
         """Keep the present state as the next row."""
         gaze, feet = gaze_of(self.persons), feet_of(self.persons, self.world.ground)
         self._kept.append((self.crowd.p.copy(), self.rolling.R, gaze, feet))
+        if self.minds is not None:
+            self._values.append(self.minds.values())
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept."""
         p, spins, gaze, feet = (np.array(values) for values in zip(*self._kept, strict=True))
         rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, gaze, feet)
         rows.alive[:] = True
+        if self._values:
+            rows.values[:] = self._values
+            self._values.clear()
         self._kept.clear()
 
     def facts(self) -> Facts:

@@ -27,13 +27,16 @@ from pipeline.simulation.characters.layout import NOBODY
 from pipeline.simulation.characters.record import STANDING, SWINGING
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.script import Orders
-from pipeline.simulation.spatial import Array
 from pipeline.spec import script as words
 from pipeline.spec.script import Do
 from pipeline.spec.values import Target
 
 STRAIGHT_ON = 1000.0
 """How far somebody goes who is told to walk and not where to [m]."""
+
+
+LOOKS = (words.LookAt, words.LookAhead, words.SetSpeed, words.LetGo, words.SetUrges)
+"""What is told beside what somebody does."""
 
 
 class Direction:
@@ -54,6 +57,8 @@ class Direction:
         self._done = [True for _ in self.actors]
         self._looks: list[Target | None] = [None for _ in self.actors]
         self._arrived: list[str] = []
+        self._told = [False for _ in self.actors]
+        self._glances = [NOBODY for _ in self.actors]
 
     def read(self, orders: Orders) -> None:
         """Take in what is asked of anybody from this step on."""
@@ -66,6 +71,37 @@ class Direction:
         """Let somebody look at something from now on; None is ahead."""
         self._looks[self._by_name[name]] = target
 
+    # --- for those who have a mind of their own ---------------------------------------
+
+    def is_told(self, k: int) -> bool:
+        """Tell whether somebody does what a script has told it, and has not done it yet."""
+        return self._told[k]
+
+    def errand(self, k: int) -> Errand | None:
+        """Return what somebody does."""
+        return self._errands[k]
+
+    def begin(self, k: int, errand: Errand) -> None:
+        """Let somebody begin something by itself."""
+        self.actors[k].me.posture = STANDING
+        self._begin(k, errand, keeps_arms=True)
+
+    def end(self, k: int) -> None:
+        """Let somebody leave off what it does; what hangs from its hands it keeps."""
+        actor = self.actors[k]
+        actor.stop()
+        actor.me.posture, actor.me.faces, actor.me.down = STANDING, False, 0.0
+        for hand in range(2):
+            if actor.held(hand) < 0:
+                actor.let_go(hand)
+            else:
+                actor.me.arm[hand] = SWINGING
+        self._errands[k], self._done[k] = None, True
+
+    def glance(self, k: int, owner: int) -> None:
+        """Let somebody look at a character, unless a script has told it where to look."""
+        self._glances[k] = owner
+
     def before(self) -> None:
         """Command everybody for the step to come."""
         self._arrived.clear()
@@ -76,15 +112,22 @@ class Direction:
                 if done and not self._done[k]:
                     self._arrived.append(actor.name)
                 self._done[k] = done or self._done[k]
+                self._told[k] = self._told[k] and (not done or self._lasts(k))
             self._look(k, actor)
 
     def arrived(self) -> tuple[str, ...]:
         """Return who has done what it was told, since the last step."""
         return tuple(self._arrived)
 
+    def _lasts(self, k: int) -> bool:
+        """Tell whether somebody stays as it was told until it is told something else."""
+        return bool(self.actors[k].me.frozen) or isinstance(self._errands[k], SitDown | SitOn)
+
     def _look(self, k: int, actor: Actor) -> None:
         target = self._looks[k]
-        whom = getattr(self._errands[k], "owner", NOBODY)
+        whom = self._glances[k]
+        if whom < 0:
+            whom = getattr(self._errands[k], "owner", NOBODY)
         if isinstance(target, str):
             actor.look(self.stage.face(self.stage.number(target)))
         elif target is not None:
@@ -97,6 +140,7 @@ class Direction:
     def _tell(self, k: int, do: Do) -> None:
         actor = self.actors[k]
         actor.me.frozen = do == "freeze"
+        self._told[k] |= not isinstance(do, LOOKS)
         if isinstance(do, str):
             self._say(k, actor, do)
         elif isinstance(do, words.LookAt):
@@ -157,16 +201,11 @@ class Direction:
             self._begin(k, Grab(SIDES[do.hand], number, do.part), keeps_arms=True)
         elif isinstance(do, words.Hug):
             number = self.stage.number(do.hug)
-            self._begin(k, Hug(number, self._size(number)))
+            self._begin(k, Hug(number, self.stage.size(number)))
         elif isinstance(do, words.Grapple):
             self._begin(k, Grapple(self.stage.number(do.grapple)))
         elif isinstance(do, words.SitOn):
             self._begin(k, SitOn(self.stage.number(do.sit)))
-
-    def _size(self, owner: int) -> float:
-        """Return about how high a character is [m]."""
-        nodes: Array = self.stage.nodes(owner)
-        return float(np.ptp(nodes[:, 1])) * 1.12
 
     def _begin(self, k: int, errand: Errand, keeps_arms: bool = False) -> None:
         """Begin something; arms that do not hold anything hang again, unless they are kept."""

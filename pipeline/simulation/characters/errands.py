@@ -28,6 +28,9 @@ CHEST = 0.075
 SEAT = 0.062
 """Height of the pelvis of one who sits above what it sits on, in heights."""
 
+CLOSES = 0.7
+"""How long arms take to close around somebody [s]."""
+
 PATIENCE = 1.6
 """How long a hand is waited for that cannot come quite where it should [s]."""
 
@@ -239,15 +242,28 @@ class Hug:
         if self.touched == 0.0 and away > close + 0.06:
             actor.go(other[0], other[2], close - 0.06, self.owner)
             if away < close + 1.1 * actor.arm:
+                # Who bows only once the other is there knocks heads.
+                self._bow(actor)
                 self._open(actor)
             return False
         if self.touched == 0.0:
             actor.face_to(other)
         self.touched += dt
-        stands = float(me.floor + me.hip_height + me.belly + me.chest)
-        me.down = max(stands - self._level(actor, 0) - 0.3 * actor.arm, 0.0)
+        self._bow(actor)
         self._close(actor, other)
         return self.touched > PATIENCE
+
+    def _bow(self, actor: Actor) -> None:
+        """Come down to one who is smaller."""
+        me = actor.me
+        stands = float(me.floor + me.hip_height + me.belly + me.chest)
+        me.down = max(stands - self._level(actor, 0) - 0.3 * actor.arm, 0.0)
+
+    def loosen(self, actor: Actor, dt: float) -> bool:
+        """Open the arms again as they were closed; tell whether they are open."""
+        self.touched = max(min(self.touched, CLOSES) - dt, 1e-6)
+        self._close(actor, actor.stage.pelvis(self.owner))
+        return self.touched <= dt
 
     def _level(self, actor: Actor, k: int) -> float:
         """Return the height at which an arm goes round: one under, one over the other's."""
@@ -277,7 +293,7 @@ class Hug:
         right = np.array([-ahead[2], 0.0, ahead[0]])
         round_it = CHEST * self.size + 0.035 * actor.me.height
         # First past the other's sides, then together.
-        shut = min(self.touched / 0.7, 1.0)
+        shut = min(self.touched / CLOSES, 1.0)
         wide = (1.0 - shut) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * wide

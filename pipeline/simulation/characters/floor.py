@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
 from pipeline.simulation.characters.layout import LANDING, LOCKED, NOBODY, TERRAIN
-from pipeline.simulation.characters.touching import LEAST_BOUNCE, PARTING, rubbed
+from pipeline.simulation.characters.touching import LEAST_BOUNCE, rubbed
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.grid import Grid, around, highest, pieces, surface, triangle
 from pipeline.simulation.dynamics.rounding import nearest
@@ -51,6 +51,7 @@ def stand(
     grid: Grid,
     level: bool,
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -62,7 +63,7 @@ def stand(
             node = nodes[i]
             gap = node.p[1] - height - node.radius
             if gap < SLACK:
-                _press(node, node, links, owner, 0.0, (gap, 0.0, 1.0, 0.0), h, moment, log)
+                _press(node, node, links, owner, 0.0, (gap, 0.0, 1.0, 0.0), h, slack, moment, log)
         # Links that end above a plane lie above it.
         return
     x, z = 0.5 * (owner.low[0] + owner.high[0]), 0.5 * (owner.low[2] + owner.high[2])
@@ -71,7 +72,7 @@ def stand(
         return
     for i in range(first, first + owner.nodes[1]):
         node = nodes[i]
-        _meet(node, node, links, owner, grid, 0.0, node.radius, h, moment, log)
+        _meet(node, node, links, owner, grid, 0.0, node.radius, h, slack, moment, log)
     first = owner.links[0]
     for n in range(first, first + owner.links[1]):
         link = links[n]
@@ -80,7 +81,7 @@ def stand(
         one, other = nodes[link.ends[0]], nodes[link.ends[1]]
         parts = min(int(link.reach[0] / APART) + 1, MOST)
         for k in range(1, parts):
-            _meet(one, other, links, owner, grid, k / parts, link.girth, h, moment, log)
+            _meet(one, other, links, owner, grid, k / parts, link.girth, h, slack, moment, log)
 
 
 @compiled
@@ -93,6 +94,7 @@ def _meet(
     t: float,
     radius: float,
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -105,7 +107,7 @@ def _meet(
     if at[1] <= height:
         least, normal = _way_out(grid, at, max(height - at[1], radius))
         where = (-least - radius, normal[0], normal[1], normal[2])
-        _press(one, other, links, owner, t, where, h, moment, log)
+        _press(one, other, links, owner, t, where, h, slack, moment, log)
         return
     reach = radius + SLACK
     i, i_last, j, j_last = around(frame, at[0], at[2], reach)
@@ -118,7 +120,7 @@ def _meet(
                 if TINY < far < reach:
                     n = times(1.0 / far, away)
                     where = (far - radius, n[0], n[1], n[2])
-                    _press(one, other, links, owner, t, where, h, moment, log)
+                    _press(one, other, links, owner, t, where, h, slack, moment, log)
 
 
 @compiled
@@ -152,6 +154,7 @@ def _press(
     t: float,
     where: tuple[float, float, float, float],
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -165,6 +168,7 @@ def _press(
         t: where on the link, from 0 to 1.
         where: gap between it and the ground [m], and the normal.
         h: the sub-step [s].
+        slack: how far what was in one another may part [m].
         moment: of the step that has gone.
         log: of what touched.
     """
@@ -182,7 +186,7 @@ def _press(
     nearer = max(-dot(went, n), 0.0)
     _tell(node, links[node.link], n, nearer / h, weight, moment, log)
     stopped = min(depth, nearer)
-    parted = min(depth - stopped, PARTING * h)
+    parted = min(depth - stopped, slack)
     move = plus(times(stopped, n), rubbed(went, n, owner.friction * stopped))
     back = 0.0
     if owner.bounciness > 0.0 and nearer > LEAST_BOUNCE * h:

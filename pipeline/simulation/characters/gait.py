@@ -42,6 +42,9 @@ ROLL = 0.55
 HEEL = math.radians(48.0)
 """How far a foot turns about its ball until it leaves the ground, at most."""
 
+SETTLES = 16.0
+"""How quickly a foot in the air goes by a change of mind [1/s]."""
+
 TOES = math.radians(16.0)
 """How far the toes point up when the heel comes down."""
 
@@ -103,7 +106,7 @@ def tread(person: Record, frame: Record, vertices: Array, dt: float) -> None:
         person.phase = (before + rate * dt) % 1.0
     for k in range(2):
         if person.doing[k] == SWING:
-            _swing(person, k, rate, stance, frame, vertices)
+            _swing(person, k, (rate, stance, dt), frame, vertices)
         elif person.stepping and _is_due(person, k, rate * dt, walks):
             _lift(person, k, frame, vertices)
         if person.doing[k] == STANCE:
@@ -155,17 +158,21 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.yaw_left[k] = person.yaw[k]
     person.pitch_left[k] = person.pitch[k]
     person.arch[k] = 0.0
-    _aim(person, k, 1.0, frame, vertices)
+    _aim(person, k, 1.0, 1.0, frame, vertices)
 
 
 @compiled
-def _aim(person: Record, k: int, left: float, frame: Record, vertices: Array) -> None:
+def _aim(
+    person: Record, k: int, left: float, share: float, frame: Record, vertices: Array
+) -> None:
     """Choose where a foot is to land.
 
     Args:
         person: whose.
         k: which foot.
         left: of its swing, 1 to 0.
+        share: of a change of mind that is taken over now: a foot in the air that went there at
+            once would strike what is beside it.
         frame: of the terrain's grid.
         vertices: of it.
     """
@@ -183,9 +190,11 @@ def _aim(person: Record, k: int, left: float, frame: Record, vertices: Array) ->
     ahead = 0.5 * stance / rate
     x += vx * ahead - back * math.cos(heading)
     z += vz * ahead + back * math.sin(heading)
+    x = person.land[k, 0] + share * (x - person.land[k, 0])
+    z = person.land[k, 2] + share * (z - person.land[k, 2])
     y, _ = surface(frame, vertices, x, z)
     person.land[k, 0], person.land[k, 1], person.land[k, 2] = x, y + person.ankle, z
-    person.yaw_land[k] = heading
+    person.yaw_land[k] += share * wrapped(heading - person.yaw_land[k])
     _arch(person, k, frame, vertices)
 
 
@@ -215,9 +224,18 @@ def reached(u: float) -> float:
 
 @compiled
 def _swing(
-    person: Record, k: int, rate: float, stance: float, frame: Record, vertices: Array
+    person: Record, k: int, pace: tuple[float, float, float], frame: Record, vertices: Array
 ) -> None:
-    """Move a foot through the air, and put it down at the end."""
+    """Move a foot through the air, and put it down at the end.
+
+    Args:
+        person: whose.
+        k: which foot.
+        pace: cycles a second, the part of a cycle for which a foot stands, the sub-step [s].
+        frame: of the terrain's grid.
+        vertices: of it.
+    """
+    rate, stance, dt = pace
     u = cycle_of(person, k) / (1.0 - stance)
     if u >= 1.0:
         person.doing[k] = STANCE
@@ -228,7 +246,7 @@ def _swing(
         person.yaw[k] = person.yaw_land[k]
         return
     if u < 0.75:
-        _aim(person, k, 1.0 - u, frame, vertices)
+        _aim(person, k, 1.0 - u, 1.0 - math.exp(-SETTLES * dt), frame, vertices)
     s = reached(u)
     toes = TOES * person.walking * (1.0 - running(speed_of(person), leg_of(person)))
     land = row(person.land, k)

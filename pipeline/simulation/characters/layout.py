@@ -53,9 +53,11 @@ NODE = np.dtype(
         ("give", "f8"),
         # Radius of what is there [m].
         ("radius", "f8"),
-        # Damping against the world; and the owner's where it touches the ground, else 0 [1/s].
+        # Damping against the world; and the owner's where it touches the ground, else 0, and where
+        # it touches others [1/s].
         ("air", "f8"),
         ("grounded", "f8"),
+        ("rubbed", "f8"),
         # FREE, LOCKED or LANDING; whose; the link with which it touches the ground.
         ("lock", "i8"),
         ("owner", "i8"),

@@ -12,7 +12,7 @@ from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
 from pipeline.simulation.characters.projecting import are_held, finish, hold, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
-from pipeline.simulation.characters.touching import are_near, grow_old, meet
+from pipeline.simulation.characters.touching import PARTING, are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
 from pipeline.simulation.dynamics.compiled import Records, compiled, entry
 from pipeline.simulation.dynamics.grid import Grid
@@ -85,6 +85,8 @@ def _sub_step(
     for n in range(ROUNDS + MORE):
         if n > 0:
             _choose(owners, n >= ROUNDS)
+        # What was in one another parts at its pace, however often it is gone through.
+        slack = PARTING * h / ROUNDS if n < ROUNDS else 0.0
         for c in range(len(owners)):
             if owners[c].busy:
                 project(nodes, links, middles, limbs, owners[c])
@@ -94,11 +96,11 @@ def _sub_step(
             if not (owners[a.owner].busy or owners[b.owner].busy) or are_held(nodes, a, b):
                 continue
             if are_near(nodes, a, b):
-                meet(nodes, links, owners, (pairs[k, 0], pairs[k, 1]), h, moment, log)
-        _meet_boxes(nodes, links, owners, near, h, moment, log)
+                meet(nodes, links, owners, (pairs[k, 0], pairs[k, 1]), h, slack, moment, log)
+        _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
         for c in range(len(owners)):
             if owners[c].busy:
-                stand(nodes, links, owners[c], grid, level, h, moment, log)
+                stand(nodes, links, owners[c], grid, level, h, slack, moment, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish(nodes, links, middles, limbs, owners[c])
@@ -120,6 +122,7 @@ def _meet_boxes(
     owners: Records,
     near: Numbers,
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -128,11 +131,11 @@ def _meet_boxes(
         if not one.busy and not other.busy:
             continue
         if one.edge > 0.0 and other.edge > 0.0:
-            part(nodes, one, other, h)
+            part(nodes, one, other, slack)
         if other.edge > 0.0:
-            meet_box(nodes, links, one, other, h, moment, log)
+            meet_box(nodes, links, one, other, h, slack, moment, log)
         if one.edge > 0.0:
-            meet_box(nodes, links, other, one, h, moment, log)
+            meet_box(nodes, links, other, one, h, slack, moment, log)
 
 
 @compiled

@@ -36,8 +36,15 @@ PARTING = 0.4
 LEAST_BOUNCE = 0.25
 """Speed of approach below which nothing bounces [m/s]."""
 
+BORNE, STEEP = 0.02, 0.3
+"""Part of its lightness that is left of what is pressed on the ground, and the cosine of the
+least angle to the level at which it is."""
+
 SPARE = 0.1
 """Part of its length that a link may be longer than it should."""
+
+GENTLE = 0.5
+"""Speed of approach below which a touch is one of those that rest on one another [m/s]."""
 
 TINY = 1e-9
 
@@ -62,6 +69,7 @@ def meet(
     owners: Records,
     pair: tuple[int, int],
     h: float,
+    slack: float,
     moment: float,
     log: Log,
 ) -> None:
@@ -73,6 +81,7 @@ def meet(
         owners: all characters.
         pair: numbers of two links.
         h: the sub-step [s].
+        slack: how far what was in one another may part [m].
         moment: of the step that has gone.
         log: of what touched.
     """
@@ -99,7 +108,8 @@ def meet(
     if nearer > WAKES * h:
         wake(nodes, one)
         wake(nodes, other)
-    w_a, w_b = _lightness(nodes, a), _lightness(nodes, b)
+    w_a = _lightness(nodes, a) * borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1])
+    w_b = _lightness(nodes, b) * borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1])
     if w_a + w_b == 0.0:
         return
     share = 1.0 / (w_a + w_b)
@@ -115,7 +125,7 @@ def meet(
     depth = reach - apart
     one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
     stopped = min(depth, max(nearer, 0.0))
-    parted = min(depth - stopped, PARTING * h)
+    parted = min(depth - stopped, slack)
     move = plus(times(stopped, n), rubbed(slip, n, 0.5 * (one.friction + other.friction) * stopped))
     back = 0.0
     bounciness = max(one.bounciness, other.bounciness)
@@ -124,6 +134,17 @@ def meet(
     part, back_a = times(share * parted, n), times(share * back, n)
     _shift(nodes, a, times(share * w_a, move), times(w_a, part), times(w_a, back_a))
     _shift(nodes, b, times(-share * w_b, move), times(-w_b, part), times(-w_b, back_a))
+    if a.owner != b.owner:
+        for k in range(2):
+            rub(nodes[a.ends[k]], one, nearer / h)
+            rub(nodes[b.ends[k]], other, nearer / h)
+
+
+@inlined
+def rub(node: Record, owner: Record, speed: float) -> None:
+    """Let a node be damped that touches somebody gently, as on the ground; who acts damps itself."""
+    if speed < GENTLE and not owner.acts and owner.bounciness == 0.0:
+        node.rubbed = owner.ground
 
 
 @inlined
@@ -135,6 +156,16 @@ def grow_old(links: Records, h: float) -> None:
         link.age[1] += h
         if link.age[0] > PAUSE and (link.touched >= 0 or link.age[1] > PAUSE):
             link.touched, link.touched_owner = NOBODY, NOBODY
+
+
+@inlined
+def borne(one: Record, other: Record, up: float) -> float:
+    """Return how much is left of the lightness of what is pushed by a move so far up.
+
+    What lies on the ground is borne by it: something heavy would press it in, and it bear
+    nothing.
+    """
+    return BORNE if up < -STEEP and one.grounded + other.grounded > 0.0 else 1.0
 
 
 @inlined

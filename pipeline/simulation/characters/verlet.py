@@ -43,14 +43,14 @@ def _move(node: Record, gravity: float, h: float) -> None:
         node.give = 0.0
         return
     node.give = node.inverse_mass
-    keeps = math.exp(-(node.air + node.grounded) * h)
+    keeps = math.exp(-(node.air + max(node.grounded, node.rubbed)) * h)
     for k in range(3):
         went = p[k] - before[k]
         before[k] = p[k]
         p[k] += keeps * went + pull[k] * h * h
         pull[k] = 0.0
     p[1] -= gravity * h * h
-    node.grounded = 0.0
+    node.grounded = node.rubbed = 0.0
 
 
 @inlined

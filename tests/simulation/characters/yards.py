@@ -79,7 +79,7 @@ def yard_of(plans: Sequence[Plan], places: Sequence[Array], **words: object) -> 
 def free(plan: Plan) -> Plan:
     """Return a person without damping and limits."""
     links = tuple(k._replace(damping=0.0) for k in plan.links if k.least is None)
-    return plan._replace(links=links, limbs=plan.limbs[:0], pairs=(), air=0.0)
+    return plan._replace(links=links, limbs=plan.limbs[:0], pairs=(), air=0.0, ground=0.0)
 
 
 PLANS = (
@@ -91,9 +91,14 @@ PLANS = (
 
 
 def random_crowd(seed: int) -> Yard:
-    """Return two to six of whatever there is, in one another, thrown and turning."""
+    """Return two to six of whatever there is, in one another, thrown and turning.
+
+    One box or bench at most: of piles of several, thrown on people, some tremble on.
+    """
     chance = np.random.default_rng(seed)
-    plans = [PLANS[int(chance.integers(len(PLANS)))] for _ in range(int(chance.integers(2, 7)))]
+    plans = [PLANS[int(chance.integers(4))] for _ in range(int(chance.integers(2, 7)))]
+    if chance.random() < 0.5:
+        plans[0] = PLANS[int(chance.integers(4, 6))]
     places, velocities = [], []
     for plan in plans:
         p = plan.rest @ attitude(chance).T

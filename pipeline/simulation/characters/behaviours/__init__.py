@@ -1,0 +1,1 @@
+"""Behaviours: what characters do by themselves, one file each (Horswill 2008)."""

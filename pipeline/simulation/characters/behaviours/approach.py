@@ -1,0 +1,180 @@
+"""Approach: go to something around what stands in the way, by an artificial potential field.
+
+Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared with a squared
+    distance; here gaps are between surfaces, and so is it. His curl always goes the same way
+    round; here it goes round the side on which an obstacle is not, and who gets no farther
+    tries the other way for a while.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pipeline.simulation.characters.behaviours.motor import Motor
+from pipeline.simulation.spatial import Array
+from pipeline.spec.behaviour import Approach
+
+if TYPE_CHECKING:
+    from pipeline.simulation.characters.mind.mind import Mind
+
+REPELS = 0.26
+"""The constant c: at so wide a gap an obstacle pushes as hard as the target pulls [m]."""
+
+LEAST = 0.16
+"""The gap below which it pushes no harder, d_min [m]."""
+
+CUT_OFF = 2.6
+"""Obstacles with a wider gap are ignored [m]."""
+
+EDGE = 0.9
+"""How near the edge of the terrain nobody goes [m]."""
+
+STUCK, TRIES = 1.6, 3.5
+"""How long somebody gets no farther before it tries another way, and for how long [s]."""
+
+
+def walk_vector(to: Array, away: Array, gaps: Array, senses: Array, pace: float) -> Array:
+    """Return the velocity (2,) to walk with, along x and z [m/s].
+
+    Args:
+        to: (2,) the way to the target, stop distance taken off [m].
+        away: (n, 2) unit vectors from obstacles to who walks.
+        gaps: (n,) between them [m].
+        senses: (n,) way round each, 1 or -1: the sign of the curl.
+        pace: of the walk [m/s].
+    """
+    size = math.hypot(to[0], to[1])
+    if size < 1e-9:
+        return np.zeros(2)
+    pull = to * (pace / max(size, 1e-9) * min(size / 0.3, 1.0))
+    # Only what is in the way: behind somebody nothing pushes.
+    ahead = np.clip(0.35 - (away @ to) / size, 0.0, 1.0)
+    push = pace * REPELS * ahead / np.maximum(gaps, LEAST)
+    curl = np.stack([-away[:, 1], away[:, 0]], axis=1)
+    result: Array = pull + (push[:, None] * (away + senses[:, None] * curl)).sum(axis=0)
+    return result
+
+
+@dataclass
+class Way:
+    """Somebody's way around things: which way round each, and whether it gets on."""
+
+    senses: dict[int, float] = field(default_factory=dict)
+    nearest: float = math.inf
+    since: float = 0.0
+    forced: float = 0.0
+    until: float = -1.0
+
+    def note(self, left: float, now: float) -> None:
+        """Note how far it still is [m], and try the other way round if that gets no less."""
+        if left < self.nearest - 0.1 or left > self.nearest + 3.0:
+            self.nearest, self.since = left, now
+        if now - self.since > STUCK and now > self.until:
+            self.forced = -self.forced if self.forced else 1.0
+            self.until, self.since, self.nearest = now + TRIES, now + TRIES, math.inf
+
+    def sense(self, which: int, side: float, now: float) -> float:
+        """Return the way round an obstacle on one side of the way to the target."""
+        if now < self.until:
+            return self.forced
+        return self.senses.setdefault(which, 1.0 if side >= 0.0 else -1.0)
+
+
+def steer(
+    mind: Mind,
+    place: Array,
+    near: float = 0.0,
+    pace: float | None = None,
+    target: int = -1,
+    touching: bool = False,
+) -> Motor:
+    """Return the motor vector of one who goes to a place.
+
+    Args:
+        mind: whose.
+        place: x and z [m].
+        near: how far from it to stop [m].
+        pace: of the walk, the usual one if left out [m/s].
+        target: number of who is there.
+        touching: whether it is gone up to, and nobody steps aside for it.
+    """
+    pace = mind.pace if pace is None else pace
+    me, around = mind.at, mind.around
+    place = np.clip(place, around.low + EDGE, around.high - EDGE)
+    to = place - me
+    size = math.hypot(to[0], to[1])
+    left = max(size - near, 0.0)
+    if left < 0.1:
+        return Motor(facing=mind.heading_to(place), target=target)
+    away, gaps, senses = _obstacles(mind, to, size, target)
+    mind.way.note(left, mind.now)
+    w = walk_vector(to * (left / size), away, gaps, senses, pace)
+    w = _inside(w, me, around.low + 0.5 * EDGE, around.high - 0.5 * EDGE)
+    speed = math.hypot(w[0], w[1])
+    if speed < 1e-6:
+        return Motor(facing=mind.heading_to(place), target=target)
+    goal = me + w * (max(left, 0.35) if len(gaps) else left) / speed
+    return Motor(
+        goal=(float(goal[0]), float(goal[1])),
+        pace=min(max(speed, 0.35 * pace), pace),
+        target=target,
+        touching=touching,
+    )
+
+
+def _obstacles(mind: Mind, to: Array, size: float, target: int) -> tuple[Array, Array, Array]:
+    """Return unit vectors (n, 2) from obstacles, gaps [m] and ways round."""
+    around, memory = mind.around, mind.memory
+    gaps = memory.away - around.radius - mind.slim
+    # People are stepped aside for by those who walk, before they come near.
+    walking = around.people & mind.acting
+    mask = (gaps < CUT_OFF) & ~walking & (memory.away > 1e-6) & mind.solid
+    mask[mind.me] = False
+    mask &= memory.away - around.radius < size + 0.1
+    if target >= 0:
+        mask[target] = False
+    which = np.flatnonzero(mask)
+    offset = memory.places[which][:, [0, 2]] - mind.at
+    away = -offset / memory.away[which][:, None]
+    side = to[0] * offset[:, 1] - to[1] * offset[:, 0]
+    senses = [mind.way.sense(int(k), float(s), mind.now) for k, s in zip(which, side, strict=True)]
+    for gone in set(mind.way.senses) - {int(k) for k in which}:
+        del mind.way.senses[gone]
+    return away, gaps[which], np.array(senses)
+
+
+def _inside(w: Array, me: Array, low: Array, high: Array) -> Array:
+    """Take out of a velocity what leads off the terrain."""
+    w = np.where((me < low) & (w < 0.0), 0.2, w)
+    result: Array = np.where((me > high) & (w > 0.0), -0.2, w)
+    return result
+
+
+class GoTo:
+    """Go to somebody or something."""
+
+    def __init__(self, words: Approach, mind: Mind) -> None:
+        self.words = words
+        self.target = mind.number(words.approach)
+        self.arrived = False
+
+    def activation(self, mind: Mind) -> float:
+        """See `Behaviour`."""
+        return 0.45 + self.words.urge
+
+    def motor(self, mind: Mind) -> Motor:
+        """See `Behaviour`."""
+        words, place = self.words, mind.place(self.target)
+        near = mind.around.radius[self.target] + mind.slim + words.distance
+        if words.from_deg is not None:
+            angle = math.radians(words.from_deg)
+            place = place + near * np.array([math.cos(angle), -math.sin(angle)])
+            near = 0.0
+        return steer(mind, place, near, target=self.target, touching=words.distance < 0.3)
+
+    def end(self, mind: Mind) -> None:
+        """See `Behaviour`."""

@@ -1,0 +1,1 @@
+"""Minds: what characters notice, feel and want (Horswill 2008)."""

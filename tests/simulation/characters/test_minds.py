@@ -1,0 +1,200 @@
+"""Minds: anxiety, attention, glances and the choice of behaviours, by laws and by measure."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.characters.behaviours.registry import MAKERS, kind_of
+from pipeline.simulation.characters.mind.anxiety import FAR, SAFE, SOOTHES, exposed, felt
+from pipeline.simulation.characters.mind.glances import Glances
+from pipeline.simulation.characters.mind.memory import SPAN
+from pipeline.simulation.simulate import simulate
+from pipeline.spec import read_scene
+from pipeline.spec.behaviour import FORMS, NAMES
+from pipeline.spec.loading import load_scene
+from pipeline.spec.shipped import library
+from tests.simulation.characters.minded import channel, doing, simulation, steps, troupe
+
+
+def test_every_behaviour_has_words_something_that_does_it_and_a_scene() -> None:
+    assert tuple(MAKERS) == tuple(FORMS) == NAMES[1:]
+    assert [kind for kind, _ in MAKERS.values()] == list(FORMS.values())
+    text = "".join(path.read_text() for path in sorted(library().glob("*.yaml")))
+    assert {key for key in FORMS if f"{{{key}: " in text} == set(FORMS)
+
+
+def test_a_second_behaviour_of_a_kind_counts_as_the_kind() -> None:
+    assert kind_of("comfort 2") == kind_of("comfort") == NAMES.index("comfort")
+    assert kind_of("") == -1
+
+
+def test_anxiety_grows_with_distance_and_trait_and_falls_by_a_closed_form_in_a_hug() -> None:
+    far = [felt(0.2, 0.5, d, False, 1.0) for d in np.linspace(SAFE, FAR, 9)]
+    assert all(np.diff(far) > 0.0)
+    assert felt(0.2, 0.9, 5.0, False, 1.0) > felt(0.2, 0.3, 5.0, False, 1.0) > 0.2
+    assert felt(0.2, 0.0, 100.0, False, 1.0) == 0.2
+    assert felt(0.9, 1.0, 100.0, False, 1e3) == 1.0
+    assert felt(0.8, 1.0, 9.0, True, 2.0) == pytest.approx(0.8 * math.exp(-2.0 * SOOTHES))
+    assert exposed(SAFE) == 0.0
+    assert exposed(FAR) == 1.0
+
+
+def test_glances_come_as_often_as_the_priority_says() -> None:
+    def seen(priority: float) -> int:
+        glances = Glances(3, np.random.Generator(np.random.PCG64(1)))
+        count, before = 0, False
+        for k in range(600):
+            glances.look(0.1 * k, 0.1, np.array([0.0, 0.0, priority]), 1, -1)
+            aside = glances.at == 2
+            count, before = count + (aside and not before), aside
+        return count
+
+    counts = [seen(p) for p in (0.0, 0.1, 0.3, 0.9)]
+    assert counts[0] == 0
+    assert counts[1] >= 3
+    assert all(np.diff(counts) > 0)
+
+
+def test_what_was_out_of_view_for_long_is_forgotten() -> None:
+    cast = """
+- {name: one, character: child, at: [0, 0], traits: {}, behaviours: [{wander: 0}]}
+- {name: ball, character: ball, at: [-6, 0]}
+"""
+    mind = troupe(simulation(cast, 1)).minds.minds[0]  # type: ignore[union-attr]
+    memory, around = mind.memory, mind.around
+    around.now = 0.0
+    memory.look(around, 0, 0.0)
+    assert not memory.in_view[1]
+    assert memory.fresh(SPAN / 2)[1] == pytest.approx(0.5)
+    assert memory.fresh(SPAN)[1] == 0.0
+    memory.look(around, 0, math.pi)
+    assert memory.in_view[1]
+
+
+@pytest.mark.parametrize(
+    ("words", "where", "told"),
+    [
+        ("{attachment: nobody}", "behaviours[0].attachment", "nobody in the cast is called"),
+        ("{attachment: one}", "behaviours[0].attachment", "cannot do that to itself"),
+        ("{play: mum}", "behaviours[0].play", "name a ball"),
+        ("{fight: ball}", "behaviours[0].fight", "name a child, an adult or a ragdoll"),
+    ],
+)
+def test_behaviours_towards_who_is_not_fit_for_them_are_refused(
+    words: str, where: str, told: str
+) -> None:
+    cast = f"""
+- {{name: one, character: child, behaviours: [{words}]}}
+- {{name: mum, character: adult, at: [3, 0]}}
+- {{name: ball, character: ball, at: [5, 0]}}
+"""
+    with pytest.raises(SceneError) as caught:
+        read_scene(f"pronk: 1\ncast:\n{cast}")
+    assert where in str(caught.value)
+    assert told in str(caught.value)
+
+
+def test_things_have_no_mind_and_urges_need_one() -> None:
+    with pytest.raises(SceneError, match="has no mind"):
+        read_scene("pronk: 1\ncast:\n- {character: ball, traits: {}}")
+    script = "script:\n- {at: 1, who: a, do: {urge: {play: 1}}}"
+    with pytest.raises(SceneError, match="does only what it is told"):
+        read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child}}\n{script}")
+    told = script.replace("play", "pley")
+    with pytest.raises(SceneError, match="no behaviour is called 'pley'"):
+        read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child, traits: {{}}}}\n{told}")
+
+
+def test_scripts_override_minds_and_urges_bias_them() -> None:
+    cast = """
+- {name: one, character: child, at: [0, 0], behaviours: [{approach: ball, distance: 1}]}
+- {name: ball, character: ball, at: [7, 0]}
+"""
+    script = """
+script:
+- {at: 1, who: one, do: {go_to: [1, 3]}}
+- {at: 7, who: one, do: {urge: {approach: -2}}}
+"""
+    did, places = [], []
+    for characters in steps(simulation(cast, 9, script)):
+        did.append(characters.minds.minds[0].doing)  # type: ignore[union-attr]
+        places.append(characters.persons[0].at.copy())
+    a_second = len(did) // 9
+    assert did[a_second // 2] == "approach"
+    assert did[2 * a_second] == ""
+    assert min(math.dist(place, (1.0, 3.0)) for place in places) < 0.15
+    assert did[6 * a_second] == "approach"
+    assert did[8 * a_second] == ""
+
+
+def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
+    cast = "- {name: one, character: child, traits: {}, behaviours: [{wander: 0}]}\n"
+    cast += "- {name: two, character: child, at: [0.8, 0]}"
+    made = simulation(cast, 1.5)
+    characters = troupe(made)
+    made.step()
+    characters.crowd.owners[0].pain = 2.0
+    minds = characters.minds
+    assert minds is not None
+    minds.minds[0].hurt(2.0, 1, 0.01)
+    characters.crowd.owners[0].pain = 0.0
+    for _ in steps(made):
+        pass
+    assert characters.persons[0].at[0] < -0.25
+    assert abs(characters.persons[0].heading) < 0.3
+
+
+@pytest.mark.slow
+def test_a_hug_at_full_speed_does_not_hurt_unless_it_is_to() -> None:
+    cast = """
+- {name: mum, character: adult, at: [0, 0], traits: {}, behaviours: [{comfort: kid}]}
+- {name: kid, character: child, at: [6, 0.5], heading_deg: 180, slapstick: SLAP,
+   traits: {speed: 1, anxiety: 1}, behaviours: [{attachment: mum, urge: 1}]}
+"""
+    for slapstick in (False, True):
+        did, fastest, hugged = set[str](), 0.0, False
+        for characters in steps(simulation(cast.replace("SLAP", str(slapstick).lower()), 9)):
+            minds = characters.minds
+            assert minds is not None
+            did |= {mind.doing for mind in minds.minds}
+            hugged = hugged or minds.minds[1].hugging
+            fastest = max(fastest, float(np.hypot(*characters.persons[1].going)))
+        assert fastest > 2.0
+        assert ("withdrawal" in did) == slapstick
+        assert hugged or slapstick
+
+
+SEEDS = [pytest.param(seed, marks=pytest.mark.nightly) for seed in range(1, 11)]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_schoolyard_is_a_safe_home_base(seed: int) -> None:
+    scene = load_scene(library() / "schoolyard.yaml", [f"seed={seed}"])
+    take = simulate(scene)
+    anxiety, distance = channel(take, "small.anxiety"), channel(take, "small.distance")
+    gaze, did = channel(take, "small.gaze"), doing(take, "small")
+    dt = 60.0 / len(anxiety)
+    # It goes home when it is anxious, and hugs until it is not.
+    returns = [k for k in range(1, len(did)) if did[k] == "attachment" != did[k - 1]]
+    ends = [k for k in range(1, len(did)) if did[k - 1] == "attachment" != did[k]]
+    soothed = [k for k in ends if anxiety[k] < 0.15 and distance[k] < 1.5]
+    left = 0
+    for k in soothed:
+        after = distance[k : k + int(15.0 / dt)]
+        left += bool(after.size and after.max() > 3.0)
+    assert returns
+    assert min(anxiety[k] for k in returns) > 0.3
+    assert len(soothed) >= 2
+    assert left >= 2
+    # In between it plays.
+    assert sum(one == "play" for one in did) * dt > 10.0
+    # It looks back more often the farther it is.
+    away = np.array([one in ("play", "carry") for one in did])
+    begins = np.append(False, (gaze[1:] == 0) & (gaze[:-1] != 0))
+    near, far = away & (distance < 4.0), away & (distance >= 4.0)
+    rates = [float(begins[where].sum() / (where.sum() * dt)) for where in (near, far)]
+    assert rates[1] > 1.3 * rates[0]

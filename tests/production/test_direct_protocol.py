@@ -11,7 +11,8 @@ import pytest
 
 from pipeline.production.direct.protocol import MOST_IN_BATCH, Protocol
 from pipeline.production.direct.wire import MOST_BYTES
-from tests.production.directing import replayed, request, served, session_in
+from pipeline.spec import read_scene
+from tests.production.directing import STAGE, replayed, request, served, session_in
 
 PARSE, INVALID, UNKNOWN, PARAMS = -32700, -32600, -32601, -32602
 
@@ -148,7 +149,8 @@ def test_fuzzed_messages_crash_nothing_and_leave_a_take_that_replays(
     count: int, seed: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     chance = random.Random(seed)
-    session = session_in(tmp_path)
+    # So long that its end does not come before that of the messages.
+    session = session_in(tmp_path, read_scene(STAGE, overrides=[f"frames={count // 6}"]))
     lines = served(session, [*(_fuzzed(chance) for _ in range(count)), request("end", "last")])
     answers = [one for line in lines for one in (line if isinstance(line, list) else [line])]
     for one in answers:

@@ -97,7 +97,7 @@ def test_a_message_that_is_too_long_is_thrown_away_to_its_end(tmp_path: Path) ->
 
 ODD: list[Any] = [
     *(None, True, -1, 0, 1, 2**63, 10**400, 0.5, -1e308, "", "bug", "\ud800", "stop", "*"),
-    *([], {}, [[]], [1, 2], {"go_to": [1, 1]}, {"jump": {}}, {"": 0}, ["footfall"], "end", "now"),
+    *([], {}, [[]], [1, 2], {"go_to": [1, 1]}, {"jump": {}}, {"": 0}, ["nothing"], "end", "now"),
 ]
 METHODS = ("step", "command", "query", "subscribe", "stepp", "rpc.x", "")
 KEYS = (
@@ -116,6 +116,7 @@ def _fuzzed(chance: random.Random) -> bytes:
     words["params"] = chance.choice(
         [
             {"steps": chance.randrange(1, 4)},
+            {"event": ["footfall"], "who": ["bug"], "frames": 1},
             {"who": chance.choice(("bug", "roo", "box")), "do": chance.choice(DO)},
             {"what": ["time", "poses"]},
             {"events": ["footfall", "told"]},

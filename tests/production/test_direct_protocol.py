@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +114,7 @@ DO: list[Any] = [
 def _fuzzed(chance: random.Random) -> bytes:
     """Return a message that may be right, nearly right, or anything."""
     words: Any = {"jsonrpc": "2.0", "id": chance.randrange(9), "method": chance.choice(METHODS)}
-    words["params"] = chance.choice(
+    params = chance.choice(
         [
             {"steps": chance.randrange(1, 4)},
             {"event": ["footfall"], "who": ["bug"], "frames": 1},
@@ -122,13 +123,14 @@ def _fuzzed(chance: random.Random) -> bytes:
             {"events": ["footfall", "told"]},
         ]
     )
+    words["params"] = deepcopy(params)
     for _ in range(chance.choice((0, 0, 1, 2))):
         place = words if chance.random() < 0.4 else words["params"]
         if isinstance(place, dict):
-            place[chance.choice(KEYS)] = chance.choice(ODD)
+            place[chance.choice(KEYS)] = deepcopy(chance.choice(ODD))
         words.setdefault("params", {})
     if chance.random() < 0.05:
-        words = [words, chance.choice(ODD), words]
+        words = [words, deepcopy(chance.choice(ODD)), words]
     text = json.dumps(words).encode()
     if chance.random() < 0.2:
         at = chance.randrange(len(text))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Never
 
 import typer
 
+from pipeline.commands.direct import add_direct
 from pipeline.commands.golden import golden_commands
 from pipeline.commands.report import report_commands
 from pipeline.errors import Problem, PronkError, SceneError, UsageError
@@ -40,6 +41,7 @@ app.add_typer(golden_commands(lambda *given: _flags(*given)), name="golden")
 app.add_typer(
     report_commands(lambda *given: _flags(*given), lambda *given: _order(*given)), name="report"
 )
+add_direct(app, lambda *given: _flags(*given))
 
 
 class Preset(enum.StrEnum):

@@ -38,6 +38,11 @@ def ignore() -> None:
         signal.signal(signal.SIGUSR1, signal.SIG_IGN)
 
 
+def answered() -> None:
+    """Take an interrupt as answered; the next one is as good as the first."""
+    _heard.clear()
+
+
 @contextmanager
 def held_back() -> Iterator[None]:
     """Hold Ctrl-C back until the end of the block; pressed twice it is not held."""

@@ -90,6 +90,15 @@ def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
         return run.outputs, take
 
 
+def keep_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
+    """Keep a take that was made elsewhere, and its events."""
+    with working(order, reporter) as run:
+        _put_take(run, take)
+        write_events(run.outputs, take)
+        _finish(run, take)
+        return run.outputs
+
+
 def score_only(order: Order, reporter: Reporter) -> Outputs:
     """Simulate a scene if need be and write its score, rendering nothing."""
     with working(order, reporter) as run:
@@ -131,7 +140,7 @@ def take_key(scene: Scene) -> str:
 
 def take_of(run: Production) -> Take:
     """Return the take of the scene, simulating only if there is none that fits."""
-    scene, place = run.order.scene, run.outputs.take
+    scene = run.order.scene
     key = take_key(scene)
     with stage(run.reporter, "simulate", scene.n_frames) as current:
         kept = _kept_take(run, key)
@@ -143,15 +152,21 @@ def take_of(run: Production) -> Take:
         began = time.monotonic()
         take = simulate(scene, key, lambda done, _: step(run.reporter, current, done))
         run.timed("simulate", began)
-        new = place.with_name(f".{place.name}{PARTIAL}")
-        write_take(take, new)
-        replace_folder(new, place)
+        _put_take(run, take)
         current.result = (
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
         )
     for note in take.notes:
         run.reporter.note(f"note: {note.part} {note.kind} at step {note.step}: {note.text}")
     return take
+
+
+def _put_take(run: Production, take: Take) -> None:
+    place = run.outputs.take
+    new = place.with_name(f".{place.name}{PARTIAL}")
+    write_take(take, new)
+    replace_folder(new, place)
+    run.changed = True
 
 
 def _kept_take(run: Production, key: str) -> Take | None:

@@ -60,7 +60,7 @@ class Recorder:
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
         self._notes: dict[tuple[str, str], Note] = {}
-        self._told: list[Told] = []
+        self.orders: list[Told] = []
 
     def hang(self, bonds: Iterable[Bond]) -> None:
         """Let performers hang on the nodes that they go along with."""
@@ -146,16 +146,24 @@ class Recorder:
         events: Iterable[SoundEvent],
         notes: Iterable[Note],
     ) -> None:
-        """Keep what happened in one step; a note is kept once for each part and kind."""
+        """Keep what happened in one step; of notes of a kind on a part the first is kept."""
         self.contacts.extend(contacts)
         self.events.extend(events)
         for note in notes:
-            self._notes.setdefault((note.kind, note.part), note)
+            of = note.kind, note.part
+            # Some are known only when their rows are written.
+            if of not in self._notes or note.step < self._notes[of].step:
+                self._notes[of] = note
+
+    @property
+    def notes(self) -> list[Note]:
+        """What the author should know so far, in the order of time."""
+        return sorted(self._notes.values(), key=lambda note: (note.step, note.part, note.kind))
 
     def told(self, step: int, orders: Orders) -> None:
         """Keep what the script asks of whom from `step` on."""
         for who, given in orders.items():
-            self._told.extend(Told(step, who, said(do)) for do in given)
+            self.orders.extend(Told(step, who, said(do)) for do in given)
 
     def take(self) -> Take:
         """Return the finished take."""
@@ -182,8 +190,8 @@ class Recorder:
             # Some are told of later than they happen: what rolls, when it has ended.
             contacts=tuple(sorted(self.contacts, key=lambda c: (c.step, c.fraction))),
             events=tuple(sorted(self.events, key=lambda e: (e.step, e.fraction))),
-            notes=tuple(self._notes.values()),
-            told=tuple(self._told),
+            notes=tuple(self.notes),
+            told=tuple(self.orders),
         )
 
 

@@ -30,18 +30,46 @@ def _event(instruction: Instruction) -> Event:
     return when.arrived or frozenset(when.touch or ())
 
 
+Given = tuple[str, Do]
+"""To whom, and what."""
+
+
 class Script:
-    """The instructions of a scene that are not given yet."""
+    """The instructions of a scene that are not given yet, and those from outside.
+
+    In one step the scene's timed ones go first, then those from outside, then `walk` after a
+    `wait`, then what has waited for something to happen. So those from outside may be written
+    into the scene, at the times at which they were given, and it goes the same way.
+
+    Attributes:
+        told: from outside, given so far: the step, who, and what.
+    """
 
     def __init__(self, instructions: Sequence[Instruction], clock: Clock) -> None:
         self.clock = clock
-        self._timed: dict[int, list[tuple[str, Do]]] = {}
+        self.told: list[tuple[int, str, Do]] = []
+        self._timed: dict[int, list[Given]] = {}
+        self._outside: dict[int, list[Given]] = {}
+        self._resumed: dict[int, list[Given]] = {}
         self._waiting: list[Instruction] = []
+        self._waiting_outside: list[Instruction] = []
         for one in instructions:
             if one.at is None:
                 self._waiting.append(one)
             else:
-                self._at(clock.step_from(one.at), one.who, one.do)
+                _at(self._timed, clock.step_from(one.at), one)
+
+    @property
+    def due_from_outside(self) -> int:
+        """Number of instructions from outside that are not given yet."""
+        return sum(map(len, self._outside.values())) + len(self._waiting_outside)
+
+    def tell(self, instruction: Instruction, step: int) -> None:
+        """Take in an instruction from outside, before `step` is taken."""
+        if instruction.at is None:
+            self._waiting_outside.append(instruction)
+        else:
+            _at(self._outside, max(self.clock.step_from(instruction.at), step), instruction)
 
     def orders(
         self, step: int, arrived: Collection[str], touched: Collection[tuple[str, str]] = ()
@@ -53,28 +81,35 @@ class Script:
             arrived: who has just come to the end of its way.
             touched: pairs who have just begun to touch one another.
         """
-        due = self._timed.pop(step, [])
         events: set[Event] = {*arrived, *(frozenset(pair) for pair in touched)}
-        due += self._happened(events) if events else []
+        outside = self._outside.pop(step, []) + _happened(self._waiting_outside, events)
+        self.told.extend((step, who, do) for who, do in outside)
+        due = self._timed.pop(step, []) + outside
+        due += self._resumed.pop(step, []) + _happened(self._waiting, events)
         given: dict[str, list[Do]] = {}
         for who, do in due:
             given.setdefault(who, []).append(do)
             if isinstance(do, Wait):
-                self._at(step + max(self.clock.step_from(do.wait), 1), who, "walk")
+                on = step + max(self.clock.step_from(do.wait), 1)
+                self._resumed.setdefault(on, []).append((who, "walk"))
         return given
 
-    def _happened(self, events: Collection[Event]) -> list[tuple[str, Do]]:
-        """Return what waited for these events, the first for each performer and event."""
-        given: dict[tuple[str, Event], Do] = {}
-        left = []
-        for one in self._waiting:
-            event = _event(one)
-            if event in events and (one.who, event) not in given:
-                given[one.who, event] = one.do
-            else:
-                left.append(one)
-        self._waiting = left
-        return [(who, do) for (who, _), do in given.items()]
 
-    def _at(self, step: int, who: str, do: Do) -> None:
-        self._timed.setdefault(step, []).append((who, do))
+def _at(steps: dict[int, list[Given]], step: int, instruction: Instruction) -> None:
+    steps.setdefault(step, []).append((instruction.who, instruction.do))
+
+
+def _happened(waiting: list[Instruction], events: Collection[Event]) -> list[Given]:
+    """Take from `waiting` what waited for these events, the first for each performer and event."""
+    if not events or not waiting:
+        return []
+    given: dict[tuple[str, Event], Do] = {}
+    left = []
+    for one in waiting:
+        event = _event(one)
+        if event in events and (one.who, event) not in given:
+            given[one.who, event] = one.do
+        else:
+            left.append(one)
+    waiting[:] = left
+    return [(who, do) for (who, _), do in given.items()]

@@ -21,14 +21,16 @@ from pipeline.simulation.detect.contacts import Contacts
 from pipeline.simulation.detect.motions import Motions
 from pipeline.simulation.detect.scenery import Scenery, solids_of
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.happenings import Happening
 from pipeline.simulation.obstacles import Obstacle, obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Script
 from pipeline.simulation.take import Contact, Header, Note, Take
 from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.troupe import Follows, Meets, Sees, Troupe, World
+from pipeline.simulation.troupe import Follows, Meets, Prepares, Sees, Troupe, World
 from pipeline.spec.cast import Group
 from pipeline.spec.scene import VERSION, Scene
+from pipeline.spec.script import Instruction
 
 ROWS_AT_ONCE = 96
 """Rows are worked out and written together: as arrays they cost a tenth."""
@@ -40,20 +42,33 @@ POSES_AT_ONCE = 65_536
 """Nodes times rows that are, about: so many stay in memory that is at hand."""
 
 
+COMMAND = "command"
+"""What an instruction from outside is called in messages."""
+
+
 class Simulation:
     """The world of one scene, one step at a time.
+
+    Args:
+        scene: what the author asked for.
+        key: of the take.
+        directed: whether instructions may come from outside, by `tell`.
+
+    Attributes:
+        happened: in the last step, for those who direct it.
 
     Raises:
         SceneError: if a figure is none, or cannot do what it is asked to.
         SimulationError: if the scene cannot begin, or diverges.
     """
 
-    def __init__(self, scene: Scene, key: str = "") -> None:
+    def __init__(self, scene: Scene, key: str = "", directed: bool = False) -> None:
         clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
         try:
             ground = build_ground(scene.terrain, scene.seed)
             detect = scene.sound.detect
-            self.world = World(ground, clock, scene.seed, scene.script, scene.all_moods, detect)
+            script = scene.script
+            self.world = World(ground, clock, scene.seed, script, scene.all_moods, detect, directed)
             figures = figures_of(scene)
             self.troupes: list[Troupe] = troupes_of(scene, figures, self.world)
             self._lookers = [troupe for troupe in self.troupes if isinstance(troupe, Sees)]
@@ -73,6 +88,7 @@ class Simulation:
         refuse_to_direct(scene, self.troupes)
         self._arrived: tuple[str, ...] = ()
         self._touched: tuple[tuple[str, str], ...] = ()
+        self.happened: tuple[Happening, ...] = ()
         self.step_number = 0
         self._kept = self._written = 0
         room = POSES_AT_ONCE // max(len(self.recorder.nodes), 1)
@@ -126,6 +142,22 @@ class Simulation:
         events = self._contacts.hear(contacts)
         self._motions.met(contacts)
         self.recorder.happened(contacts, events, notes)
+
+    def tell(self, instruction: Instruction) -> None:
+        """Take in an instruction from outside; one without delay is given in the next step.
+
+        Raises:
+            SceneError: its performer cannot do so; nothing has changed.
+        """
+        for troupe in self.troupes:
+            if isinstance(troupe, Prepares):
+                troupe.prepare(instruction, COMMAND)
+        self.script.tell(instruction, self.step_number)
+
+    def last_row(self) -> int:
+        """Return the last row there is, after all up to it are written."""
+        self._write_kept()
+        return self._kept - 1
 
     def take(self) -> Take:
         """Return what has happened, once finished."""
@@ -194,6 +226,11 @@ class Simulation:
         notes = [note for fact in facts for note in fact.notes]
         self._arrived = tuple(name for fact in facts for name in fact.arrived)
         self._touched = tuple(pair for fact in facts for pair in fact.touched)
+        self.happened = (
+            *(Happening("arrived", name) for name in self._arrived),
+            *(Happening("touch", *pair) for pair in self._touched),
+            *(one for fact in facts for one in fact.happened),
+        )
         return sorted(contacts, key=lambda c: (c.step, c.fraction, c.part)), notes
 
 

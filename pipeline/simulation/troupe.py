@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.happenings import Happening
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
@@ -32,7 +33,8 @@ class World:
         ground: the terrain.
         clock: the grid of steps, rows and frames.
         seed: of the scene.
-        script: all that will be asked of anybody.
+        script: what the scene asks of anybody.
+        directed: whether more may be asked, from outside, as time goes by.
         moods: that performers may be in, by name.
         detect: what is heard, and from when on.
     """
@@ -43,6 +45,7 @@ class World:
     script: Sequence[Instruction] = ()
     moods: Mapping[str, Mood] = field(default_factory=dict)
     detect: Detect = field(default_factory=Detect)
+    directed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,12 +97,14 @@ class Facts:
         notes: that the author should have.
         arrived: who has come to the end of its way in it.
         touched: pairs who have begun to touch one another in it, by name.
+        happened: what else those who direct the scene hear of.
     """
 
     contacts: tuple[Contact, ...] = ()
     notes: tuple[Note, ...] = ()
     arrived: tuple[str, ...] = ()
     touched: tuple[tuple[str, str], ...] = ()
+    happened: tuple[Happening, ...] = ()
 
 
 class Troupe(Protocol):
@@ -140,6 +145,22 @@ class Sees(Troupe, Protocol):
 
     def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
         """Take in the corners (n, 3) of the solids of each that was sought, as they are now [m]."""
+
+
+@runtime_checkable
+class Prepares(Troupe, Protocol):
+    """A troupe that prepares for what its members will be asked, and refuses what they cannot."""
+
+    def prepare(self, instruction: Instruction, where: str) -> None:
+        """Be ready for an instruction of which nobody knew at the begin.
+
+        Args:
+            instruction: to anybody.
+            where: its path in the scene.
+
+        Raises:
+            SceneError: its performer cannot do so.
+        """
 
 
 @runtime_checkable

@@ -33,6 +33,9 @@ from render.words import Camera, Cuts, Film, Light, Material
 VERSION = 1
 """The version of the language that this pronk reads."""
 
+MOST_INSTRUCTIONS = 10_000
+"""Of a script."""
+
 
 def _named(cast: tuple[Member, ...]) -> tuple[Member, ...]:
     names = names_of([called(member) for member in cast])
@@ -70,7 +73,7 @@ class Scene(Words):
     moods: dict[Name, Mood] = Field(
         {}, description="The author's own moods, beside and before those of the library."
     )
-    script: Annotated[tuple[Instruction, ...], Field(max_length=10_000)] = Field(
+    script: Annotated[tuple[Instruction, ...], Field(max_length=MOST_INSTRUCTIONS)] = Field(
         (), description="What performers are to do, and when."
     )
     materials: dict[Name, Material] = Field(

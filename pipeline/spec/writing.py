@@ -10,9 +10,15 @@ from pipeline.spec.scalars import scalar_of
 from pipeline.spec.scene import Scene
 
 
-def dump(scene: Scene) -> str:
-    """Return YAML text that loads to an equal scene; it names no files."""
-    words = _listed(scene.model_dump(exclude_none=True))
+def dump(scene: Scene, in_full: bool = True) -> str:
+    """Return YAML text that loads to an equal scene; it names no files.
+
+    Args:
+        scene: any scene.
+        in_full: whether words that its author left out are written, too. What simulates to the
+            same bytes leaves them out: a heading that is given is another thing than none.
+    """
+    words = _listed(scene.model_dump(exclude_none=True, exclude_unset=not in_full))
     return yaml.dump(
         words, Dumper=_Dumper, sort_keys=False, allow_unicode=True, default_flow_style=None
     )

@@ -24,6 +24,7 @@ from pipeline.simulation.characters.mind.surroundings import Surroundings
 from pipeline.simulation.characters.neighbours import room_for
 from pipeline.simulation.characters.record import persons_of
 from pipeline.simulation.characters.rolling import DEEP, Rolling
+from pipeline.simulation.characters.signals import Signals
 from pipeline.simulation.characters.stepping import advance
 from pipeline.simulation.characters.telling import Telling
 from pipeline.simulation.dynamics.compiled import Records
@@ -74,6 +75,7 @@ class Characters:
         stage = Stage([member.name for member in cast], self.crowd, world.ground, people)
         poses = {member.name: member.pose for member in cast}
         self.direction = Direction(stage, self.persons, dt, poses)
+        self.signals = Signals(self.direction)
         self.minds = self._minds(stage)
         channels = self.minds.channels if self.minds is not None else ()
         self.inventory = replace(self._look.inventory, channels=channels)
@@ -127,7 +129,8 @@ class Characters:
         self._roll(before)
         contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
         arrived, touched = self.direction.arrived(), self.telling.touched(self.log)
-        self._facts = Facts(contacts, arrived=arrived, touched=touched)
+        happened = self.signals.of_step()
+        self._facts = Facts(contacts, arrived=arrived, touched=touched, happened=happened)
 
     def move(self) -> None:
         """Let all nodes go on by a step."""

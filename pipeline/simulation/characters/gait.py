@@ -163,9 +163,7 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
 
 
 @compiled
-def _aim(
-    person: Record, k: int, left: float, share: float, frame: Record, vertices: Array
-) -> None:
+def _aim(person: Record, k: int, left: float, share: float, frame: Record, vertices: Array) -> None:
     """Choose where a foot is to land.
 
     Args:

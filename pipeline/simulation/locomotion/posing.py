@@ -30,7 +30,7 @@ from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.pronking.reaching import Reaching
 from pipeline.simulation.locomotion.swings.sole import lowest
 from pipeline.simulation.locomotion.swings.swing import swing
-from pipeline.simulation.locomotion.ways.body_path import BodyPath
+from pipeline.simulation.locomotion.ways.body_path import BodyPath, Ways
 from pipeline.simulation.locomotion.ways.route import Route
 from pipeline.simulation.locomotion.yielding import Going, Touches, Yielding
 from pipeline.simulation.spatial import Array, turn, unturn
@@ -67,13 +67,14 @@ class Moment:
     stoop: Array
     tuck: Array
     bearing: Bearing
+    ways: Ways
     routes: Sequence[Route]
     looks: Mapping[int, Look]
     bend: Array | None = None
     aloft: Mapping[int, Aloft] = field(default_factory=dict)
 
 
-ALONE = ("step", "bearing", "routes", "looks", "bend", "aloft")
+ALONE = ("step", "bearing", "ways", "routes", "looks", "bend", "aloft")
 ARRAYS = tuple(name for name in Moment.__slots__ if name not in ALONE)
 """What of a moment is arrays, to be stacked."""
 
@@ -120,7 +121,7 @@ class Posing:
         self._last = np.zeros(len(idlers.owner))
 
     def poses(self, moments: Sequence[Moment]) -> Poses:
-        """Return where everything is at `moments`."""
+        """Return where everything is at `moments`, throughout which all have the same ways."""
         herd, n = self.herd, len(moments)
         steps = np.array([moment.step for moment in moments])
         gone, drive, vigour, start, end, height, lifted, span, swinging, stoop, tuck = (

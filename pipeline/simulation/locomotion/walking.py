@@ -9,6 +9,7 @@ Source: Sims 1987, ch. 10.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,10 +38,13 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Creature
-from pipeline.spec.script import ChangeGait, ChangeMood, SetSpeed
+from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 
 HURRY = 2.0
 """How much faster a creature may get by a change of mood or speed."""
+
+UNKNOWN = 10.0
+"""Likewise where it is not known what it will be asked."""
 
 
 class Walkers:
@@ -76,6 +80,7 @@ class Walkers:
         self.leaps = Leaps(cast, world, self.going, self.feet, materials)
         self._notes: list[Note] = []
         self._told: list[Note] = []
+        self._late: list[Note] = []
         self._arrived: list[str] = []
         self._kept: list[Moment] = []
         self.feet.set_down()
@@ -155,7 +160,16 @@ class Walkers:
             elif isinstance(one.do, SetSpeed | ChangeMood):
                 hurry = HURRY
             speed[c] *= hurry
+        if self.world.directed:
+            speed *= UNKNOWN
         return speed * float(clock.time_of(clock.last_step)) + stride
+
+    def prepare(self, instruction: Instruction, where: str) -> None:
+        """Refuse what legs cannot do, and be ready for jumps."""
+        if isinstance(instruction.do, ChangeGait) and instruction.who in self.herd.names:
+            c = self.herd.names.index(instruction.who)
+            self.going.manners.possible(c, instruction.do, f"{where}.do")
+        self.leaps.prepare(instruction, where)
 
     def keep(self) -> None:
         """Keep the present state as the next row."""
@@ -175,6 +189,7 @@ class Walkers:
                 stoop=feet.stoop.copy(),
                 tuck=feet.tuck.copy(),
                 bearing=self.going.path.bearing,
+                ways=self.going.path.ways,
                 routes=self.leaps.routes(),
                 looks=self.going.looks,
                 bend=None if feet.bend is None else feet.bend.copy(),
@@ -184,17 +199,27 @@ class Walkers:
 
     def write(self, rows: Rows) -> None:
         """Write nodes and channels of all rows kept."""
-        poses = self.posing.poses(self._kept)
-        rows.positions[:], rows.rotations[:] = poses.positions, poses.rotations
+        path, first = self.going.path, 0
+        ways = path.ways
+        # On the ways that they had: another one is the same so far but for the last bit, which
+        # may not depend on how many rows are written at once.
+        for path.ways, moments in groupby(self._kept, key=lambda moment: moment.ways):
+            poses = self.posing.poses(list(moments))
+            here = slice(first, first + len(poses.positions))
+            rows.positions[here], rows.rotations[here] = poses.positions, poses.rotations
+            rows.values[here] = poses.values
+            self._late.extend(poses.notes)
+            first = here.stop
+        path.ways = ways
         rows.alive[:] = True
-        rows.values[:] = poses.values
-        self._notes.extend(poses.notes)
         self._kept.clear()
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
         contacts = *self.feet.footfalls.contacts, *self.leaps.contacts
-        return Facts(contacts, tuple(self._notes), tuple(self._arrived))
+        # Rows may have been written before the step, too.
+        notes, self._late = (*self._notes, *self._late), []
+        return Facts(contacts, notes, tuple(self._arrived))
 
     def _go_on(self) -> list[str]:
         """Advance on the routes; return who has come to its end."""

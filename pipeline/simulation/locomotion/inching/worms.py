@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.locomotion.inching.chain import FRONT, REAR, Chain
@@ -26,6 +27,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World
 from pipeline.spec.cast import Creature
+from pipeline.spec.script import Instruction
 
 SLIP = 1e-4
 """Distance between a foot and where it is to be that is worth a note [m]."""
@@ -53,9 +55,16 @@ class Inchworms:
         self.halted = [not worm.walks for worm in self.worms]
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
+        self._late: list[Note] = []
         self._kept: list[tuple[int, tuple[Step, ...], tuple[float, ...]]] = []
         for w in range(len(self.worms)):
             self._lift(0, w)
+
+    def prepare(self, instruction: Instruction, where: str) -> None:
+        """Refuse whatever a worm is told."""
+        if instruction.who in [worm.name for worm in self.worms]:
+            message = f"'{instruction.who}' is an inchworm, which follows no script"
+            raise SceneError([Problem(f"{where}.who", message)])
 
     def read(self, orders: Orders) -> None:
         """Take in nothing: nobody directs an inchworm yet, which is said when it is asked for."""
@@ -98,7 +107,9 @@ class Inchworms:
 
     def facts(self) -> Facts:
         """Return the footfalls and notes of the last step."""
-        return Facts(tuple(self._contacts), tuple(self._notes))
+        # Rows may have been written before the step, too.
+        notes, self._late = (*self._notes, *self._late), []
+        return Facts(tuple(self._contacts), notes)
 
     # --- one step ---------------------------------------------------------------
 
@@ -172,7 +183,7 @@ class Inchworms:
         for row in np.flatnonzero(whole.residual > SLIP):
             part = f"{worm.name}.{worm.chain.feet[ends[row]].limb.name}"
             gap = f"{1000.0 * whole.residual[row]:.2g} mm from where it is to be"
-            self._notes.append(Note("clamped", self._kept[row][0], part, gap))
+            self._late.append(Note("clamped", self._kept[row][0], part, gap))
         return whole
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
@@ -50,6 +50,7 @@ from pipeline.spec.pronk import Pronk
 from pipeline.spec.script import (
     Do,
     GoTo,
+    Instruction,
     JumpOnce,
     TurnBy,
     Wait,
@@ -113,7 +114,8 @@ class Leaps:
     ) -> None:
         self.world, self.going, self.feet = world, going, feet
         self.herd: Herd = going.herd
-        self.of = _pronkers(cast, world, self.herd)
+        self.of: dict[int, Pronker] = {}
+        self._cast = cast
         self.trips: dict[int, Trip] = {}
         self.contacts: list[Contact] = []
         self.notes: list[Note] = []
@@ -122,6 +124,37 @@ class Leaps:
         self._solids: Solids = {}
         self._telling = Telling(self.herd, world, materials)
         self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
+        problems = list[Problem]()
+        for i, one in enumerate(world.script):
+            try:
+                self.prepare(one, f"script[{i}]")
+            except SceneError as error:
+                problems += error.problems
+        if problems:
+            raise SceneError(list(dict.fromkeys(problems)))
+
+    @cached_property
+    def _folds(self) -> Array:
+        return folds_of(self.herd)
+
+    def prepare(self, one: Instruction, where: str) -> None:
+        """Find out how somebody jumps who is asked to.
+
+        Raises:
+            SceneError: it cannot.
+        """
+        if one.who not in self.herd.names or not isinstance(one.do, HopOverWords | JumpOnce):
+            return
+        c = self.herd.names.index(one.who)
+        number, member, figure = self._cast[c]
+        if not figure.skeleton.legs:
+            message = f"figure '{figure.name}' has no legs to jump on"
+            raise SceneError([Problem(f"{where}.do", message)])
+        if c not in self.of:
+            words = member.pronk or Pronk()
+            self.of[c] = pronker_of(self.herd, c, number, words, self._folds)
+        if isinstance(one.do, JumpOnce):
+            jump_for(self.of[c], one.do.jump, f"{where}.do.jump")
 
     # --- orders -----------------------------------------------------------------
 
@@ -354,35 +387,6 @@ class Leaps:
             ]
             self._routes = routes, away, seen
         return self._routes[2]
-
-
-def _pronkers(
-    cast: Sequence[tuple[int, Creature, Figure]], world: World, herd: Herd
-) -> dict[int, Pronker]:
-    """Return how those jump of whom a script asks it.
-
-    Raises:
-        SceneError: one cannot.
-    """
-    found, problems, folds = dict[int, Pronker](), list[Problem](), folds_of(herd)
-    for i, one in enumerate(world.script):
-        if one.who not in herd.names or not isinstance(one.do, HopOverWords | JumpOnce):
-            continue
-        c = herd.names.index(one.who)
-        number, member, figure = cast[c]
-        try:
-            if not figure.skeleton.legs:
-                message = f"figure '{figure.name}' has no legs to jump on"
-                raise SceneError([Problem(f"script[{i}].do", message)])
-            if c not in found:
-                found[c] = pronker_of(herd, c, number, member.pronk or Pronk(), folds)
-            if isinstance(one.do, JumpOnce):
-                jump_for(found[c], one.do.jump, f"script[{i}].do.jump")
-        except SceneError as error:
-            problems += error.problems
-    if problems:
-        raise SceneError(list(dict.fromkeys(problems)))
-    return found
 
 
 def _leg(route: Route, place: Array, turned: float) -> Route:

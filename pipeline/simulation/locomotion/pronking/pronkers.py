@@ -33,7 +33,7 @@ from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.pronk import Pronk
-from pipeline.spec.script import HopOver, JumpOnce, LookAhead, LookAt
+from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
 
 SLIP = 1e-4
 """Distance between a foot and its foothold that is worth a note [m]."""
@@ -63,9 +63,7 @@ class Pronkers:
         self.pronkers = pronkers_of(herd, [number for number, _, _ in cast], words)
         above = [float(m.at[1]) if len(m.at) == 3 else None for _, m, _ in cast]
         for i, one in enumerate(world.script):
-            if one.who in herd.names and isinstance(one.do, JumpOnce):
-                of = self.pronkers[herd.names.index(one.who)]
-                jump_for(of, one.do.jump, f"script[{i}].do.jump")
+            self.prepare(one, f"script[{i}]")
         row_dt = world.clock.dt * world.clock.steps / world.clock.samples
         self.posing = Posing(herd, world.ground, idlers, table, folds_of(herd), row_dt)
         self.kept = Kept(self.posing, world.clock.dt)
@@ -86,6 +84,7 @@ class Pronkers:
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
         self._told: list[Note] = []
+        self._late: list[Note] = []
         self._arrived: list[str] = []
         self._solids: Solids = {}
 
@@ -101,6 +100,12 @@ class Pronkers:
     def see(self, solids: Solids) -> None:
         """Take in where those are."""
         self._solids = {**self._solids, **solids}
+
+    def prepare(self, instruction: Instruction, where: str) -> None:
+        """Refuse a jump that there is none of."""
+        if instruction.who in self.herd.names and isinstance(instruction.do, JumpOnce):
+            of = self.pronkers[self.herd.names.index(instruction.who)]
+            jump_for(of, instruction.do.jump, f"{where}.do.jump")
 
     def read(self, orders: Orders) -> None:
         """Take in what the script asks from this step on."""
@@ -167,12 +172,14 @@ class Pronkers:
             for row, leg in np.argwhere(poses.residual > SLIP):
                 part, gap = self._telling.part(int(leg)), 1000.0 * float(poses.residual[row, leg])
                 text = f"{gap:.2g} mm from its foothold"
-                self._notes.append(Note("clamped", moments[row].step, part, text))
+                self._late.append(Note("clamped", moments[row].step, part, text))
             first = here.stop
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
-        return Facts(tuple(self._contacts), tuple(self._notes), tuple(self._arrived))
+        # Rows may have been written before the step, too.
+        notes, self._late = (*self._notes, *self._late), []
+        return Facts(tuple(self._contacts), notes, tuple(self._arrived))
 
 
 def phase_of(hopping: Hopping) -> float:

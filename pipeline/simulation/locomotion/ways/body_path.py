@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -57,6 +58,24 @@ MOST_PITCH = math.radians(15.0)
 """How far a bearing holds a body nose up or down."""
 
 
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Where a herd goes; whoever is led elsewhere makes another.
+
+    Attributes:
+        routes: ways of its creatures over the plane.
+        straight: (C,) which of them go straight from where they started.
+    """
+
+    routes: Sequence[Route]
+    straight: NDArray[np.bool_]
+
+    @staticmethod
+    def of(routes: Sequence[Route]) -> Ways:
+        """Return ways that have these routes."""
+        return Ways(routes, np.array([route.goes_straight for route in routes], dtype=bool))
+
+
 class BodyPath:
     """Poses of the bodies of a herd on a ground.
 
@@ -64,8 +83,7 @@ class BodyPath:
         herd: the creatures.
         ground: what they go over.
         footing: the ground that they can stand on, and the surface it makes.
-        routes: their ways over the plane; a route may be changed where its creature has not
-            been yet, which makes another list.
+        ways: where they go; a route may be changed where its creature has not been yet.
         paces: how they go.
         bearing: (C,) how they carry themselves now.
         trunks: how their bodies rock with their gaits.
@@ -76,15 +94,18 @@ class BodyPath:
         self.ground = ground
         self.paces = paces
         self.footing = Footing(herd, ground)
-        self.routes = list(routes)
+        self.ways = Ways.of(routes)
         self.bearing = Bearing.neutral(len(herd.names))
         self.trunks = Trunks(paces)
-        self._goes_straight = np.array([route.goes_straight for route in routes], dtype=bool)
+
+    @property
+    def routes(self) -> Sequence[Route]:
+        """Their ways over the plane; the same object as long as nobody is led elsewhere."""
+        return self.ways.routes
 
     def lead(self, c: int, route: Route) -> None:
         """Give creature `c` another way, which is as before up to where it is."""
-        self.routes = [*self.routes[:c], route, *self.routes[c + 1 :]]
-        self._goes_straight[c] = route.goes_straight
+        self.ways = Ways.of([*self.routes[:c], route, *self.routes[c + 1 :]])
 
     @cached_property
     def _samples(self) -> tuple[Array, Array]:
@@ -176,7 +197,7 @@ class BodyPath:
         # Most go straight from where they started: no table is needed.
         turned = herd.headings[creature]
         xz = herd.starts[creature] + travelled[:, None] * direction(turned)
-        lean, curved = np.zeros(len(creature)), creature[~self._goes_straight[creature]]
+        lean, curved = np.zeros(len(creature)), creature[~self.ways.straight[creature]]
         for c in np.unique(curved) if len(curved) else ():
             own = creature == c
             route, way = self.routes[c], travelled[own]

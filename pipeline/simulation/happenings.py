@@ -1,0 +1,29 @@
+"""Happenings: what those who direct a scene hear of, beside its sounds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+KINDS: Mapping[str, str] = {
+    "arrived": "somebody has come to the end of its way, or has done what it was told",
+    "touch": "two characters begin to touch one another",
+    "pain": "somebody is hurt, by whom or what",
+    "hug": "somebody has its arms around somebody",
+}
+"""Kinds of happenings; a new one is a line here."""
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """Something that happened in a step.
+
+    Attributes:
+        kind: one of `KINDS`.
+        who: a performer.
+        other: with whom, or by what; "" for nobody.
+    """
+
+    kind: str
+    who: str
+    other: str = ""

@@ -47,7 +47,7 @@ def test_who_gets_no_farther_tries_one_way_and_then_the_other() -> None:
 
 
 COUNTS = [
-    pytest.param(range(12), marks=pytest.mark.slow),
+    pytest.param(range(12), marks=pytest.mark.nightly),
     pytest.param(range(200), marks=pytest.mark.nightly),
 ]
 

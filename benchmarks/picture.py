@@ -48,9 +48,9 @@ SCENES = {"first_steps": 40, "toy": 30}
 
 DEPTH = 4
 COUNTS = {
-    "loop": (4, 16, 64, 256, 1024),
-    "path": (1, 4, 16, 64, 256),
-    "ours": (4, 8, 16, 32, 64, 128, 256),
+    "loop": (4, 16, 64, 256),
+    "path": (1, 4, 16, 64),
+    "ours": (4, 8, 16, 32, 64, 128),
     "half": (1, 2, 4, 8, 16, 32),
 }
 """Samples a pixel of each way; of ours, rays through each pixel."""

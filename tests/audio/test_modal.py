@@ -263,6 +263,7 @@ def test_grounds_differ_in_brightness(step, heard, brighter, duller):
     assert bright > 1.25 * dull
 
 
+@pytest.mark.nightly
 def test_every_pair_of_materials_has_its_own_spectrum(step, heard):
     # Third-octave levels of falling blocks, averaged over variants.
     edges = 100 * 2 ** (np.arange(22) / 3)

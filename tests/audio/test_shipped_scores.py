@@ -23,7 +23,7 @@ from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
 RATES = [Fraction(r) for r in (10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120)]
 RATES += [Fraction(144), Fraction(240), *(Fraction(r * 1000, 1001) for r in (24, 30, 60))]
 
-BY_DAY = ("pass_by", "squeaky_robot", "kangaroo_hills", "tuned_walk", "rocks")
+BY_DAY = ("pass_by", "squeaky_robot", "kangaroo_hills", "rocks")
 """Scenes of every kind of cause, and with phrases; the others wait for the night."""
 
 

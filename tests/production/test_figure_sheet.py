@@ -108,6 +108,7 @@ def test_the_report_tells_all_parts(folder: Path, beetle: Figure) -> None:
     assert "warning     'x' is not connected to the rest and ignored" in text
 
 
+@pytest.mark.nightly
 def test_the_picture_names_all_that_there_is(beetle: Figure) -> None:
     svg = figure_svg(beetle)
     texts = [element.text for element in ET.fromstring(svg).iter() if element.tag.endswith("text")]

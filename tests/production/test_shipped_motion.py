@@ -16,23 +16,22 @@ from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
 
 MOTION = Path(__file__).parents[1] / "goldens" / "motion"
 
-LONG = 100_000
-"""Steps times nodes; more than that takes some three seconds to simulate."""
+LONG, LONGEST = 100_000, 200_000
+"""Steps times nodes; more than that take some three seconds to simulate, and some six."""
 
 
-def _is_long(name: str) -> bool:
+def _tier(name: str) -> list[pytest.MarkDecorator]:
     try:
         golden = read_golden(MOTION / f"{name}.json")
     except PronkError:
-        return False
-    facts = golden.facts
-    return bool(facts["frames"] * facts["steps"] * len(golden.nodes) > LONG)
+        return []
+    work = golden.facts["frames"] * golden.facts["steps"] * len(golden.nodes)
+    if work > LONGEST:
+        return [pytest.mark.nightly]
+    return [pytest.mark.slow] if work > LONG else []
 
 
-SCENES = [
-    pytest.param(name, marks=[pytest.mark.slow] if _is_long(name) else [])
-    for name in shipped_scenes()
-]
+SCENES = [pytest.param(name, marks=_tier(name)) for name in shipped_scenes()]
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -95,6 +95,7 @@ def test_a_large_picture_gives_the_same_light(tmp_path: Path) -> None:
     np.testing.assert_allclose(irradiance(small, UP), irradiance(image, UP), rtol=1e-3)
 
 
+@pytest.mark.nightly
 def test_strength_is_a_factor_and_the_picture_is_exposed(
     renderer: Renderer, make_shot: Make, tmp_path: Path
 ) -> None:

@@ -116,7 +116,7 @@ def test_a_hundred_random_drawings() -> None:
     assert len(messages) > 3
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_thousand_random_drawings() -> None:
     figures, messages = become_figures(2, 1_000)
     assert figures > 200

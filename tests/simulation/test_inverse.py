@@ -160,6 +160,7 @@ def test_limbs_of_fewer_joints_than_directions() -> None:
     assert found.at_limit.all()
 
 
+@pytest.mark.nightly
 def test_out_of_reach_nothing_is_nearer(beetle: Figure) -> None:
     legs = _legs(beetle)
     start, chance = legs.pose(legs.preferred), np.random.default_rng(6)

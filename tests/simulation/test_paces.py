@@ -105,6 +105,7 @@ def test_a_new_gait_has_its_own_speed_or_the_one_that_is_asked_for() -> None:
     assert speed(own, 6.2) == pytest.approx(pace.stride / pace.cycle, rel=1e-6)
 
 
+@pytest.mark.nightly
 def test_what_is_gone_is_the_integral_of_speed_whatever_the_frame_rate() -> None:
     ends = []
     for fps in (24, 30, 60):

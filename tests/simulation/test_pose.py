@@ -117,6 +117,7 @@ def test_a_hand_is_where_it_is_asked_to_be(frame: str) -> None:
     assert posed.fastest() < 14.001
 
 
+@pytest.mark.nightly
 def test_elbow_first_hand_as_far_as_that_lets_it() -> None:
     # An elbow is as far from its shoulder as the arm is long.
     itself = plain()

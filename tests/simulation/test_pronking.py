@@ -247,6 +247,7 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
         pytest.param("hopper", marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.nightly
 def test_landing_points_on_smooth_hills_converge_with_the_step(figure, words):
     # What is left is the attitude's, which Runge and Kutta turn: of fourth order, 16 times.
     coarse, fine = landing_errors(figure, words, SMOOTH)
@@ -263,6 +264,7 @@ def test_landing_points_on_smooth_hills_converge_with_the_step(figure, words):
         "hopper",
     ],
 )
+@pytest.mark.nightly
 def test_landing_points_on_level_ground_do_not_depend_on_the_step(figure):
     # Phases are exact and events are located in them: what is left is rounding.
     coarse, fine = landing_errors(figure, "{}", "flat")

@@ -106,7 +106,9 @@ def test_a_white_furnace_is_exact(renderer: Renderer) -> None:
     np.testing.assert_allclose(seen.direct[outside], 1.0, rtol=1e-5)
     # At its edge the paths may see more of the body or less than the looks do; light that is
     # parted from colours does not know of it.
-    fallen = np.divide(seen.indirect, seen.dye, where=seen.dye > 0.0, out=np.ones_like(seen.dye))
+    # Where they have seen nothing of it, it is as beside.
+    fallen = np.full_like(seen.dye, 1.0 / (1.0 + GLEAM))
+    np.divide(seen.indirect, seen.dye, where=seen.dye > 0.0, out=fallen)
     np.testing.assert_allclose(seen.direct + seen.color * fallen, 1.0, rtol=1e-5)
     np.testing.assert_allclose(seen.color[8, 8], 1.0 + GLEAM, rtol=1e-5)
     np.testing.assert_allclose(seen.color[0, 0], 0.0)

@@ -77,7 +77,10 @@ class Denoiser:
         known = exposure.dye.max(axis=-1, keepdims=True) > 0.0
         fallen = np.asarray(exposure.indirect / np.where(known, exposure.dye, 1.0), np.float32)
         soft = exposure.enlarged(self._cleaned(_filled(fallen, known), mode))
-        return exposure.direct + exposure.color * soft
+        # In place, for pictures of a film's size are large.
+        soft *= exposure.color
+        soft += exposure.direct
+        return soft
 
     def _cleaned(self, light: Image, mode: Literal["fast", "high"]) -> Image:
         self.require()

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from pipeline import cli
+from pipeline.commands import options
 from pipeline.simulation.figures.figure import build_figure
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.spatial import Array
@@ -65,7 +66,7 @@ def pronk(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) ->
     def run(*words: str) -> tuple[int, str, str]:
         capfd.readouterr()
         monkeypatch.setattr(sys, "argv", ["pronk", *words])
-        monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+        monkeypatch.setattr(options, "FLAGS", options.Flags())
         # The test runner listens to Ctrl-C itself.
         monkeypatch.setattr(cli, "listen", lambda: None)
         with pytest.raises(SystemExit) as end:

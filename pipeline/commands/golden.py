@@ -2,152 +2,143 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated
 
 import typer
 
-if TYPE_CHECKING:
-    from pipeline.production.reporting import Reporter
-
-Flags = Callable[[bool, bool, bool], "Reporter"]
-"""Sets the flags that every command has, and returns the reporter that suits them."""
+from pipeline.commands.options import (
+    BackendName,
+    BackendOption,
+    JsonFlag,
+    QuietFlag,
+    SceneNames,
+    Sets,
+    VerboseFlag,
+    reporter_of,
+)
 
 Scenes = Annotated[
     list[str] | None,
     typer.Argument(metavar="SCENE", help="Files, or names of shipped scenes; all with a golden."),
 ]
-Named = Annotated[
-    list[str], typer.Argument(metavar="SCENE", help="Files, or names of shipped scenes.")
-]
 Goldens = Annotated[
     Path | None, typer.Option(help="Folder of the goldens; 'goldens' beside the scene if left out.")
 ]
-Out = Annotated[Path, typer.Option(help="Folder for the report and for what differs.")]
-Sets = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Change a word of the scene: fps=30."),
-]
+ReportOut = Annotated[Path, typer.Option(help="Folder for the report and for what differs.")]
 Layers = Annotated[
     str | None, typer.Option(metavar="LAYERS", help="Such as motion,frames; all if left out.")
 ]
 Seeds = Annotated[
     int, typer.Option(min=0, max=100, help="Seeds to propose limits from; 0 for none.")
 ]
-Backend = Annotated[
-    Literal["auto", "cuda", "llvm", "scalar"],
-    typer.Option(help="Variant of Mitsuba; the fastest that works if left out."),
-]
-Json = Annotated[bool, typer.Option("--json", help="Say everything as lines of JSON.")]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
-Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Say more.")]
 
 
-def golden_commands(flags: Flags) -> typer.Typer:
-    """Return the group of commands, which say things where `flags` want it."""
-    group = typer.Typer(no_args_is_help=True, help="Keep a film as it is: its regression tests.")
+golden = typer.Typer(no_args_is_help=True, help="Keep a film as it is: its regression tests.")
 
-    @group.command()
-    def record(
-        scenes: Named,
-        goldens: Goldens = None,
-        layers: Layers = None,
-        seeds: Seeds = 4,
-        again: Annotated[bool, typer.Option("--again", help="Although there is one.")] = False,
-        sets: Sets = None,
-        backend: Backend = "auto",
-        json_lines: Json = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        """Write the goldens of scenes that have none."""
-        from pipeline.production.goldens import recording
-        from pipeline.production.goldens.case import Lab, cases_of, layers_of
 
-        reporter = flags(json_lines, quiet, verbose)
-        lab = Lab(backend)
-        for case in cases_of(scenes, goldens, Path("out"), sets or []):
-            told = recording.record(case, lab, reporter, layers_of(layers), seeds, again)
-            reporter.result(told)
+@golden.command()
+def record(
+    scenes: SceneNames,
+    goldens: Goldens = None,
+    layers: Layers = None,
+    seeds: Seeds = 4,
+    again: Annotated[bool, typer.Option("--again", help="Although there is one.")] = False,
+    sets: Sets = None,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Write the goldens of scenes that have none."""
+    from pipeline.production.goldens import recording
+    from pipeline.production.goldens.case import Lab, cases_of, layers_of
 
-    @group.command()
-    def check(
-        scenes: Scenes = None,
-        goldens: Goldens = None,
-        out: Out = Path("out"),
-        layers: Layers = None,
-        sets: Sets = None,
-        jobs: Annotated[int, typer.Option(min=1, max=256, help="Scenes checked at once.")] = 1,
-        backend: Backend = "auto",
-        json_lines: Json = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        """Compare scenes with their goldens; write a report, and never a golden.
+    reporter = reporter_of(json_lines, quiet, verbose)
+    lab = Lab(backend.value)
+    for case in cases_of(scenes, goldens, Path("out"), sets or []):
+        told = recording.record(case, lab, reporter, layers_of(layers), seeds, again)
+        reporter.result(told)
 
-        Ends with 0 if all hold, 1 if something changed, 5 if a golden is missing, 6 if this
-        machine cannot judge.
-        """
-        from pipeline.production.goldens.case import cases_of, layers_of
-        from pipeline.production.goldens.running import run_checks
 
-        reporter = flags(json_lines, quiet, verbose)
-        cases = cases_of(scenes or [], goldens, out, sets or [])
-        code = run_checks(cases, out, layers_of(layers), backend, jobs, reporter)
-        if code:
-            raise typer.Exit(code)
+@golden.command()
+def check(
+    scenes: Scenes = None,
+    goldens: Goldens = None,
+    out: ReportOut = Path("out"),
+    layers: Layers = None,
+    sets: Sets = None,
+    jobs: Annotated[int, typer.Option(min=1, max=256, help="Scenes checked at once.")] = 1,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Compare scenes with their goldens; write a report, and never a golden.
 
-    @group.command()
-    def approve(
-        scenes: Named,
-        goldens: Goldens = None,
-        out: Out = Path("out"),
-        layers: Layers = None,
-        json_lines: Json = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        """Make what the last check found to differ the golden, as it was looked at."""
-        from pipeline.production.goldens import approving
-        from pipeline.production.goldens.case import cases_of, layers_of
+    Ends with 0 if all hold, 1 if something changed, 5 if a golden is missing, 6 if this
+    machine cannot judge.
+    """
+    from pipeline.production.goldens.case import cases_of, layers_of
+    from pipeline.production.goldens.running import run_checks
 
-        reporter = flags(json_lines, quiet, verbose)
-        for case in cases_of(scenes, goldens, out):
-            reporter.result(approving.approve(case, layers_of(layers)))
+    reporter = reporter_of(json_lines, quiet, verbose)
+    cases = cases_of(scenes or [], goldens, out, sets or [])
+    code = run_checks(cases, out, layers_of(layers), backend.value, jobs, reporter)
+    if code:
+        raise typer.Exit(code)
 
-    @group.command(name="list")
-    def list_(
-        goldens: Goldens = None,
-        json_lines: Json = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        """Say which goldens there are, what they hold and what they weigh."""
-        from pipeline.production.goldens.listing import listed
-        from pipeline.production.goldens.places import FOLDER
 
-        text, facts = listed(goldens or Path(FOLDER))
-        flags(json_lines, quiet, verbose).result(text, goldens=facts)
+@golden.command()
+def approve(
+    scenes: SceneNames,
+    goldens: Goldens = None,
+    out: ReportOut = Path("out"),
+    layers: Layers = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Make what the last check found to differ the golden, as it was looked at."""
+    from pipeline.production.goldens import approving
+    from pipeline.production.goldens.case import cases_of, layers_of
 
-    @group.command()
-    def calibrate(
-        scenes: Scenes = None,
-        goldens: Goldens = None,
-        seeds: Seeds = 8,
-        write: Annotated[bool, typer.Option("--write", help="Write them into the golden.")] = False,
-        backend: Backend = "auto",
-        json_lines: Json = False,
-        quiet: Quiet = False,
-        verbose: Verbose = False,
-    ) -> None:
-        """Propose limits from pictures that differ in noise alone."""
-        from pipeline.production.goldens import recording
-        from pipeline.production.goldens.case import Lab, cases_of
+    reporter = reporter_of(json_lines, quiet, verbose)
+    for case in cases_of(scenes, goldens, out):
+        reporter.result(approving.approve(case, layers_of(layers)))
 
-        reporter = flags(json_lines, quiet, verbose)
-        lab = Lab(backend)
-        for case in cases_of(scenes or [], goldens, Path("out")):
-            reporter.result(recording.calibrate(case, lab, reporter, seeds, write))
 
-    return group
+@golden.command(name="list")
+def list_(
+    goldens: Goldens = None,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Say which goldens there are, what they hold and what they weigh."""
+    from pipeline.production.goldens.listing import listed
+    from pipeline.production.goldens.places import FOLDER
+
+    text, facts = listed(goldens or Path(FOLDER))
+    reporter_of(json_lines, quiet, verbose).result(text, goldens=facts)
+
+
+@golden.command()
+def calibrate(
+    scenes: Scenes = None,
+    goldens: Goldens = None,
+    seeds: Seeds = 8,
+    write: Annotated[bool, typer.Option("--write", help="Write them into the golden.")] = False,
+    backend: BackendOption = BackendName.auto,
+    json_lines: JsonFlag = False,
+    quiet: QuietFlag = False,
+    verbose: VerboseFlag = False,
+) -> None:
+    """Propose limits from pictures that differ in noise alone."""
+    from pipeline.production.goldens import recording
+    from pipeline.production.goldens.case import Lab, cases_of
+
+    reporter = reporter_of(json_lines, quiet, verbose)
+    lab = Lab(backend.value)
+    for case in cases_of(scenes or [], goldens, Path("out")):
+        reporter.result(recording.calibrate(case, lab, reporter, seeds, write))

@@ -13,6 +13,7 @@ import numpy as np
 
 import pipeline
 from pipeline.errors import SceneError, SimulationError
+from pipeline.processor import class_of
 from pipeline.simulation.attaching import Bond, bonds_of, split
 from pipeline.simulation.casting import figures_of, refuse_to_direct, troupes_of
 from pipeline.simulation.clock import Clock
@@ -274,12 +275,9 @@ def code_digest() -> str:
 
 
 def processor_class() -> str:
-    """Return the class of processor: within it, equal scenes give equal bytes.
-
-    Numpy's exp, BLAS and decompositions choose their code by the vector units found.
-    """
+    """Return the class of processor: within it, equal scenes give equal bytes."""
     simd = np.show_config(mode="dicts")["SIMD Extensions"]
-    return "-".join([platform.machine(), *simd.get("found", [])])
+    return class_of(simd.get("found", []), pipeline.HELD)
 
 
 def _header(scene: Scene, key: str) -> Header:

@@ -53,7 +53,7 @@ def faults_of_acting(
         yield Fault(path if isinstance(do, str) else (*path, word), message, at_key=word != do)
     for key, (kinds, what) in WHOM.items():
         if isinstance(whom := _get(do, key), str):
-            yield from _named(whom, name, kinds, what, (*path, key), cast)
+            yield from faults_of_whom(whom, name, kinds, what, (*path, key), cast)
     part, whom = _get(do, "part"), _get(do, "grab")
     if isinstance(part, str) and isinstance(whom, str) and whom in cast:
         if _get(cast[whom], "character") not in JOINTED:
@@ -89,7 +89,7 @@ def faults_of_touch(pair: object, path: Path, cast: Mapping[str, object]) -> Ite
             yield Fault((*path, k), f"'{name}' cannot touch itself; name another")
 
 
-def _named(
+def faults_of_whom(
     whom: str,
     name: str,
     kinds: Sequence[str],
@@ -97,6 +97,7 @@ def _named(
     path: Path,
     cast: Mapping[str, object],
 ) -> Iterator[Fault]:
+    """Find who is named, where one of some kinds is wanted, and is nobody, oneself or another."""
     if whom not in cast:
         yield Fault(path, f"nobody in the cast is called '{whom}', {hint(whom, cast)}")
     elif whom == name:

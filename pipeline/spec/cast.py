@@ -365,8 +365,9 @@ class Character(Performer):
             faults.append(Fault(("limp",), message, at_key=True))
         if self.acts:
             message = "who stands by itself cannot begin so; take this away, or give limp: true"
-            given = self.model_fields_set & {"rotation_deg", "velocity", "spin_deg"}
-            faults += [Fault((word,), message, at_key=True) for word in sorted(given)]
+            for word in ("rotation_deg", "spin_deg", "velocity"):
+                if getattr(self, word) != (0.0, 0.0, 0.0):
+                    faults.append(Fault((word,), message, at_key=True))
             if len(self.at) == 3:
                 message = "who stands by itself stands on the ground: give [x, z], or limp: true"
                 faults.append(Fault(("at",), message))

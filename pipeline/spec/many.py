@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
@@ -43,7 +44,7 @@ OfWhat = Annotated[
 ]
 
 
-class Arrangement(Words):
+class Arrangement(Words, ABC):
     """What all arrangements have."""
 
     of: OfWhat = Field(
@@ -65,9 +66,9 @@ class Arrangement(Words):
         return self
 
     @property
+    @abstractmethod
     def total(self) -> int:
         """How many bodies there are."""
-        raise NotImplementedError
 
 
 class Wall(Arrangement):

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from pipeline.spec.acting import faults_of_whom
 from pipeline.spec.behaviour import NAMES, WHOM
 from pipeline.spec.faults import Fault, Step
 from pipeline.spec.nearest import hint
@@ -27,23 +28,7 @@ def faults_of_minds(names: Sequence[str], members: Mapping[str, object]) -> Iter
             for key, (kinds, what) in WHOM.items():
                 if isinstance(whom := _get(one, key), str):
                     path = ("cast", i, "behaviours", k, key)
-                    yield from _towards(name, whom, kinds, what, path, members)
-
-
-def _towards(
-    name: str,
-    whom: str,
-    kinds: Sequence[str],
-    what: str,
-    path: Path,
-    members: Mapping[str, object],
-) -> Iterator[Fault]:
-    if whom not in members:
-        yield Fault(path, f"nobody in the cast is called '{whom}', {hint(whom, members)}")
-    elif whom == name:
-        yield Fault(path, f"'{name}' cannot do that to itself; name {what}")
-    elif (kind := _get(members[whom], "character")) is None or (kinds and kind not in kinds):
-        yield Fault(path, f"'{whom}' is {kind or 'no character'}; name {what}")
+                    yield from faults_of_whom(whom, name, kinds, what, path, members)
 
 
 def faults_of_urges(member: object, name: str, do: object, path: Path) -> Iterator[Fault]:

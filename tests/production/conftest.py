@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 
 from pipeline import cli
+from pipeline.commands import options
 from pipeline.production.order import Order
 from pipeline.production.produce import render
 from pipeline.production.reporting import Quiet
@@ -160,7 +161,7 @@ def pronk(
     def run(*words: str | Path, cwd: Path | None = None) -> tuple[int, str, str]:
         capfd.readouterr()
         monkeypatch.setattr(sys, "argv", ["pronk", *map(str, words)])
-        monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+        monkeypatch.setattr(options, "FLAGS", options.Flags())
         # The test runner listens to Ctrl-C itself.
         monkeypatch.setattr(cli, "listen", lambda: None)
         if cwd is not None:

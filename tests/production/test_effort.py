@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from pipeline import cli
+from pipeline.commands import options
 from pipeline.errors import UsageError
 from pipeline.production.effort import Effort, efforts, legged_of
 from pipeline.production.effort_report import facts, torques_csv
@@ -132,7 +133,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the current folder, which holds scenes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "listen", lambda: None)
-    monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+    monkeypatch.setattr(options, "FLAGS", options.Flags())
     bug = "- {name: bug, figure: beetle, walk: {}}\n"
     (tmp_path / "play.yaml").write_text(HEAD.format(0.5) + bug)
     (tmp_path / "flash.yaml").write_text(

@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 from pipeline import cli
+from pipeline.commands import options
 from pipeline.errors import UsageError
 from pipeline.production.figure_picture import png_of
 from pipeline.production.gait_bars import CreatureBars, bars_of, walkers_of
@@ -125,7 +126,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the current folder, which holds scenes."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "listen", lambda: None)
-    monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+    monkeypatch.setattr(options, "FLAGS", options.Flags())
     bug = "- {name: bug, figure: beetle, walk: {}}\n"
     (tmp_path / "play.yaml").write_text(HEAD + bug)
     (tmp_path / "still.yaml").write_text(HEAD + "- {figure: beetle}\n")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline import cli
+from pipeline.commands import options
 from pipeline.errors import UsageError
 from pipeline.production.jump_report import Hop, facts, hops_of, report_jumps, table
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -140,7 +141,7 @@ def test_the_command_prints_tables_or_json(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(cli, "listen", lambda: None)
-    monkeypatch.setattr(cli, "FLAGS", cli.Flags())
+    monkeypatch.setattr(options, "FLAGS", options.Flags())
     Path("play.yaml").write_text(f"{HEAD}- {ROO}\n")
     for flags in ([], ["--json"]):
         monkeypatch.setattr(sys, "argv", ["pronk", "jumps", "play", *flags])

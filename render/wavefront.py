@@ -38,7 +38,7 @@ from render.words.film import RAYS_A_PATH
 
 Image = NDArray[np.float32]
 
-LANES = 1 << 18
+LANES = 1 << 17
 """Most paths that are under way at once, which bounds the memory."""
 
 TILE = 4

@@ -178,6 +178,8 @@ def bench(
     ] = 2,
     out: Out = Path("out"),
     sets: Sets = None,
+    size: SizeOption = None,
+    samples: SamplesOption = None,
     backend: BackendOption = BackendName.auto,
     json_lines: JsonFlag = False,
     quiet: QuietFlag = False,
@@ -189,7 +191,7 @@ def bench(
     from pipeline.production import speed_report
 
     reporter = reporter_of(json_lines, quiet, verbose)
-    order = order_of(scene, sets, out, backend=backend)
+    order = order_of(scene, changes_of(sets, size, samples), out, backend=backend)
     presets = [one.value for one in preset or Preset]
     speeds = speed_report.measure(order, presets, frames, reporter)
     reporter.result(speed_report.told(speeds), presets=[asdict(speed) for speed in speeds])

@@ -14,7 +14,7 @@ from pipeline.production.shooting import Shooting
 from pipeline.production.stills import spread
 from render.backend import choose
 from render.renderer import Renderer, Split
-from render.words import Film, FullFilm
+from render.words import FullFilm
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
     """Render some frames of a scene with each preset; nothing of it is kept.
 
     Args:
-        order: the scene; its own size and samples are left aside.
+        order: the scene; what its film says beside the preset holds for all of them.
         presets: to measure.
         frames: how many after the first, spread over the film.
         reporter: told how far it is.
@@ -63,8 +63,7 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
         with held_back():
             renderer = Renderer(choose(order.backend))
         for preset in presets:
-            words = {"preset": preset, "exposure": order.scene.film.exposure}
-            film = Film.model_validate(words)
+            film = order.scene.film.model_copy(update={"preset": preset})
             shooting = Shooting(order.scene.model_copy(update={"film": film}), take)
             with stage(reporter, f"bench {preset}", frames + 1) as current:
                 seconds = list[float]()

@@ -25,11 +25,12 @@ def test_the_table_names_every_preset_and_says_what_the_film_would_take() -> Non
 def test_the_command_measures_and_overwrites_nothing(studio, pronk) -> None:
     before = studio.state()
     words = ("bench", "tiny", "--preset", "draft", "--frames", "1", "--json")
+    words += ("--size", "64x36")
     code, out, _ = pronk(*words, cwd=studio.folder)
     assert code == 0
     (speed,) = json.loads(out.splitlines()[-1])["presets"]
     assert speed["preset"] == "draft"
-    assert (speed["width"], speed["height"]) == (320, 180)
+    assert (speed["width"], speed["height"]) == (64, 36)
     assert 0.0 < speed["frame"] < speed["film"]
     assert speed["film"] == pytest.approx(speed["first"] + 7 * speed["frame"])
     assert 0.0 < speed["tracing"] + speed["denoising"] + speed["moving"] <= 1.0

@@ -214,7 +214,9 @@ def _ours(shot: Shot, count: int, soft_light: str = "full") -> Callable[[int], P
     shot = replace(shot, film=shot.film.model_copy(update=words))
     stage, denoiser = Stage(shot), Denoiser()
     passes = shot.film.resolved().passes
-    return lambda seed: denoiser.clean(stage.expose(seed, range(passes), passes), "fast")
+    return lambda seed: denoiser.clean(
+        stage.expose(seed, range(passes), passes), "fast", wide=shot.light.is_wide
+    )
 
 
 def _half(shot: Shot, count: int) -> Callable[[int], Picture]:

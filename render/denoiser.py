@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.errors import DenoiseError
-from render.exposure import Exposure, Image
+from render.exposure import GLEAM, Exposure, Image
 from render.words.film import Denoise
 
 THREADS = 2
@@ -24,6 +24,9 @@ MEMORY = 128
 the threads a constant, for tiles that are laid otherwise round otherwise."""
 
 _QUALITY = {"fast": "Fast", "high": "High"}
+
+_SEEN = 0.8 * GLEAM
+"""Colour from which on a pixel shows a surface, and not the sky beside it."""
 
 WITHOUT = "write `film: {denoise: off}` to do without"
 
@@ -60,7 +63,7 @@ class Denoiser:
         self._fault = f"the denoiser {what}: {reason}; {remedy}"
         self.key = "no denoiser"
 
-    def clean(self, exposure: Exposure, mode: Denoise) -> Image:
+    def clean(self, exposure: Exposure, mode: Denoise, *, wide: bool = False) -> Image:
         """Return the light of an exposure without its noise, (H, W, 3), linear.
 
         Light that came straight from a lamp is clean and keeps its sharp edges. The other is
@@ -68,6 +71,14 @@ class Denoiser:
         that is cleaned, and coloured again by clean colours: no grain of the ground is taken
         for noise, and none of it is lost. Where its few samples met the sky alone, the light
         is that of the surfaces beside.
+
+        Lamps that are wide have soft shadows, which few samples leave grainy: what they do for
+        surfaces is cleaned in the same way, by itself.
+
+        Args:
+            exposure: of one frame.
+            mode: how well.
+            wide: whether it was lit by a key light so wide that its shadows are soft.
 
         Raises:
             DenoiseError: the denoiser is missing or failed.
@@ -79,8 +90,17 @@ class Denoiser:
         soft = exposure.enlarged(self._cleaned(_filled(fallen, known), mode))
         # In place, for pictures of a film's size are large.
         soft *= exposure.color
-        soft += exposure.direct
+        soft += self._lit(exposure, mode) if wide else exposure.direct
         return soft
+
+    def _lit(self, exposure: Exposure, mode: Literal["fast", "high"]) -> Image:
+        """Return direct light with clean shadows; where no surface is seen it is as it was."""
+        known = exposure.color.max(axis=-1, keepdims=True) > _SEEN
+        fallen = np.asarray(exposure.direct / np.where(known, exposure.color, 1.0), np.float32)
+        fallen[~known[..., 0]] = 0.0
+        cleaned = self._cleaned(_filled(fallen, known), mode)
+        cleaned *= exposure.color
+        return np.where(known, cleaned, exposure.direct)
 
     def _cleaned(self, light: Image, mode: Literal["fast", "high"]) -> Image:
         self.require()

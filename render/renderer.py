@@ -98,7 +98,7 @@ class Renderer:
         with told_memory():
             exposure = self._exposed(shot, film)
         with self.split.timed("denoise"):
-            light = self._denoiser.clean(exposure, film.denoise)
+            light = self._denoiser.clean(exposure, film.denoise, wide=shot.light.is_wide)
         frame = Frame(light, film.exposure)
         if film.format == "png":
             with self.split.timed("tone"):

@@ -141,6 +141,11 @@ class Light(PresetWords):
             raise ValueError("moon and stars stand in the sky of a sun: give sun: {hour: 0}")
         return self
 
+    @property
+    def is_wide(self) -> bool:
+        """Whether the key light is so wide that its shadows are soft, as a studio's always are."""
+        return self.studio is not None
+
 
 LIGHTS: dict[str, Light] = {name: Light.model_validate(name) for name in _PRESETS}
 

@@ -13,7 +13,7 @@ import pytest
 from render.backend import Backend
 from render.denoiser import Denoiser
 from render.errors import DenoiseError
-from render.exposure import Exposure
+from render.exposure import GLEAM, Exposure
 from render.renderer import Renderer
 from render.shot import Shot
 from render.words import Film
@@ -66,3 +66,24 @@ def test_sharp_colours_and_shadows_are_kept_and_soft_light_is_cleaned() -> None:
     # A check that were blurred would be of one colour with its neighbour.
     lit, dark = cleaned[(x + y) % 2 == 0].mean(), cleaned[(x + y) % 2 == 1].mean()
     assert lit / dark > 4.0
+
+
+def test_soft_shadows_of_a_wide_light_are_cleaned_and_the_sky_is_kept() -> None:
+    """Half-shadow as one sample finds it, lit or not, on checks before a bright backdrop."""
+    rng = np.random.default_rng(4)
+    y, x = np.mgrid[:96, :96]
+    sky = (y < 16)[..., None]
+    checks = np.where(((x + y) % 2 == 0)[..., None], 0.6, 0.1).repeat(3, axis=2)
+    color = np.where(sky, 0.0, checks + GLEAM).astype(np.float32)
+    share = np.clip((x - 24.0) / 48.0, 0.0, 1.0)[..., None]
+    lit = rng.random((96, 96, 1)) < share
+    nothing = np.zeros_like(color)
+    truth = np.where(sky, 0.7, color * share)
+    exposure = Exposure(np.where(sky, 0.7, color * lit).astype(np.float32), color, nothing, nothing)
+    cleaned = Denoiser().clean(exposure, "fast", wide=True)
+    grainy = Denoiser().clean(exposure, "fast")
+    assert np.abs(cleaned - truth).mean() < 0.35 * np.abs(grainy - truth).mean()
+    np.testing.assert_array_equal(cleaned[:16], exposure.direct[:16])
+    ground = cleaned[20:]
+    even = ((x + y) % 2 == 0)[20:]
+    assert ground[even].mean() / ground[~even].mean() > 3.0

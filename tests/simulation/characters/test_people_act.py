@@ -240,7 +240,6 @@ def crossing(count: int) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="who is brushed by another may be thrown off its way")
 def test_people_who_cross_step_aside_for_one_another() -> None:
     play = play_scene(crossing(3))
     names = [name for name in play.firsts if name[0] in "en"]

@@ -166,7 +166,8 @@ class Simulation:
 
     def _read(self) -> None:
         """Show everybody what the script asks of them, and let them see the step before."""
-        orders = self.script.orders(self.step_number, self._arrived, self._touched)
+        hugged = [(one.who, one.other) for one in self.happened if one.kind == "hug"]
+        orders = self.script.orders(self.step_number, self._arrived, self._touched, hugged)
         for looker in self._lookers:
             if sought := looker.sought(orders):
                 self._write_kept()

@@ -129,7 +129,8 @@ class Characters:
         self._roll(before)
         contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
         arrived, touched = self.direction.arrived(), self.telling.touched(self.log)
-        happened = self.signals.of_step()
+        cries = self.minds.cries if self.minds is not None else ()
+        happened = self.signals.of_step(cries)
         self._facts = Facts(contacts, arrived=arrived, touched=touched, happened=happened)
 
     def move(self) -> None:

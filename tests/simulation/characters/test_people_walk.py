@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters import person
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.strides import duty, stride_rate
 from pipeline.simulation.dynamics.compiled import entry
@@ -177,21 +178,16 @@ def test_footfalls_are_contacts_with_the_ground() -> None:
     assert not [c for c in play.contacts if c.other == "terrain" and c.kind != "touch"]
 
 
-@pytest.mark.parametrize(
-    ("kind", "speed", "seed"),
-    [
-        ("child", 1.5, 0),
-        pytest.param("child", 0.8, 1, marks=pytest.mark.slow),
-        pytest.param("child", 2.2, 2, marks=pytest.mark.slow),
-        pytest.param("adult", 1.1, 0, marks=pytest.mark.slow),
-    ],
-)
-def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float, seed: int) -> None:
+def zigzag(kind: str, speed: float, seed: int) -> tuple[float, float]:
+    """Let somebody turn in the middle of steps, for 8 s.
+
+    Returns:
+        Its greatest pain, and how fast its fastest node was [m/s].
+    """
     rng, heading = np.random.Generator(np.random.PCG64(seed)), 0.0
     pain, fastest = 0.0, 0.0
-    seconds = 8
 
-    def zigzag(troupe: Characters, step: int) -> None:
+    def turn(troupe: Characters, step: int) -> None:
         nonlocal heading, pain, fastest
         me = troupe.persons[0]
         if step % (STEPS // 2) == 0:
@@ -202,14 +198,38 @@ def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float,
         troupe.direction.actors[0].go(
             me.at[0] + 5.0 * math.cos(heading), me.at[1] - 5.0 * math.sin(heading)
         )
-        owners, p = troupe.crowd.owners, troupe.crowd.p
-        pain = max(pain, float(owners["pain"][0]))
-        gone = np.abs(p - troupe.crowd.before).max() * troupe.count * STEPS
-        fastest = max(fastest, float(gone))
+        pain = max(pain, float(troupe.crowd.owners["pain"][0]))
+        gone = np.abs(troupe.crowd.p - troupe.crowd.before).max()
+        fastest = max(fastest, float(gone) * troupe.count * STEPS)
 
     terrain = "{kind: flat, size: [24, 24]}"
-    cast = f"cast: [{{name: a, character: {kind}}}]"
-    play_scene(f"duration: {seconds}\nterrain: {terrain}\n{cast}\n", zigzag)
+    play_scene(f"duration: 8\nterrain: {terrain}\ncast: [{{name: a, character: {kind}}}]\n", turn)
+    return pain, fastest
+
+
+TURNS = [
+    ("child", 1.5, 0),
+    pytest.param("child", 0.8, 1, marks=pytest.mark.slow),
+    pytest.param("child", 2.2, 2, marks=pytest.mark.slow),
+    pytest.param("adult", 1.1, 0, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
+def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float, seed: int) -> None:
+    pain, fastest = zigzag(kind, speed, seed)
     assert pain == 0.0
     # Feet and hands swing at a few times the speed of who runs.
     assert fastest < 5.0 * speed + 5.0
+
+
+@pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
+def test_who_stumbles_over_something_is_not_torn_to_where_its_foot_should_stand(
+    kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What is nearest to stumble over are one's own legs, if they are made to meet.
+    meetings = (*person.MEETINGS, *person.LEGS_MEET)
+    monkeypatch.setattr("pipeline.simulation.characters.person.MEETINGS", meetings)
+    pain, fastest = zigzag(kind, speed, seed)
+    assert pain < 2.0
+    assert fastest < 5.0 * speed + 9.0

@@ -52,7 +52,7 @@ class Stage:
 
     def nodes(self, owner: int) -> Array:
         """Return (n, 3) the nodes of a character [m]."""
-        first, count = (int(n) for n in self.crowd.owners[owner].nodes)
+        first, count = self.crowd.owners["nodes"][owner].tolist()
         nodes: Array = self.crowd.p[first : first + count]
         return nodes
 

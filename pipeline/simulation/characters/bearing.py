@@ -18,7 +18,7 @@ def gaze_of(persons: Records) -> Array:
 
 
 def feet_of(persons: Records, ground: Ground) -> Array:
-    """Return (..., 2, 3, 3) the rotations of feet: they lie on the ground, or turned by their pitch.
+    """Return (..., 2, 3, 3) the rotations of feet: they lie on the ground, or are pitched.
 
     A foot that swings goes from the slope that it left to the one that it will stand on.
     """

@@ -81,7 +81,8 @@ class Characters:
         self.inventory = replace(self._look.inventory, channels=channels)
         balls = [k for k, thing in enumerate(self._look.things) if thing.directions is None]
         self._balls = np.array(balls, dtype=np.int64)
-        self.rolling = Rolling(self.crowd.nodes["radius"][self._firsts[self._balls]])
+        self._rolls = self._firsts[self._balls]
+        self.rolling = Rolling(self.crowd.nodes["radius"][self._rolls])
         owners = [int(owner) for owner in self.persons["owner"]]
         self._names = [cast[owner].name for owner in owners]
         self._masses = [float(self.crowd.owners["mass"][owner]) for owner in owners]
@@ -129,7 +130,7 @@ class Characters:
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.direction.before()
-        before = self.crowd.p[self._firsts[self._balls]]
+        before = self.direction.stage.p[self._rolls]
         self.move()
         self._roll(before)
         contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
@@ -153,19 +154,26 @@ class Characters:
     def _roll(self, before: Array) -> None:
         if not len(self._balls):
             return
-        p, radius = self.crowd.p[self._firsts[self._balls]], self.rolling.radius
-        height = p[:, 1] - self.world.ground.height(p[:, 0], p[:, 2])
+        p, radius = self.direction.stage.p[self._rolls], self.rolling.radius
+        floor = self.grid.vertices[0, 1]
+        if not self.level:
+            floor = self.world.ground.height(p[:, 0], p[:, 2])
+        height = p[:, 1] - floor
         self.rolling.go(p - before, height < radius * (1.0 + DEEP) + 1e-3)
 
     def keep(self) -> None:
         """Keep the present state as the next row."""
-        self._kept.append((self.crowd.p.copy(), self.rolling.R, np.array(self.persons)))
+        self._kept.append((self.direction.stage.p.copy(), self.rolling.R, np.array(self.persons)))
         if self.minds is not None:
             self._values.append(self.minds.values())
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept."""
-        p, turned, persons = (np.array(values) for values in zip(*self._kept, strict=True))
+        kept_p, kept_R, kept_persons = zip(*self._kept, strict=True)
+        p, turned = np.array(kept_p), np.array(kept_R)
+        persons = np.empty((len(p), len(self.persons)), self.persons.dtype)
+        for k, kept in enumerate(kept_persons):
+            persons[k] = kept
         spins = np.broadcast_to(np.eye(3), (len(p), len(self._firsts), 3, 3)).copy()
         spins[:, self._balls] = turned
         # Of all rows at once: it is the calls that cost.

@@ -39,6 +39,7 @@ class Signals:
         self.direction = direction
         self._owners = [int(actor.me.owner) for actor in direction.actors]
         self._pain = np.zeros(len(self._owners))
+        self._pains_now = direction.stage.crowd.owners["pain"]
         self._hugged: list[Hug | None] = [None for _ in self._owners]
 
     def of_step(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Happening, ...]:
@@ -52,9 +53,12 @@ class Signals:
 
     def _pains(self) -> Iterator[Happening]:
         stage = self.direction.stage
+        before, self._pain = self._pain, self._pains_now[self._owners]
+        more = self._pain - before
+        if not len(more) or float(more.max()) <= HURTS:
+            return
         owners, links = stage.crowd.owners, stage.crowd.links
-        before, self._pain = self._pain, owners["pain"][self._owners]
-        for k in np.flatnonzero(self._pain - before > HURTS).tolist():
+        for k in np.flatnonzero(more > HURTS).tolist():
             first, count = (int(n) for n in owners["links"][self._owners[k]])
             own = links[first : first + count]
             by = int(own["touched_owner"][int(np.argmax(own["energy"]))])

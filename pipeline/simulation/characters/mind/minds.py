@@ -78,6 +78,7 @@ class Minds:
         owners = np.array([mind.me for mind in self.minds], dtype=np.int64)
         self._owners = owners
         self._pain = np.zeros(len(owners))
+        self._pains_now = around.stage.crowd.owners["pain"]
         self.cries: list[tuple[int, int, float]] = []
 
     @property
@@ -137,8 +138,7 @@ class Minds:
     def _feel(self, now: float) -> set[int]:
         """Let those feel it who were hurt in the last step; return them."""
         self.cries.clear()
-        crowd = self.around.stage.crowd
-        pain = crowd.owners["pain"][self._owners]
+        pain = self._pains_now[self._owners]
         more = pain - self._pain
         self._pain = pain
         if not len(more) or float(more.max()) <= 0.0:

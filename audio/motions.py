@@ -1,6 +1,6 @@
-"""Sounds of motion without a blow: swooshes, squeaks, boings, breaths and their kind.
+"""Sounds of motion without a blow: swooshes, squeaks, boings, breaths, cries and their kind.
 
-Source: Sims 1987, 13.1.2.
+Source: Sims 1987, 13.1.2; Peterson and Barney 1952 for the vowel of a cry.
 """
 
 from __future__ import annotations
@@ -26,6 +26,10 @@ _AIR_POWER = 3.0
 _OCTAVES = 4.0
 _RISE = int(0.003 * SAMPLE_RATE)
 _HIGHEST = 12_000.0
+# A child's cry [Hz], and the formants of the vowel of a mouth wide open, and how wide they are.
+# Source: Peterson and Barney 1952, for children.
+_CRY = 450.0
+_OPEN_MOUTH, _WIDE = (1030.0, 1370.0, 3170.0), 160.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,6 +196,36 @@ def _breath(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
     return np.asarray(sound - puff * (sound.sum() / puff.sum()))
 
 
+def _cry(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    """Return a voice that rises, breaks and falls: a row of pulses, and an open mouth."""
+    samples, t = driven.drive.samples, np.linspace(0.0, 1.0, driven.drive.samples)
+    bent = 0.82 + 0.36 * np.sin(np.pi * t**0.6) - 0.12 * t
+    shaken = 1 + 0.02 * np.sin(2 * np.pi * rng.uniform(5.0, 7.0) * np.arange(samples) / SAMPLE_RATE)
+    frequency = driven.pitch * bent * shaken * _wander(samples, 0.015, rng)
+    # The smaller the throat, the higher the vowel too.
+    formants = np.array(_OPEN_MOUTH) * (driven.pitch / _CRY) ** 0.4
+    overtone = np.arange(1, max(int(_HIGHEST / (2 * driven.pitch)), 2))
+    near = (overtone[:, None] * driven.pitch - formants) / _WIDE
+    # Who screams presses: the higher overtones come out.
+    shares = (1 / (1 + near**2)).sum(axis=1) / overtone ** (1.2 - 0.08 * min(driven.speed, 5.0))
+    voice = _tone(samples, frequency, tuple((shares / shares.sum()).tolist()))
+    breath = 0.06 * band_noise(samples, (1500.0, 6000.0), rng)
+    sound = (voice + breath) * arch(samples, 0.25)
+    return np.asarray(sound - arch(samples, 0.25) * (sound.sum() / arch(samples, 0.25).sum()))
+
+
+def _hug(driven: Driven, body: Signal, rng: np.random.Generator) -> Signal:
+    """Return cloth that is pressed, and two chests that meet softly."""
+    samples = driven.drive.samples
+    t = np.arange(samples) / SAMPLE_RATE
+    thump = np.sin(2 * np.pi * driven.pitch * t) * np.exp(-t / 0.06)
+    cloth = band_noise(samples, (500.0, 2200.0), rng)
+    cloth /= max(float(np.abs(cloth).max()), 1e-12)
+    puff = arch(samples, 0.3)
+    sound = thump + 0.35 * cloth * puff
+    return np.asarray(sound - puff * (sound.sum() / puff.sum()))
+
+
 MOTIONS: dict[str, Motion] = {
     "swoosh": Motion("breath noise", 900, 0.4, _swoosh, -24.0),
     "whistle": Motion("whistle", 1500, 0.5, _whistle, -30.0),
@@ -200,4 +234,6 @@ MOTIONS: dict[str, Motion] = {
     "boing": Motion("slap bass 1", 170, 0.7, _boing, -6.0),
     "push off": Motion("slap bass 1", 170, 0.5, _boing, -6.0),
     "breath": Motion("breath noise", 700, 0.8, _breath, -12.0),
+    "cry": Motion("choir aahs", _CRY, 0.7, _cry, -6.0),
+    "hug": Motion("voice oohs", 110, 0.45, _hug, -3.0),
 }

@@ -16,6 +16,8 @@ CAUSES = {
     "whistle": "#74c4c9",
     "boing": "#e07a3f",
     "breath": "#c2577f",
+    "cry": "#d64ba0",
+    "hug": "#8e6bd1",
 }
 OTHERS = ("#7a6cc4", "#8b5a9f", "#64748b", "#b5651d", "#4b8f8c")
 

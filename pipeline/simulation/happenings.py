@@ -10,6 +10,7 @@ KINDS: Mapping[str, str] = {
     "touch": "two characters begin to touch one another",
     "pain": "somebody is hurt, by whom or what",
     "hug": "somebody has its arms around somebody",
+    "cry": "somebody cries, for pain or for fear",
 }
 """Kinds of happenings; a new one is a line here."""
 
@@ -22,8 +23,16 @@ class Happening:
         kind: one of `KINDS`.
         who: a performer.
         other: with whom, or by what; "" for nobody.
+        part: of `who`, of what is heard.
+        place: where, of what is heard [m].
+        strength: of what is heard, as a speed [m/s].
+        size: of what is heard [m].
     """
 
     kind: str
     who: str
     other: str = ""
+    part: str = ""
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    strength: float = 0.0
+    size: float = 0.0

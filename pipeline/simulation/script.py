@@ -18,8 +18,8 @@ Orders = Mapping[str, Sequence[Do]]
 """What each performer is to do now, by its name."""
 
 
-Event = str | frozenset[str]
-"""Who has arrived, or who touch one another."""
+Event = str | frozenset[str] | tuple[str, str]
+"""Who has arrived, who touch one another, or who hugs whom."""
 
 
 def _event(instruction: Instruction) -> Event:
@@ -27,7 +27,7 @@ def _event(instruction: Instruction) -> Event:
     when = instruction.when
     if when is None:
         return ""
-    return when.arrived or frozenset(when.touch or ())
+    return when.arrived or when.hug or frozenset(when.touch or ())
 
 
 Given = tuple[str, Do]
@@ -72,7 +72,11 @@ class Script:
             _at(self._outside, max(self.clock.step_from(instruction.at), step), instruction)
 
     def orders(
-        self, step: int, arrived: Collection[str], touched: Collection[tuple[str, str]] = ()
+        self,
+        step: int,
+        arrived: Collection[str],
+        touched: Collection[tuple[str, str]] = (),
+        hugged: Collection[tuple[str, str]] = (),
     ) -> Orders:
         """Return what is to be done from `step` on.
 
@@ -80,8 +84,9 @@ class Script:
             step: that is about to be taken.
             arrived: who has just come to the end of its way.
             touched: pairs who have just begun to touch one another.
+            hugged: who has just closed its arms around whom.
         """
-        events: set[Event] = {*arrived, *(frozenset(pair) for pair in touched)}
+        events: set[Event] = {*arrived, *(frozenset(pair) for pair in touched), *hugged}
         outside = self._outside.pop(step, []) + _happened(self._waiting_outside, events)
         self.told.extend((step, who, do) for who, do in outside)
         due = self._timed.pop(step, []) + outside

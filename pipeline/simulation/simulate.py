@@ -17,10 +17,11 @@ from pipeline.processor import class_of
 from pipeline.simulation.attaching import Bond, bonds_of, split
 from pipeline.simulation.casting import figures_of, refuse_to_direct, troupes_of
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect import OF_CONTACTS, OF_MOTIONS
+from pipeline.simulation.detect import OF_CONTACTS, OF_HAPPENINGS, OF_MOTIONS
 from pipeline.simulation.detect.contacts import Contacts
 from pipeline.simulation.detect.motions import Motions
 from pipeline.simulation.detect.scenery import Scenery, solids_of
+from pipeline.simulation.detect.voices import Voices
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.happenings import Happening
 from pipeline.simulation.obstacles import Obstacle, obstacles_of
@@ -84,6 +85,7 @@ class Simulation:
             raise scene.places.located(error) from None
         self.recorder.hang(self.bonds)
         self._contacts = Contacts(OF_CONTACTS, detect, clock)
+        self._voices = Voices(OF_HAPPENINGS, detect, clock)
         self._motions = Motions(OF_MOTIONS, detect, self._scenery(scene, figures))
         self.script = Script(scene.script, clock)
         refuse_to_direct(scene, self.troupes)
@@ -141,8 +143,9 @@ class Simulation:
         self._keep()
         contacts, notes = self._facts()
         events = self._contacts.hear(contacts)
+        voices = self._voices.hear(self.happened, self.step_number)
         self._motions.met(contacts)
-        self.recorder.happened(contacts, events, notes)
+        self.recorder.happened(contacts, [*events, *voices], notes)
 
     def tell(self, instruction: Instruction) -> None:
         """Take in an instruction from outside; one without delay is given in the next step.
@@ -166,7 +169,8 @@ class Simulation:
 
     def _read(self) -> None:
         """Show everybody what the script asks of them, and let them see the step before."""
-        orders = self.script.orders(self.step_number, self._arrived, self._touched)
+        hugged = [(one.who, one.other) for one in self.happened if one.kind == "hug"]
+        orders = self.script.orders(self.step_number, self._arrived, self._touched, hugged)
         for looker in self._lookers:
             if sought := looker.sought(orders):
                 self._write_kept()

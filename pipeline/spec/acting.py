@@ -89,6 +89,22 @@ def faults_of_touch(pair: object, path: Path, cast: Mapping[str, object]) -> Ite
             yield Fault((*path, k), f"'{name}' cannot touch itself; name another")
 
 
+def faults_of_hug(pair: object, path: Path, cast: Mapping[str, object]) -> Iterator[Fault]:
+    """Find a hug that is waited for and never comes: one of the two is not fit for it."""
+    names = list(pair) if isinstance(pair, list | tuple) else []
+    if len(names) != 2 or not all(isinstance(name, str) for name in names):
+        return
+    who, whom = names
+    if who not in cast:
+        yield Fault((*path, 0), f"nobody in the cast is called '{who}', {hint(who, cast)}")
+    elif (kind := _get(cast[who], "character")) not in PEOPLE:
+        kind = kind or "no character"
+        yield Fault((*path, 0), f"'{who}' is {_article(kind)}{kind}; name a child or an adult")
+    elif _get(cast[who], "limp") is True:
+        yield Fault((*path, 0), f"'{who}' is limp, and hugs nobody")
+    yield from faults_of_whom(whom, who, *WHOM["hug"], (*path, 1), cast)
+
+
 def faults_of_whom(
     whom: str,
     name: str,

@@ -197,6 +197,27 @@ class Breath(Cause):
     )
 
 
+class Voiced(Blow):
+    """What somebody is heard of for what it goes through."""
+
+
+class Cry(Voiced):
+    """People who cry, for pain or for fear."""
+
+    above: Speed = Field(
+        0.0,
+        description="Least strength that is heard [m/s]: 1 is a whimper, 5 a scream.",
+    )
+    pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")
+
+
+class Hug(Voiced):
+    """People who close their arms around somebody."""
+
+    above: Speed = Field(0.0, description="Least speed of the arms that is heard [m/s].")
+    pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")
+
+
 class Detect(Words):
     """Which causes are noticed, and from when on."""
 
@@ -211,6 +232,8 @@ class Detect(Words):
     whistle: Whistle = Field(Whistle(), description="From when on what is thin sings.")
     boing: Boing = Field(Boing(), description="From when on push-offs are heard.")
     breath: Breath = Field(Breath(), description="Whether breathing is heard.")
+    cry: Cry = Field(Cry(), description="From when on cries are heard.")
+    hug: Hug = Field(Hug(), description="From when on hugs are heard.")
 
 
 class SceneSound(Sound):

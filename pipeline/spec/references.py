@@ -13,7 +13,13 @@ from typing import Any
 from pydantic import BaseModel
 
 from audio.fitting import matches
-from pipeline.spec.acting import PEOPLE_ALONE, fault_of_thing, faults_of_acting, faults_of_touch
+from pipeline.spec.acting import (
+    PEOPLE_ALONE,
+    fault_of_thing,
+    faults_of_acting,
+    faults_of_hug,
+    faults_of_touch,
+)
 from pipeline.spec.cast import called, names_of
 from pipeline.spec.detect import Detect
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
@@ -194,8 +200,9 @@ def _scripted(scene: object) -> Iterator[Fault]:
     members = dict(zip(names, (m for _, m in _items(_get(scene, "cast"))), strict=True))
     for i, instruction in _items(_get(scene, "script")):
         when = _get(instruction, "when")
-        touch = _get(when, "touch")
-        yield from faults_of_touch(touch, ("script", i, "when", "touch"), members)
+        where: Place = ("script", i, "when")
+        yield from faults_of_touch(_get(when, "touch"), (*where, "touch"), members)
+        yield from faults_of_hug(_get(when, "hug"), (*where, "hug"), members)
         who = (("who",), _get(instruction, "who"))
         for place, name in (who, (("when", "arrived"), _get(when, "arrived"))):
             if isinstance(name, str) and name not in names:

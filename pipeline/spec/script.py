@@ -238,11 +238,17 @@ class When(Words):
     touch: tuple[Name, Name] | None = Field(
         None, description="Two who begin to touch one another: characters."
     )
+    hug: tuple[Name, Name] | None = Field(
+        None,
+        description="Who has closed its arms around whom: a child or an adult, and a child, an "
+        "adult or a ragdoll. Of two who hug each other each has its own time.",
+    )
 
     @model_validator(mode="after")
     def _is_one_thing(self) -> Self:
-        if (self.arrived is None) == (self.touch is None):
-            refuse([Fault((), "should have either arrived or touch")])
+        given = [word for word in ("arrived", "touch", "hug") if getattr(self, word) is not None]
+        if len(given) != 1:
+            refuse([Fault((), "should have one of arrived, touch and hug")])
         return self
 
 

@@ -332,7 +332,7 @@ def test_mute_and_gain_are_obeyed(step, heard, score_of, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "cause", ["swoosh", "whistle", "squeak", "squawk", "boing", "push off", "breath"]
+    "cause", ["swoosh", "whistle", "squeak", "squawk", "boing", "push off", "breath", "cry"]
 )
 def test_motions_last_as_long_as_they_do_and_begin_on_their_frame(step, heard, cause):
     sound = heard([step(3, cause=cause, duration=0.5, strength=3.0)], 48)
@@ -341,6 +341,24 @@ def test_motions_last_as_long_as_they_do_and_begin_on_their_frame(step, heard, c
     assert sound[4000:4048].any()
     assert 0.3 < (loud[-1] - 4000) / 48_000 <= 0.5
     assert not sound[4000 + 24_001 :].any()
+
+
+def test_a_cry_is_a_voice_higher_of_a_child_and_a_hug_is_dull(step, heard):
+    def tone(size, strength=3.0):
+        sound = heard([step(1, cause="cry", size=size, strength=strength)], 24).sum(axis=1)
+        # Of its middle, where it is loudest, the time after which it is most like itself.
+        part = sound[6000:14_000]
+        like = np.correlate(part, part, "full")[len(part) - 1 :]
+        lags = np.arange(60, 320)
+        best = lags[np.argmax(like[lags])]
+        return 48_000 / best, like[best] / like[0]
+
+    (child, periodic), (adult, _) = tone(0.11), tone(0.17)
+    assert 350 < child < 600
+    assert 0.65 * child < adult < 0.95 * child
+    assert periodic > 0.7
+    cry, hug = (heard([step(1, cause=c, size=0.15, strength=1.0)], 24) for c in ("cry", "hug"))
+    assert centroid(cry) > 4 * centroid(hug)
 
 
 def test_a_roll_lasts_as_long_as_it_does(step, heard):

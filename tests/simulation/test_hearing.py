@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.detect import OF_CONTACTS, OF_MOTIONS
+from pipeline.simulation.detect import OF_CONTACTS, OF_HAPPENINGS, OF_MOTIONS
 from pipeline.simulation.detect.boings import Boings
 from pipeline.simulation.detect.motions import Motions
 from pipeline.simulation.detect.scenery import Scenery, solids_of
@@ -395,7 +395,7 @@ def test_a_take_keeps_tracks(tmp_path: Path) -> None:
 
 
 def test_every_model_has_what_detects_it() -> None:
-    assert list(Detect.model_fields) == [*OF_CONTACTS, *OF_MOTIONS]
+    assert list(Detect.model_fields) == [*OF_CONTACTS, *OF_MOTIONS, *OF_HAPPENINGS]
 
 
 def test_thresholds_are_part_of_what_is_simulated() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -46,14 +47,25 @@ class Stage:
     ground: Ground
     people: frozenset[int]
 
+    @cached_property
+    def p(self) -> Array:
+        """(N, 3) all nodes, as they are at any time [m]."""
+        return self.crowd.p
+
+    @cached_property
+    def _spans(self) -> list[list[int]]:
+        """First node of each character, and how many it has."""
+        spans: list[list[int]] = self.crowd.owners["nodes"].tolist()
+        return spans
+
     def number(self, name: str) -> int:
         """Return the number of a character."""
         return self.names.index(name)
 
     def nodes(self, owner: int) -> Array:
         """Return (n, 3) the nodes of a character [m]."""
-        first, count = (int(n) for n in self.crowd.owners[owner].nodes)
-        nodes: Array = self.crowd.p[first : first + count]
+        first, count = self._spans[owner]
+        nodes: Array = self.p[first : first + count]
         return nodes
 
     def middle(self, owner: int) -> Array:
@@ -109,7 +121,7 @@ class Actor:
 
     def hand(self, k: int) -> Array:
         """Return (3,) where a hand is [m]."""
-        place: Array = self.stage.crowd.p[self.me.node + HAND + k]
+        place: Array = self.stage.p[self.me.node + HAND + k]
         return place
 
     def away(self, place: Array) -> float:
@@ -157,9 +169,13 @@ class Actor:
         self.stage.crowd.grips[self.me.grip + k] = hand, node
         nodes["holds"][hand], nodes["holds"][node] = nodes["owner"][node], self.me.owner
 
+    @cached_property
+    def _grip(self) -> int:
+        return int(self.me.grip)
+
     def held(self, k: int) -> int:
         """Return the node that a hand holds, -1 for none."""
-        return int(self.stage.crowd.grips[self.me.grip + k, 1])
+        return int(self.stage.crowd.grips[self._grip + k, 1])
 
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""

@@ -11,14 +11,14 @@ from pipeline.simulation.terrain import Ground
 
 
 def gaze_of(persons: Records) -> Array:
-    """Return (n, 3) the directions in which people look."""
-    yaw, pitch = persons["gaze"][:, 0], persons["gaze"][:, 1]
+    """Return (..., 3) the directions in which people look."""
+    yaw, pitch = persons["gaze"][..., 0], persons["gaze"][..., 1]
     level = np.cos(pitch)
-    return np.stack([level * np.cos(yaw), np.sin(pitch), -level * np.sin(yaw)], axis=1)
+    return np.stack([level * np.cos(yaw), np.sin(pitch), -level * np.sin(yaw)], axis=-1)
 
 
 def feet_of(persons: Records, ground: Ground) -> Array:
-    """Return (n, 2, 3, 3) the rotations of feet: they lie on the ground, or turned by their pitch.
+    """Return (..., 2, 3, 3) the rotations of feet: they lie on the ground, or are pitched.
 
     A foot that swings goes from the slope that it left to the one that it will stand on.
     """
@@ -38,6 +38,6 @@ def feet_of(persons: Records, ground: Ground) -> Array:
 
 
 def _normals(places: Array, ground: Ground) -> Array:
-    """Return the normals (n, 2, 3) of the ground at places (n, 2, 3)."""
+    """Return the normals (..., 2, 3) of the ground at places (..., 2, 3)."""
     result: Array = ground.field.normal(places[..., 0], places[..., 2])
     return result

@@ -42,8 +42,8 @@ SUB_STEPS = 240.0
 SHOES = "leather"
 """What people step with."""
 
-Kept = tuple[Array, Array, Array, Array]
-"""Of a row: nodes, rotations of balls, where people look, and how their feet lie."""
+Kept = tuple[Array, Array, Records]
+"""Of a row: nodes, rotations of balls, and those who act."""
 
 
 class Characters:
@@ -79,7 +79,13 @@ class Characters:
         self.minds = self._minds(stage)
         channels = self.minds.channels if self.minds is not None else ()
         self.inventory = replace(self._look.inventory, channels=channels)
-        self.rolling = Rolling(self.crowd.nodes["radius"][self._firsts])
+        balls = [k for k, thing in enumerate(self._look.things) if thing.directions is None]
+        self._balls = np.array(balls, dtype=np.int64)
+        self._rolls = self._firsts[self._balls]
+        self.rolling = Rolling(self.crowd.nodes["radius"][self._rolls])
+        owners = [int(owner) for owner in self.persons["owner"]]
+        self._names = [cast[owner].name for owner in owners]
+        self._masses = [float(self.crowd.owners["mass"][owner]) for owner in owners]
         self._facts = Facts()
         self._kept: list[Kept] = []
         self._values: list[list[float]] = []
@@ -124,12 +130,13 @@ class Characters:
         if self.minds is not None:
             self.minds.think(step, step * self.world.clock.dt)
         self.direction.before()
-        before = self.crowd.p[self._firsts]
+        before = self.direction.stage.p[self._rolls]
         self.move()
         self._roll(before)
         contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
         arrived, touched = self.direction.arrived(), self.telling.touched(self.log)
-        happened = self.signals.of_step()
+        cries = self.minds.cries if self.minds is not None else ()
+        happened = self.signals.of_step(cries)
         self._facts = Facts(contacts, arrived=arrived, touched=touched, happened=happened)
 
     def move(self) -> None:
@@ -141,27 +148,36 @@ class Characters:
 
     def _footfalls(self, step: int) -> tuple[Contact, ...]:
         """Return what feet came down in a step."""
-        owners = [int(owner) for owner in self.persons["owner"]]
-        names = [self.cast[owner].name for owner in owners]
-        masses = [float(self.crowd.owners["mass"][owner]) for owner in owners]
-        world = self.world
-        return tuple(footfalls(self.persons, names, masses, SHOES, world.ground, world.clock, step))
+        world, who = self.world, (self._names, self._masses)
+        return tuple(footfalls(self.persons, *who, SHOES, world.ground, world.clock, step))
 
     def _roll(self, before: Array) -> None:
-        p, radius = self.crowd.p[self._firsts], self.rolling.radius
-        height = p[:, 1] - self.world.ground.height(p[:, 0], p[:, 2])
+        if not len(self._balls):
+            return
+        p, radius = self.direction.stage.p[self._rolls], self.rolling.radius
+        floor = self.grid.vertices[0, 1]
+        if not self.level:
+            floor = self.world.ground.height(p[:, 0], p[:, 2])
+        height = p[:, 1] - floor
         self.rolling.go(p - before, height < radius * (1.0 + DEEP) + 1e-3)
 
     def keep(self) -> None:
         """Keep the present state as the next row."""
-        gaze, feet = gaze_of(self.persons), feet_of(self.persons, self.world.ground)
-        self._kept.append((self.crowd.p.copy(), self.rolling.R, gaze, feet))
+        self._kept.append((self.direction.stage.p.copy(), self.rolling.R, np.array(self.persons)))
         if self.minds is not None:
             self._values.append(self.minds.values())
 
     def write(self, rows: Rows) -> None:
         """Write all rows kept."""
-        p, spins, gaze, feet = (np.array(values) for values in zip(*self._kept, strict=True))
+        kept_p, kept_R, kept_persons = zip(*self._kept, strict=True)
+        p, turned = np.array(kept_p), np.array(kept_R)
+        persons = np.empty((len(p), len(self.persons)), self.persons.dtype)
+        for k, kept in enumerate(kept_persons):
+            persons[k] = kept
+        spins = np.broadcast_to(np.eye(3), (len(p), len(self._firsts), 3, 3)).copy()
+        spins[:, self._balls] = turned
+        # Of all rows at once: it is the calls that cost.
+        gaze, feet = gaze_of(persons), feet_of(persons, self.world.ground)
         rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, gaze, feet)
         rows.alive[:] = True
         if self._values:

@@ -37,12 +37,11 @@ def footfalls(
         step: that was taken.
     """
     found = []
-    for person, name, mass in zip(persons, names, masses, strict=True):
-        for k in range(2):
-            if person.landed[k]:
-                found.append(_contact(person, k, name, mass * LEG, material, ground, clock, step))
-                person.landed[k] = 0
-        person.since = 0.0
+    for n, k in np.argwhere(persons["landed"]).tolist():
+        found.append(
+            _contact(persons[n], k, names[n], masses[n] * LEG, material, ground, clock, step)
+        )
+    persons["landed"], persons["since"] = 0, 0.0
     return found
 
 

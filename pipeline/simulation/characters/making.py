@@ -48,7 +48,7 @@ def plan_of(member: Character) -> Plan:
     """Return what a character is made of."""
     proportions = proportions_of(member)
     if proportions is not None:
-        return person(proportions)
+        return person(proportions, led=member.acts)
     scale = member.scale
     if member.character == "ball":
         return ball(BALL * scale, BALL_MASS * scale**3)

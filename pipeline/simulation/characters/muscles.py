@@ -63,10 +63,23 @@ def pull(person: Record, nodes: Records, dt: float) -> None:
 
 
 @compiled
+def _is_there(person: Record, node: Record, k: int, dt: float) -> bool:
+    """Tell whether a foot has come to where it is to stand.
+
+    One that was held up on its way is not: locked there all the same, it would tear at the whole
+    body, at tens of metres a second.
+    """
+    squared = 0.0
+    for c in range(3):
+        squared += (person.ankles[k, c] - node.p[c]) ** 2
+    return squared <= (2.0 * CATCHES_UP * dt) ** 2
+
+
+@compiled
 def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
     """Lock a foot that stands, and send one that swings along its line."""
     node = nodes[person.node + FOOT + k]
-    if person.doing[k] == STANCE:
+    if person.doing[k] == STANCE and (node.lock == LOCKED or _is_there(person, node, k, dt)):
         node.lock = LOCKED
         for c in range(3):
             node.place[c] = person.ankles[k, c]

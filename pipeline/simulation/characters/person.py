@@ -62,12 +62,17 @@ MEETINGS = (
         for what in whats
     ),
     ("forearm_l", "forearm_r"),
+)
+"""Links of one person that meet one another."""
+
+LEGS_MEET = (
     ("shin_l", "shin_r"),
     ("thigh_l", "thigh_r"),
     ("shin_l", "thigh_r"),
     ("shin_r", "thigh_l"),
 )
-"""Links of one person that meet one another."""
+"""Likewise of one who is limp. Legs that are led past one another are not held up by touches:
+a foot that stands is locked, and what strikes its leg would be thrown off."""
 
 HURTS = 0.12
 """Energy of a touch that hurts, by the mass of who is touched [J/kg]."""
@@ -76,8 +81,8 @@ LINK_NAMES = (*SEGMENTS, "skull")
 """Of a person's first links."""
 
 
-def person(proportions: Proportions) -> Plan:
-    """Return a person of these measures.
+def person(proportions: Proportions, led: bool = False) -> Plan:
+    """Return a person of these measures, whose legs are led or limp.
 
     Source: Horswill 2008, "Geometric and kinematic modeling": 13 links and 16 nodes. The
         links alone do not hold the middles of shoulders and pelvis.
@@ -91,6 +96,7 @@ def person(proportions: Proportions) -> Plan:
     links.append(Link(_ends("head", "head"), skull))
     links += _limits(rest)
     numbers = {name: k for k, name in enumerate(LINK_NAMES)}
+    meetings = MEETINGS if led else MEETINGS + LEGS_MEET
     return Plan(
         rest=rest,
         mass=_masses(proportions.mass),
@@ -101,7 +107,7 @@ def person(proportions: Proportions) -> Plan:
             for middle, end in (("pelvis", "hip"), ("shoulders", "shoulder"))
         ),
         limbs=_limbs(rest),
-        pairs=tuple((numbers[a], numbers[b]) for a, b in MEETINGS),
+        pairs=tuple((numbers[a], numbers[b]) for a, b in meetings),
         threshold=HURTS * proportions.mass,
         grips=3,
     )

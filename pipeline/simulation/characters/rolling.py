@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.spatial import UP, Array, cross, rotation
+from pipeline.simulation.spatial import Array, rotation
 
 DEEP = 0.02
 """Height over the ground up to which a ball rolls on it, in radii."""
@@ -25,8 +25,12 @@ class Rolling:
 
     def go(self, moved: Array, on_ground: NDArray[np.bool_]) -> None:
         """Go on by a step in which balls moved (T, 3) [m], those on the ground rolling."""
-        rolled = cross(np.broadcast_to(UP, moved.shape), moved) / self.radius[:, None]
+        # Up × moved, over the radius.
+        rolled = np.zeros_like(moved)
+        rolled[:, 0], rolled[:, 2] = moved[:, 2] / self.radius, -moved[:, 0] / self.radius
         self._turn = np.where(on_ground[:, None], rolled, self._turn)
+        if not self._turn.any():
+            return
         angle = np.sqrt((self._turn * self._turn).sum(axis=-1))
         axis = self._turn / np.where(angle > 0.0, angle, 1.0)[:, None]
         self.R = rotation(axis, angle) @ self.R

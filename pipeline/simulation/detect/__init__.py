@@ -1,6 +1,6 @@
-"""Contacts and motions -> sound events, one file each (Sims 1987, ch. 13).
+"""Contacts, motions and happenings -> sound events, one file each (Sims 1987, ch. 13).
 
-A new cause is a model in `pipeline/spec/detect.py`, a file here and a line in one of the two
+A new cause is a model in `pipeline/spec/detect.py`, a file here and a line in one of the
 registries.
 """
 
@@ -33,3 +33,6 @@ OF_MOTIONS: dict[str, MakesWatch] = {
     "breath": Breaths,
 }
 """Cause -> what watches the rows for it, see `Motions`."""
+
+OF_HAPPENINGS = {"cry": "cry", "hug": "hug"}
+"""Cause -> the kind of happening that makes it, see `Voices`."""

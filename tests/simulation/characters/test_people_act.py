@@ -10,6 +10,7 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.people.proportions import ADULT
+from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
 from .acting import STEPS, J, play_scene
@@ -240,7 +241,6 @@ def crossing(count: int) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="who is brushed by another may be thrown off its way")
 def test_people_who_cross_step_aside_for_one_another() -> None:
     play = play_scene(crossing(3))
     names = [name for name in play.firsts if name[0] in "en"]
@@ -282,6 +282,33 @@ def test_only_hands_of_people_are_posed(member: str, said: str) -> None:
         read_scene(f"pronk: 1\nduration: 1\ncast: [{member}]\n")
 
 
+HUGGED = """
+duration: 6
+cast: [{name: a, character: adult, at: [0, 0]},
+  {name: b, character: child, at: [1.6, 0.1], heading_deg: 180},
+  {name: c, character: child, at: [0, 3]}]
+script:
+  - {at: 0.2, who: b, do: {hug: a}}
+  - {when: {hug: [a, b]}, who: c, do: {go_to: [3, 3]}}
+  - {when: {hug: [b, a]}, who: c, do: {go_to: [-1, 3]}}
+"""
+
+
+def test_a_hug_is_waited_for_and_it_matters_who_hugs_whom() -> None:
+    hugs = []
+    simulation = Simulation(read_scene("pronk: 1\n" + HUGGED))
+    while not simulation.finished:
+        simulation.step()
+        step = simulation.step_number
+        hugs += [(step, h.who, h.other) for h in simulation.happened if h.kind == "hug"]
+    told = [order for order in simulation.recorder.orders if order.who == "c"]
+    (step, who, whom), *others = hugs
+    assert (who, whom, others) == ("b", "a", [])
+    # In the next step, once, and not what waits for a hug the other way round.
+    assert [(order.step, order.text) for order in told] == [(step, "go_to [-1, 3]")]
+    assert 0.9 < step / STEPS < 3.0
+
+
 @pytest.mark.parametrize(
     ("entry", "said"),
     [
@@ -297,7 +324,14 @@ def test_only_hands_of_people_are_posed(member: str, said: str) -> None:
         ("{at: 0, who: a, do: {look_at: bug}}", "'bug' is no character"),
         ("{when: {touch: [a, bug]}, who: a, do: stop}", "whose touch nobody feels"),
         ("{when: {touch: [a, a]}, who: a, do: stop}", "'a' cannot touch itself"),
-        ("{when: {}, who: a, do: stop}", "should have either arrived or touch"),
+        ("{when: {}, who: a, do: stop}", "should have one of arrived, touch and hug"),
+        ("{when: {arrived: a, hug: [a, doll]}, who: a, do: stop}", "should have one of arrived"),
+        ("{when: {hug: [a, dol]}, who: a, do: stop}", "is called 'dol', did you mean 'doll'"),
+        ("{when: {hug: [aa, doll]}, who: a, do: stop}", "nobody in the cast is called 'aa'"),
+        ("{when: {hug: [doll, a]}, who: a, do: stop}", "'doll' is a ragdoll; name a child or an"),
+        ("{when: {hug: [a, a]}, who: a, do: stop}", "'a' cannot do that to itself"),
+        ("{when: {hug: [a, ball]}, who: a, do: stop}", "'ball' is a ball; name a child"),
+        ("{when: {hug: [bug, a]}, who: a, do: stop}", "'bug' is no character; name a child or"),
         ("{at: 0, who: a, do: {let_go: up}}", "must be 'left', 'right' or 'both'"),
     ],
 )

@@ -8,6 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters import person
+from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.strides import duty, stride_rate
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.people.proportions import ADULT, CHILD
@@ -15,7 +17,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
 
-from .acting import STEPS, Play, spells, walk, walk_words
+from .acting import STEPS, Play, play_scene, spells, walk, walk_words
 from .yards import least_bend
 
 WHO = {"adult": ADULT, "child": CHILD}
@@ -174,3 +176,60 @@ def test_footfalls_are_contacts_with_the_ground() -> None:
     assert all(a != b for a, b in pairwise(sides))
     assert all(abs(c.place[1]) < 1e-6 and 0.05 < c.speed < 2.0 and c.energy > 0.0 for c in falls)
     assert not [c for c in play.contacts if c.other == "terrain" and c.kind != "touch"]
+
+
+def zigzag(kind: str, speed: float, seed: int) -> tuple[float, float]:
+    """Let somebody turn in the middle of steps, for 8 s.
+
+    Returns:
+        Its greatest pain, and how fast its fastest node was [m/s].
+    """
+    rng, heading = np.random.Generator(np.random.PCG64(seed)), 0.0
+    pain, fastest = 0.0, 0.0
+
+    def turn(troupe: Characters, step: int) -> None:
+        nonlocal heading, pain, fastest
+        me = troupe.persons[0]
+        if step % (STEPS // 2) == 0:
+            heading = float(me.heading) + math.radians(float(rng.uniform(-90.0, 90.0)))
+            if math.hypot(*me.at) > 7.0:
+                heading = math.atan2(me.at[1], -me.at[0])
+        me.pace = speed
+        troupe.direction.actors[0].go(
+            me.at[0] + 5.0 * math.cos(heading), me.at[1] - 5.0 * math.sin(heading)
+        )
+        pain = max(pain, float(troupe.crowd.owners["pain"][0]))
+        gone = np.abs(troupe.crowd.p - troupe.crowd.before).max()
+        fastest = max(fastest, float(gone) * troupe.count * STEPS)
+
+    terrain = "{kind: flat, size: [24, 24]}"
+    play_scene(f"duration: 8\nterrain: {terrain}\ncast: [{{name: a, character: {kind}}}]\n", turn)
+    return pain, fastest
+
+
+TURNS = [
+    ("child", 1.5, 0),
+    pytest.param("child", 0.8, 1, marks=pytest.mark.slow),
+    pytest.param("child", 2.2, 2, marks=pytest.mark.slow),
+    pytest.param("adult", 1.1, 0, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
+def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float, seed: int) -> None:
+    pain, fastest = zigzag(kind, speed, seed)
+    assert pain == 0.0
+    # Feet and hands swing at a few times the speed of who runs.
+    assert fastest < 5.0 * speed + 5.0
+
+
+@pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
+def test_who_stumbles_over_something_is_not_torn_to_where_its_foot_should_stand(
+    kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What is nearest to stumble over are one's own legs, if they are made to meet.
+    meetings = (*person.MEETINGS, *person.LEGS_MEET)
+    monkeypatch.setattr("pipeline.simulation.characters.person.MEETINGS", meetings)
+    pain, fastest = zigzag(kind, speed, seed)
+    assert pain < 2.0
+    assert fastest < 5.0 * speed + 9.0

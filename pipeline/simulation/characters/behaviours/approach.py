@@ -3,7 +3,8 @@
 Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared with a squared
     distance; here gaps are between surfaces, and so is it. His curl always goes the same way
     round; here it goes round the side on which an obstacle is not, and who gets no farther
-    tries the other way for a while.
+    tries the other way for a while. Where the straight way is not free the target that pulls is
+    the next place of a `route`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.motor import Motor
+from pipeline.simulation.characters.behaviours.route import Route
+from pipeline.simulation.characters.layout import Numbers
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Approach
 
@@ -68,6 +71,7 @@ class Way:
     since: float = 0.0
     forced: float = 0.0
     until: float = -1.0
+    route: Route = field(default_factory=Route)
 
     def note(self, left: float, now: float) -> None:
         """Note how far it still is [m], and try the other way round if that gets no less."""
@@ -110,7 +114,15 @@ def steer(
     left = max(size - near, 0.0)
     if left < 0.1:
         return Motor(facing=mind.heading_to(place), target=target)
-    away, gaps, senses = _obstacles(mind, to, size, target)
+    which = _in_the_way(mind, target)
+    middles = mind.memory.places[which][:, [0, 2]]
+    within = np.stack([around.low + 0.5 * EDGE, around.high - 0.5 * EDGE])
+    reaches = around.radius[which] + mind.slim
+    first, length = mind.way.route.next(me, place, middles, reaches, within)
+    to = first - me
+    size = max(math.hypot(to[0], to[1]), 1e-9)
+    left = max(length - near, 0.0)
+    away, gaps, senses = _obstacles(mind, which, to, size)
     mind.way.note(left, mind.now)
     w = walk_vector(to * (left / size), away, gaps, senses, pace)
     w = _inside(w, me, around.low + 0.5 * EDGE, around.high - 0.5 * EDGE)
@@ -126,25 +138,31 @@ def steer(
     )
 
 
-def _obstacles(mind: Mind, to: Array, size: float, target: int) -> tuple[Array, Array, Array]:
-    """Return unit vectors (n, 2) from obstacles, gaps [m] and ways round."""
+def _in_the_way(mind: Mind, target: int) -> Numbers:
+    """Return (n,) numbers of all that one who goes to a target goes round."""
     around, memory = mind.around, mind.memory
-    gaps = memory.away - around.radius - mind.slim
     # People are stepped aside for by those who walk, before they come near.
     walking = around.people & mind.acting
-    mask = (gaps < CUT_OFF) & ~walking & (memory.away > 1e-6) & mind.solid
+    mask = ~walking & (memory.away > 1e-6) & mind.solid
     mask[mind.me] = False
-    mask &= memory.away - around.radius < size + 0.1
     if target >= 0:
         mask[target] = False
-    which = np.flatnonzero(mask)
+    return np.flatnonzero(mask)
+
+
+def _obstacles(mind: Mind, which: Numbers, to: Array, size: float) -> tuple[Array, Array, Array]:
+    """Return unit vectors (n, 2) from obstacles that are near, gaps [m] and ways round."""
+    around, memory = mind.around, mind.memory
+    gaps = memory.away[which] - around.radius[which] - mind.slim
+    near = (gaps < CUT_OFF) & (gaps + mind.slim < size + 0.1)
+    which, gaps = which[near], gaps[near]
     offset = memory.places[which][:, [0, 2]] - mind.at
     away = -offset / memory.away[which][:, None]
     side = to[0] * offset[:, 1] - to[1] * offset[:, 0]
     senses = [mind.way.sense(int(k), float(s), mind.now) for k, s in zip(which, side, strict=True)]
     for gone in set(mind.way.senses) - {int(k) for k in which}:
         del mind.way.senses[gone]
-    return away, gaps[which], np.array(senses)
+    return away, gaps, np.array(senses)
 
 
 def _inside(w: Array, me: Array, low: Array, high: Array) -> Array:

@@ -69,6 +69,7 @@ class Mind:
         behaviours: name -> behaviour, in the order of the registry.
         biases: name -> what a script adds to its activation.
         doing: name of what is done, "" for nothing.
+        cried: when it last cried [s].
     """
 
     def __init__(self, actor: Actor, around: Surroundings, traits: Traits, bond: int) -> None:
@@ -85,6 +86,7 @@ class Mind:
         self.acting = np.zeros(len(around.kinds), dtype=bool)
         self.anxiety = self.anger = self.anxious_before = 0.0
         self.struck: tuple[float, int] = (-math.inf, -1)
+        self.cried = -math.inf
         self.behaviours: Mapping[str, Behaviour] = {}
         self.arms: Mapping[int, Record] = {}
         self.biases: dict[str, float] = {}
@@ -162,16 +164,21 @@ class Mind:
 
     # --- what it goes through --------------------------------------------------------
 
-    def hurt(self, pain: float, by: int, now: float) -> None:
-        """Feel a blow that hurts so much, struck by a character, or by -1 for none."""
+    def hurt(self, pain: float, by: int, now: float) -> bool:
+        """Feel a blow that hurts so much, struck by a character, or by -1 for none.
+
+        Returns:
+            Whether it comes as a shock.
+        """
         if (self._embraces(by) and pain < BEARS) or self._holds(by):
-            return
+            return False
         self.struck = (now, by)
         self.anxiety = min(self.anxiety + SHOCK * min(pain, 2.0), 1.0)
         if by >= 0 and self.around.people[by]:
             fears = self.attention.fears
             fears[by] = min(fears[by] + ALARM * min(pain, 2.0), 1.0)
             self.anger = min(self.anger + ANGERS * self.traits.aggression * 2.0, 1.0)
+        return True
 
     def _embraces(self, by: int) -> bool:
         """Tell whether it holds somebody, or opens its arms for them, and means no harm."""

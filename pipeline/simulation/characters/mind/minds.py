@@ -12,11 +12,12 @@ import numpy as np
 from pipeline.simulation.characters.behaviours.motor import Motor
 from pipeline.simulation.characters.behaviours.registry import behaviours_of, kind_of
 from pipeline.simulation.characters.direction import Direction
-from pipeline.simulation.characters.errands import SitDown
+from pipeline.simulation.characters.errands import Hug, SitDown
 from pipeline.simulation.characters.layout import NOBODY
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.surroundings import Surroundings
 from pipeline.simulation.characters.record import REACHING
+from pipeline.simulation.characters.signals import CRIES, WHIMPER, loudness
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
@@ -28,8 +29,11 @@ from pipeline.spec.script import SetUrges
 EVERY = 0.1
 """How often a mind thinks, about [s]."""
 
-CRY = 0.4
-"""Pain that is cried out for: a blow of so much more than one that just hurts."""
+DISTRESS, AGAIN = 0.5, 3.0
+"""Anxiety from which on one who runs back to its caregiver cries, and how often it does [s]."""
+
+BREATH = 0.8
+"""How long a cry lasts, after which the next can come [s]."""
 
 GLANCING_BACK = 1.2
 """Beyond this angle from the way one goes it stops to look [rad]."""
@@ -74,7 +78,8 @@ class Minds:
         owners = np.array([mind.me for mind in self.minds], dtype=np.int64)
         self._owners = owners
         self._pain = np.zeros(len(owners))
-        self.cries: list[tuple[str, int, float]] = []
+        self._pains_now = around.stage.crowd.owners["pain"]
+        self.cries: list[tuple[int, int, float]] = []
 
     @property
     def channels(self) -> tuple[Channel, ...]:
@@ -119,14 +124,21 @@ class Minds:
             else:
                 mind.choose()
                 self._act(k, mind)
+                self._cry(k, mind)
             mind.look(dt)
             self.direction.glance(k, mind.glances.at)
+
+    def _cry(self, k: int, mind: Mind) -> None:
+        """Let one cry that is on its way back in distress, and not in its caregiver's arms yet."""
+        calm = mind.anxiety < DISTRESS or isinstance(mind.motor.errand, Hug)
+        if mind.doing == "attachment" and not calm and mind.now - mind.cried >= AGAIN:
+            mind.cried = mind.now
+            self.cries.append((k, NOBODY, WHIMPER + mind.anxiety))
 
     def _feel(self, now: float) -> set[int]:
         """Let those feel it who were hurt in the last step; return them."""
         self.cries.clear()
-        crowd = self.around.stage.crowd
-        pain = crowd.owners["pain"][self._owners]
+        pain = self._pains_now[self._owners]
         more = pain - self._pain
         self._pain = pain
         if not len(more) or float(more.max()) <= 0.0:
@@ -135,9 +147,9 @@ class Minds:
         for n in np.flatnonzero(more > 0.0).tolist():
             mind, much = self.minds[n], float(more[n])
             by = self._by_whom(mind.me)
-            mind.hurt(much, by, now)
-            if much > CRY:
-                self.cries.append((mind.actor.name, by, much))
+            if mind.hurt(much, by, now) and much > CRIES and now - mind.cried >= BREATH:
+                mind.cried = now
+                self.cries.append((self.places[n], by, loudness(much)))
             hurt.add(n)
         return hurt
 

@@ -44,6 +44,7 @@ class Surroundings:
         turned = field.at if field.heading == 0.0 else None
         half = np.array(field.size) / (2.0 if turned else 2.0 * math.sqrt(2.0))
         self.low, self.high = np.array(field.at) - half, np.array(field.at) + half
+        self._p, self._before = stage.crowd.p, stage.crowd.before
         self.now = -1.0
         self.look(0.0, 1.0)
 
@@ -59,9 +60,8 @@ class Surroundings:
         if now == self.now:
             return
         self.now = now
-        p, before = self.stage.crowd.p, self.stage.crowd.before
-        self.places = self._middles(p)
-        self.velocities = (self.places - self._middles(before)) / h
+        self.places = self._middles(self._p)
+        self.velocities = (self.places - self._middles(self._before)) / h
 
     def _middles(self, p: Array) -> Array:
         middles: Array = np.add.reduceat(p, self._firsts, axis=0) / self._counts[:, None]

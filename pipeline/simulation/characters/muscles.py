@@ -32,6 +32,9 @@ FARTHEST = 0.08
 CATCHES_UP = 1.5
 """How fast a foot that was stopped on its way goes after where it should be [m/s]."""
 
+STUCK = 0.04
+"""How far from where it should stand a foot is that was, and does not yet stand [m]."""
+
 WEAKEST = 0.12
 """What a blow leaves of the muscles' quickness."""
 
@@ -63,10 +66,20 @@ def pull(person: Record, nodes: Records, dt: float) -> None:
 
 
 @compiled
+def _is_there(person: Record, node: Record, k: int) -> bool:
+    """Tell whether a foot that came down is about where it should stand."""
+    squared = 0.0
+    for c in range(3):
+        squared += (node.p[c] - person.ankles[k, c]) ** 2
+    there: bool = squared < STUCK * STUCK
+    return there
+
+
+@compiled
 def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
     """Lock a foot that stands, and send one that swings along its line."""
     node = nodes[person.node + FOOT + k]
-    if person.doing[k] == STANCE:
+    if person.doing[k] == STANCE and (node.lock == LOCKED or _is_there(person, node, k)):
         node.lock = LOCKED
         for c in range(3):
             node.place[c] = person.ankles[k, c]

@@ -50,10 +50,13 @@ def meet_box(
     log: Log,
 ) -> None:
     """Move the links of one character out of a box, the other."""
-    box = _box(nodes, other)
+    box, whose = _box(nodes, other), nodes[other.nodes[0]].owner
     for n in range(one.links[0], one.links[0] + one.links[1]):
         link = links[n]
         if link.girth == 0.0 or not _may_touch(nodes, link, other):
+            continue
+        # A hand that holds it does not push it off.
+        if nodes[link.ends[0]].holds == whose or nodes[link.ends[1]].holds == whose:
             continue
         # Of another box its corners: edges meet edges as links do.
         parts = 1 if one.edge > 0.0 else min(int(link.reach[0] / APART) + 1, MOST)

@@ -84,7 +84,12 @@ def person(proportions: Proportions) -> Plan:
     """
     rest = proportions.rest()
     links = [
-        Link(_ends(*ends), _girth(name) * proportions.height, damping=_damping(name))
+        Link(
+            _ends(*ends),
+            _girth(name) * proportions.height,
+            damping=_damping(name),
+            arm=name.startswith(("upper_arm", "forearm")),
+        )
         for name, ends in SEGMENTS.items()
     ]
     skull = SKULL * proportions.head_size * proportions.height

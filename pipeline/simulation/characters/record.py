@@ -126,8 +126,11 @@ PERSON = np.dtype(
         ("look_at", "f8", 3),
         ("arm", "i8", 2),
         ("arm_at", "f8", (2, 3)),
-        # How far its shoulders are to come down [m].
+        # How far its shoulders are to come down to somebody [m]; how much it leans on them, 0 to
+        # 1, and the rate.
         ("down", "f8"),
+        ("leans", "f8"),
+        ("leans_rate", "f8"),
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),

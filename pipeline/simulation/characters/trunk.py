@@ -186,10 +186,9 @@ def seat_back(person: Record) -> float:
     # First back, then down: whoever folds straight down falls on their heels.
     back: float = person.seat[0] * math.sin(0.5 * math.pi * eased(person.seated))
     # Who bows or crouches keeps the balance with the hips.
-    if person.down > 0.0:
-        # Who holds somebody leans on them.
-        return back
-    back += 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
+    balance = 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
+    # Who holds somebody leans on them.
+    back += (1.0 - person.leans) * balance
     return back
 
 

@@ -8,7 +8,7 @@ Links are rows of balls.
 from __future__ import annotations
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
-from pipeline.simulation.characters.resting import WAKES, wake
+from pipeline.simulation.characters.resting import WAKES, strike
 from pipeline.simulation.characters.touching import borne, rub, rubbed, sense
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import (
@@ -231,8 +231,7 @@ def _meet(
         went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.before))))
     nearer = -dot(went, normal)
     if nearer > WAKES * h:
-        wake(nodes, one)
-        wake(nodes, other)
+        strike(nodes, one, other)
     rub(i, one, nearer / h)
     rub(j, one, nearer / h)
     near, far = (i, i) if t == 0.0 else (i, j)

@@ -133,7 +133,7 @@ def test_a_girl_takes_her_doll_and_a_merry_go_round_and_both_are_in_her_hands() 
         for k in range(2):
             if grips[k, 0] >= 0:
                 apart[k].append(math.dist(*crowd.p[grips[k]]))
-    for gaps, seconds in zip(apart, (8.0, 2.0), strict=True):
+    for gaps, seconds in zip(apart, (3.0, 8.0), strict=True):
         assert len(gaps) > seconds * STEPS
         assert max(gaps[10:]) < 1e-3
     assert np.ptp(np.unwrap(angles)) > math.radians(60.0)

@@ -86,6 +86,8 @@ PERSON = np.dtype(
         # Ground that it goes by [m], [m/s]; lean of the trunk, along x and z; twist of the chest.
         ("floor", "f8"),
         ("floor_rate", "f8"),
+        # How much lower the pelvis is than it would be, for a leg that stands is no longer [m].
+        ("short", "f8"),
         ("lean", "f8", 2),
         ("lean_rate", "f8", 2),
         ("twist", "f8"),

@@ -32,6 +32,10 @@ FARTHEST = 0.08
 CATCHES_UP = 1.5
 """How fast a foot that was stopped on its way goes after where it should be [m/s]."""
 
+LEAPS = 15.0
+"""How fast no foot goes, so that what is asked of it is no motion but another place: who runs has
+feet of ten [m/s]."""
+
 STUCK = 0.04
 """How far from where it should stand a foot is that was, and does not yet stand [m]."""
 
@@ -85,8 +89,12 @@ def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
             node.place[c] = person.ankles[k, c]
         return
     node.lock = FREE
+    squared = 0.0
     for c in range(3):
-        along = person.wanted[FOOT + k, c] - person.before[FOOT + k, c]
+        squared += (person.wanted[FOOT + k, c] - person.before[FOOT + k, c]) ** 2
+    goes = 1.0 if squared < (LEAPS * dt) ** 2 else 0.0
+    for c in range(3):
+        along = goes * (person.wanted[FOOT + k, c] - person.before[FOOT + k, c])
         after = person.wanted[FOOT + k, c] - along - node.p[c]
         after = min(max(after, -CATCHES_UP * dt), CATCHES_UP * dt)
         node.before[c] = node.p[c] - along - after

@@ -287,6 +287,22 @@ def test_people_who_cross_step_aside_for_one_another() -> None:
         assert ((feet[1] - feet[0]) * right).sum(axis=1)[stands].min() > 0.0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["fight", "square"])
+def test_nobodys_limbs_fly_in_a_throng(name: str) -> None:
+    """Who runs has feet of ten meters a second; a foot put elsewhere at once had two hundred."""
+    simulation = Simulation(load_scene(library() / f"{name}.yaml"))
+    troupe = troupe_of(simulation)
+    people = np.concatenate([np.arange(p.node, p.node + len(J)) for p in troupe.persons])
+    before, fastest = troupe.crowd.p[people], 0.0
+    while not simulation.finished:
+        simulation.step()
+        now = troupe.crowd.p[people]
+        fastest = max(fastest, float(np.linalg.norm(now - before, axis=1).max()) * STEPS)
+        before = now
+    assert fastest < 25.0
+
+
 def test_who_is_far_from_all_others_moves_to_the_last_bit_as_alone() -> None:
     alone = "duration: 2\ncast:\n  - {name: a, character: adult}\n"
     other = "  - {name: b, character: child, at: [20, 20]}\n"

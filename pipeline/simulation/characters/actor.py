@@ -27,6 +27,12 @@ from pipeline.simulation.terrain import Ground
 SIDES: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0, 1)}
 """Arms by name."""
 
+BOTH = 2
+"""The grip of both hands on one another, behind those of each."""
+
+EMBRACES = 2.0
+"""How far off the other one is when arms are clear of one another again, in arms."""
+
 HEAVY = 0.5
 """From which part of one's own mass on something is held, and does not hang from the hand."""
 
@@ -164,10 +170,11 @@ class Actor:
         self.me.arm_at[k] = place
 
     def hold(self, k: int, node: int) -> None:
-        """Close a hand around a node."""
-        hand, nodes = int(self.me.node) + HAND + k, self.stage.crowd.nodes
+        """Close a hand around a node; the left one for both."""
+        hand, nodes = int(self.me.node) + HAND + k % BOTH, self.stage.crowd.nodes
         self.stage.crowd.grips[self.me.grip + k] = hand, node
         nodes["holds"][hand], nodes["holds"][node] = nodes["owner"][node], self.me.owner
+        nodes["gap"][hand] = math.dist(nodes["p"][hand], nodes["p"][node])
 
     @cached_property
     def _grip(self) -> int:
@@ -179,11 +186,33 @@ class Actor:
 
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""
+        self._open(k)
+        self.me.arm[k] = SWINGING
+
+    def embrace(self, owner: int) -> None:
+        """Put the arms around a character: they pass through its arms until both are apart."""
+        self.stage.crowd.owners["embraces"][self.me.owner] = owner
+
+    def forget_embrace(self) -> None:
+        """Have nobody in the arms any more who is out of their reach."""
+        whom = int(self.stage.crowd.owners["embraces"][self.me.owner])
+        if whom >= 0 and self.away(self.stage.pelvis(whom)) > EMBRACES * self.arm:
+            self.embrace(NOBODY)
+
+    def join_hands(self) -> None:
+        """Hold one hand with the other, unless one holds something else."""
+        if self.held(0) < 0 and self.held(1) < 0:
+            self.hold(BOTH, int(self.me.node) + HAND + 1)
+
+    def part_hands(self) -> None:
+        """Let the hands go of one another."""
+        self._open(BOTH)
+
+    def _open(self, k: int) -> None:
         grip = self.stage.crowd.grips[self.me.grip + k]
         if grip[0] >= 0:
             self.stage.crowd.nodes["holds"][grip] = NOBODY
         grip[:] = NOBODY
-        self.me.arm[k] = SWINGING
 
     def nearest(self, owner: int, place: Array) -> int:
         """Return the node of a character that is nearest to a place."""

@@ -60,6 +60,8 @@ SWING = math.radians(23.0)
 def stoop(person: Record, dt: float) -> None:
     """Bow, and then crouch, as far as hands have to go down; bow alone to somebody small."""
     low = 0.0
+    leans = 1.0 if person.down > 0.0 else 0.0
+    person.leans, person.leans_rate = sprung(person.leans, person.leans_rate, leans, 4.0, dt)
     arm = person.upper_arm + person.forearm
     height = person.hip_height + person.belly + person.chest
     for k in range(2):

@@ -8,7 +8,7 @@ Links are rows of balls.
 from __future__ import annotations
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
-from pipeline.simulation.characters.resting import WAKES, wake
+from pipeline.simulation.characters.resting import WAKES, strike
 from pipeline.simulation.characters.touching import borne, rub, rubbed, sense
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import (
@@ -50,10 +50,13 @@ def meet_box(
     log: Log,
 ) -> None:
     """Move the links of one character out of a box, the other."""
-    box = _box(nodes, other)
+    box, whose = _box(nodes, other), nodes[other.nodes[0]].owner
     for n in range(one.links[0], one.links[0] + one.links[1]):
         link = links[n]
         if link.girth == 0.0 or not _may_touch(nodes, link, other):
+            continue
+        # A hand that holds it does not push it off.
+        if nodes[link.ends[0]].holds == whose or nodes[link.ends[1]].holds == whose:
             continue
         # Of another box its corners: edges meet edges as links do.
         parts = 1 if one.edge > 0.0 else min(int(link.reach[0] / APART) + 1, MOST)
@@ -228,8 +231,7 @@ def _meet(
         went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.before))))
     nearer = -dot(went, normal)
     if nearer > WAKES * h:
-        wake(nodes, one)
-        wake(nodes, other)
+        strike(nodes, one, other)
     rub(i, one, nearer / h)
     rub(j, one, nearer / h)
     near, far = (i, i) if t == 0.0 else (i, j)

@@ -62,6 +62,14 @@ def lead(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
 
 
 @compiled
+def halt(person: Record) -> None:
+    """Let one who is frozen have no motion of its own: it sets out from rest again."""
+    for c in range(2):
+        person.going[c] = person.gaining[c] = 0.0
+    person.turning = 0.0
+
+
+@compiled
 def _walk_vector(person: Record) -> tuple[float, float]:
     """Return the velocity that is walked with [m/s]."""
     wx, wz = 0.0, 0.0

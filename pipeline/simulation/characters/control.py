@@ -6,7 +6,7 @@ Source: Horswill 2008, "Low-level character control".
 from __future__ import annotations
 
 from pipeline.simulation.characters.arms import hold_arms, stoop
-from pipeline.simulation.characters.carriage import lead
+from pipeline.simulation.characters.carriage import halt, lead
 from pipeline.simulation.characters.feeling import feel
 from pipeline.simulation.characters.gait import tread
 from pipeline.simulation.characters.gaze import look
@@ -29,7 +29,9 @@ def steer(crowd: Crowd, persons: Records, ground: Grid, h: float) -> None:
     for i in range(len(persons)):
         person = persons[i]
         feel(person, nodes, links, owners, h)
-        if not person.frozen:
+        if person.frozen:
+            halt(person)
+        else:
             lead(person, nodes, ground, h)
             tread(person, ground.frame, ground.vertices, h)
             sit(person, h)

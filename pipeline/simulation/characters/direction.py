@@ -103,6 +103,7 @@ class Direction:
         actor = self.actors[k]
         actor.stop()
         actor.me.posture, actor.me.faces, actor.me.down = STANDING, False, 0.0
+        actor.part_hands()
         for hand in range(2):
             if actor.held(hand) < 0:
                 actor.let_go(hand)
@@ -121,6 +122,7 @@ class Direction:
         self._steps += 1
         for k, actor in enumerate(self.actors):
             errand = self._errands[k]
+            actor.forget_embrace()
             if errand is not None:
                 done = errand.go_on(actor, self.dt)
                 if done and not self._done[k]:
@@ -235,11 +237,13 @@ class Direction:
         keeps_arms = keeps_arms and (self._done[k] or not isinstance(before, Grab))
         self._errands[k], self._done[k] = errand, False
         actor.me.down = 0.0
+        actor.part_hands()
         for hand in range(2):
             if not keeps_arms and actor.held(hand) < 0:
                 actor.me.arm[hand] = SWINGING
 
     def _let_go(self, k: int, hands: Sequence[int]) -> None:
+        self.actors[k].part_hands()
         for hand in hands:
             self.actors[k].let_go(hand)
         if isinstance(self._errands[k], Hug | Reach | Grab | Grapple):

@@ -25,11 +25,17 @@ from pipeline.simulation.spatial import Array
 CHEST = 0.075
 """Radius of a chest, in heights."""
 
+WAIST = 0.085
+"""Height of the narrowest place of a trunk above the pelvis, in heights."""
+
 SEAT = 0.062
 """Height of the pelvis of one who sits above what it sits on, in heights."""
 
 CLOSES = 0.7
 """How long arms take to close around somebody [s]."""
+
+JOINS = 0.06
+"""How near to one another hands are that join, in heights."""
 
 PATIENCE = 1.6
 """How long a hand is waited for that cannot come quite where it should [s]."""
@@ -242,6 +248,8 @@ class Hug:
         self.touched += dt
         self._bow(actor)
         self._close(actor, other)
+        if self.touched > CLOSES and math.dist(actor.hand(0), actor.hand(1)) < JOINS * me.height:
+            actor.join_hands()
         return self.touched > PATIENCE
 
     def _bow(self, actor: Actor) -> None:
@@ -252,6 +260,7 @@ class Hug:
 
     def loosen(self, actor: Actor, dt: float) -> bool:
         """Open the arms again as they were closed; tell whether they are open."""
+        actor.part_hands()
         self.touched = max(min(self.touched, CLOSES) - dt, 1e-6)
         self._close(actor, actor.stage.pelvis(self.owner))
         return self.touched <= dt
@@ -265,13 +274,15 @@ class Hug:
         # The taller one's arms go over, the smaller one's under.
         taller = me.height > 1.05 * self.size
         top = high + (0.02 if taller else -0.06) * self.size
-        level = min(max(own - 0.1 * me.height, low - 0.02 * self.size), top)
+        # Round the waist at the lowest: no arm is long enough for hips.
+        level = min(max(own - 0.1 * me.height, low + WAIST * self.size), top)
         apart = (0.01 if taller else 0.03) * me.height
         return float(level + (apart if k == 0 else -apart))
 
     def _open(self, actor: Actor) -> None:
         """Hold both arms out, wide enough for the other's shoulders."""
         me = actor.me
+        actor.embrace(self.owner)
         other = actor.stage.pelvis(self.owner)
         ahead = _towards(actor, other)
         right = np.array([-ahead[2], 0.0, ahead[0]])
@@ -284,6 +295,7 @@ class Hug:
 
     def _close(self, actor: Actor, other: Array) -> None:
         """Bring the hands together behind the other's back."""
+        actor.embrace(self.owner)
         ahead = _towards(actor, other)
         right = np.array([-ahead[2], 0.0, ahead[0]])
         round_it = CHEST * self.size + 0.035 * actor.me.height

@@ -30,6 +30,10 @@ TOLERANCE = 0.16
 CLOSED = 0.05
 """How near it has to come, in legs, before somebody who stops stands."""
 
+EVEN = 0.6
+"""How far from below its hip, of what it may, a foot stands at most of one whose feet are side by
+side: the weight shifts over them."""
+
 AWRY = math.radians(28.0)
 """How much a foot may be turned away from the pelvis before it steps."""
 
@@ -41,6 +45,10 @@ ROLL = 0.55
 
 HEEL = math.radians(48.0)
 """How far a foot turns about its ball until it leaves the ground, at most."""
+
+BESIDE = 0.9
+"""How far beside the other foot one comes down at least, on its own side, in halves of hips: who
+set one before the other, stepping aside, would catch one leg with the other."""
 
 SETTLES = 16.0
 """How quickly a foot in the air goes by a change of mind [1/s]."""
@@ -113,8 +121,7 @@ def tread(person: Record, frame: Record, vertices: Array, dt: float) -> None:
             _stand(person, k, stance, frame, vertices)
     still = person.doing[0] == STANCE and person.doing[1] == STANCE and not walks
     if person.stepping and still:
-        near = CLOSED / TOLERANCE
-        person.stepping = astray(person, 0) > near or astray(person, 1) > near
+        person.stepping = not _is_closed(person)
 
 
 @compiled
@@ -131,6 +138,25 @@ def cycle_of(person: Record, k: int) -> float:
     """Return where a leg is in its own cycle: 0 when its foot may leave the ground."""
     at: float = (person.phase + 0.5 * k) % 1.0
     return at
+
+
+@compiled
+def _is_closed(person: Record) -> bool:
+    """Tell whether both feet stand well enough for one who has stopped.
+
+    Side by side is enough: who waited until the pelvis had come to rest over them would mark
+    time after it.
+    """
+    leg, near = leg_of(person), CLOSED / TOLERANCE
+    x = 0.5 * (person.stood[0, 0] + person.stood[1, 0])
+    z = 0.5 * (person.stood[0, 2] + person.stood[1, 2])
+    for k in range(2):
+        to_x, to_z = home(person, k, x, z, person.heading)
+        away = math.hypot(person.stood[k, 0] - to_x, person.stood[k, 2] - to_z)
+        turned = abs(wrapped(person.yaw[k] - person.heading))
+        if away > CLOSED * leg or turned > near * AWRY or astray(person, k) > EVEN:
+            return False
+    return True
 
 
 @compiled
@@ -189,12 +215,24 @@ def _aim(person: Record, k: int, left: float, share: float, frame: Record, verti
     ahead = 0.5 * stance / rate
     x += vx * ahead - back * math.cos(heading)
     z += vz * ahead + back * math.sin(heading)
+    x, z = _beside(person, k, x, z, heading)
     x = person.land[k, 0] + share * (x - person.land[k, 0])
     z = person.land[k, 2] + share * (z - person.land[k, 2])
     y, _ = surface(frame, vertices, x, z)
     person.land[k, 0], person.land[k, 1], person.land[k, 2] = x, y + person.ankle, z
     person.yaw_land[k] += share * wrapped(heading - person.yaw_land[k])
     _arch(person, k, frame, vertices)
+
+
+@compiled
+def _beside(person: Record, k: int, x: float, z: float, heading: float) -> tuple[float, float]:
+    """Return a place for foot k that is on its own side of the other one."""
+    other = row(person.stood, 1 - k) if person.doing[1 - k] == STANCE else row(person.land, 1 - k)
+    right_x, right_z = math.sin(heading), math.cos(heading)
+    side = 1.0 if k == 1 else -1.0
+    beside = side * ((x - other[0]) * right_x + (z - other[2]) * right_z)
+    more = side * max(BESIDE * person.hips - beside, 0.0)
+    return x + more * right_x, z + more * right_z
 
 
 @compiled

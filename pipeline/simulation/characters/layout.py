@@ -64,6 +64,8 @@ NODE = np.dtype(
         ("link", "i8"),
         # Whose the node is that it is held together with by a grip, or NOBODY.
         ("holds", "i8"),
+        # How far from what it has closed around a hand is yet [m].
+        ("gap", "f8"),
         # Whether it runs on a level bearing, at the height of its place.
         ("glides", "?"),
     ],
@@ -80,6 +82,8 @@ LINK = np.dtype(
         ("girth", "f8"),
         ("damping", "f8"),
         ("owner", "i8"),
+        # Whether it is one of an arm, which passes through those of whom it embraces.
+        ("arm", "?"),
         # The link that it touches, or NOBODY, TERRAIN, SOLID, and whose that is, or NOBODY.
         ("touched", "i8"),
         ("touched_owner", "i8"),
@@ -118,6 +122,8 @@ OWNER = np.dtype(
         ("deep", "f8"),
         # Whether it is gone through now.
         ("busy", "?"),
+        # Whom its arms are put around, or NOBODY.
+        ("embraces", "i8"),
         # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s],
         # and how often it did not go far; how fast its fastest node is [m/s].
         ("acts", "?"),
@@ -210,6 +216,7 @@ class Link(NamedTuple):
         least: distance that its ends keep, None for that of the rest pose [m].
         most: likewise.
         damping: of one end against the other [1/s].
+        arm: whether it is one of an arm.
     """
 
     ends: tuple[int, int]
@@ -217,6 +224,7 @@ class Link(NamedTuple):
     least: float | None = None
     most: float | None = None
     damping: float = 0.0
+    arm: bool = False
 
 
 class Plan(NamedTuple):
@@ -299,6 +307,7 @@ def _links(plans: Sequence[Plan], firsts: Numbers) -> Structures:
     links["reach"] = np.array([_reach(plan, link) for plan, link in each]).reshape(-1, 2)
     links["girth"] = [link.girth for _, link in each]
     links["damping"] = [link.damping for _, link in each]
+    links["arm"] = [link.arm for _, link in each]
     links["owner"] = np.repeat(np.arange(len(plans)), counts)
     links["touched"] = links["touched_owner"] = NOBODY
     links["age"] = np.inf
@@ -329,6 +338,7 @@ def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Str
     for name in ("friction", "bounciness", "ground", "threshold", "edge"):
         owners[name] = [getattr(plan, name) for plan in plans]
     owners["glides"] = [bool(plan.gliding) for plan in plans]
+    owners["embraces"] = NOBODY
     owners["mass"] = [plan.mass[np.isfinite(plan.mass)].sum() for plan in plans]
     return owners
 

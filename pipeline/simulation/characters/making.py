@@ -73,11 +73,14 @@ def start_of(member: Character, plan: Plan, ground: Ground) -> Array:
     p = _turned(member, plan)
     p += [x, 0.0, z]
     floor = float((p[:, 1] - plan.radius).min())
+    over = float((p[:, 1] - plan.radius - ground.height(p[:, 0], p[:, 2])).min())
+    if plan.gliding:
+        # What runs on a bearing stands on a base of that height: it would drag over the ground.
+        floor, over = 0.0, min(over, -float(ground.height(np.array(x), np.array(z))))
     if len(member.at) == 3:
         p[:, 1] += member.at[1] - floor
     else:
-        over = p[:, 1] - plan.radius - ground.height(p[:, 0], p[:, 2])
-        p[:, 1] += CLEAR - float(over.min())
+        p[:, 1] += CLEAR - over
     return p
 
 

@@ -32,6 +32,13 @@ FARTHEST = 0.08
 CATCHES_UP = 1.5
 """How fast a foot that was stopped on its way goes after where it should be [m/s]."""
 
+LEAPS = 15.0
+"""How fast no foot goes, so that what is asked of it is no motion but another place: who runs has
+feet of ten [m/s]."""
+
+STUCK = 0.04
+"""How far from where it should stand a foot is that was, and does not yet stand [m]."""
+
 WEAKEST = 0.12
 """What a blow leaves of the muscles' quickness."""
 
@@ -63,30 +70,31 @@ def pull(person: Record, nodes: Records, dt: float) -> None:
 
 
 @compiled
-def _is_there(person: Record, node: Record, k: int, dt: float) -> bool:
-    """Tell whether a foot has come to where it is to stand.
-
-    One that was held up on its way is not: locked there all the same, it would tear at the whole
-    body, at tens of metres a second.
-    """
+def _is_there(person: Record, node: Record, k: int) -> bool:
+    """Tell whether a foot that came down is about where it should stand."""
     squared = 0.0
     for c in range(3):
-        squared += (person.ankles[k, c] - node.p[c]) ** 2
-    return squared <= (2.0 * CATCHES_UP * dt) ** 2
+        squared += (node.p[c] - person.ankles[k, c]) ** 2
+    there: bool = squared < STUCK * STUCK
+    return there
 
 
 @compiled
 def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
     """Lock a foot that stands, and send one that swings along its line."""
     node = nodes[person.node + FOOT + k]
-    if person.doing[k] == STANCE and (node.lock == LOCKED or _is_there(person, node, k, dt)):
+    if person.doing[k] == STANCE and (node.lock == LOCKED or _is_there(person, node, k)):
         node.lock = LOCKED
         for c in range(3):
             node.place[c] = person.ankles[k, c]
         return
     node.lock = FREE
+    squared = 0.0
     for c in range(3):
-        along = person.wanted[FOOT + k, c] - person.before[FOOT + k, c]
+        squared += (person.wanted[FOOT + k, c] - person.before[FOOT + k, c]) ** 2
+    goes = 1.0 if squared < (LEAPS * dt) ** 2 else 0.0
+    for c in range(3):
+        along = goes * (person.wanted[FOOT + k, c] - person.before[FOOT + k, c])
         after = person.wanted[FOOT + k, c] - along - node.p[c]
         after = min(max(after, -CATCHES_UP * dt), CATCHES_UP * dt)
         node.before[c] = node.p[c] - along - after

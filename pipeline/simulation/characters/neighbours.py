@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.simulation.characters.layout import Crowd, Numbers
+from pipeline.simulation.characters.projecting import are_held
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 
 MARGIN = 0.005
@@ -89,6 +90,9 @@ def find_pairs(
 ) -> int:
     """Find links that may touch, those of one character first; boxes are met as wholes.
 
+    Arms of who embraces somebody pass through that one's arms, for two pairs of them have no
+    room around two chests; and what a hand holds does not push it off.
+
     Args:
         nodes: of all characters.
         links: of all characters.
@@ -109,11 +113,12 @@ def find_pairs(
         one, other = owners[near[n, 0]], owners[near[n, 1]]
         if (one.asleep and other.asleep) or (one.edge > 0.0) != (other.edge > 0.0):
             continue
+        hug = one.embraces == near[n, 1] or other.embraces == near[n, 0]
         for a in range(one.links[0], one.links[0] + one.links[1]):
             if links[a].girth == 0.0 or not _in_box(nodes, links[a], other):
                 continue
             for b in range(other.links[0], other.links[0] + other.links[1]):
-                if links[b].girth > 0.0:
+                if links[b].girth > 0.0 and not (hug and links[a].arm and links[b].arm):
                     found = _keep_if_near(nodes, links, (a, b), pairs, found)
     return found
 
@@ -124,6 +129,8 @@ def _keep_if_near(
 ) -> int:
     """Keep a pair of links if it may touch; return how many are kept now."""
     if found == len(pairs) or not _side_by_side(nodes, links[pair[0]], links[pair[1]]):
+        return found
+    if are_held(nodes, links[pair[0]], links[pair[1]]):
         return found
     pairs[found, 0], pairs[found, 1] = pair[0], pair[1]
     return found + 1

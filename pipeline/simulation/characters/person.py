@@ -89,7 +89,12 @@ def person(proportions: Proportions, led: bool = False) -> Plan:
     """
     rest = proportions.rest()
     links = [
-        Link(_ends(*ends), _girth(name) * proportions.height, damping=_damping(name))
+        Link(
+            _ends(*ends),
+            _girth(name) * proportions.height,
+            damping=_damping(name),
+            arm=name.startswith(("upper_arm", "forearm")),
+        )
         for name, ends in SEGMENTS.items()
     ]
     skull = SKULL * proportions.head_size * proportions.height

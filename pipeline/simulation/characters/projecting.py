@@ -13,12 +13,19 @@ import math
 from pipeline.simulation.characters.layout import Numbers
 from pipeline.simulation.characters.limbs import settle, straighten
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+from pipeline.simulation.dynamics.vectors import length, minus, triple
 
 ENOUGH = 2e-3
 """Part of its length that a link may be off when no more is done."""
 
 MOST = 40
 """Times that all links of a character are gone through, at most."""
+
+DRAWS = 1.0
+"""How fast a hand and what it has closed around come together [m/s]."""
+
+FAST = 5e-4
+"""How far from one another they are when no more is done [m]."""
 
 
 @inlined
@@ -55,24 +62,87 @@ def finish(nodes: Records, links: Records, middles: Numbers, limbs: Records, own
     for _ in range(MOST):
         if project(nodes, links, middles, limbs, owner) <= ENOUGH:
             break
-    first = owner.limbs[0]
-    for n in range(first, first + owner.limbs[1]):
-        settle(nodes, limbs[n])
+    _set_joints(nodes, limbs, owner)
 
 
 @inlined
-def hold(nodes: Records, grips: Numbers) -> None:
-    """Bring together nodes that are held together: links of length zero."""
+def draw_in(nodes: Records, grips: Numbers, h: float) -> None:
+    """Let hands and what they close around come nearer: it is drawn in, and not snatched."""
+    for n in range(len(grips)):
+        if grips[n, 0] >= 0:
+            node = nodes[grips[n, 0]]
+            node.gap = max(node.gap - DRAWS * h, 0.0)
+
+
+@inlined
+def hold(nodes: Records, grips: Numbers) -> float:
+    """Bring together nodes that are held together: links of length zero.
+
+    Returns:
+        How far apart the worst were that should not be [m].
+    """
+    worst = 0.0
     for n in range(len(grips)):
         if grips[n, 0] < 0 or grips[n, 1] < 0:
             continue
         one, other = nodes[grips[n, 0]], nodes[grips[n, 1]]
-        if one.give + other.give > 0.0:
-            share = 1.0 / (one.give + other.give)
-            for k in range(3):
-                apart = share * (one.p[k] - other.p[k])
-                one.p[k] -= one.give * apart
-                other.p[k] += other.give * apart
+        weight = one.give + other.give
+        apart = length(minus(triple(one.p), triple(other.p)))
+        if apart <= one.gap or weight == 0.0:
+            continue
+        worst = max(worst, apart - one.gap)
+        share = (apart - one.gap) / (apart * weight)
+        for k in range(3):
+            move = share * (one.p[k] - other.p[k])
+            one.p[k] -= one.give * move
+            other.p[k] += other.give * move
+    return worst
+
+
+@inlined
+def hold_fast(
+    nodes: Records,
+    links: Records,
+    middles: Numbers,
+    limbs: Records,
+    owners: Records,
+    grips: Numbers,
+) -> None:
+    """Go on with those who hold, and what they hold, until nobody sees a gap."""
+    if not _find_who_hold(nodes, owners, grips):
+        return
+    for _ in range(MOST):
+        worst = 0.0
+        for c in range(len(owners)):
+            if owners[c].busy:
+                worst = max(worst, project(nodes, links, middles, limbs, owners[c]))
+        if hold(nodes, grips) <= FAST and worst <= ENOUGH:
+            break
+    for c in range(len(owners)):
+        if owners[c].busy:
+            _set_joints(nodes, limbs, owners[c])
+
+
+@inlined
+def _find_who_hold(nodes: Records, owners: Records, grips: Numbers) -> bool:
+    """Choose those who hold or are held to be gone through; tell whether there are any."""
+    some = False
+    for c in range(len(owners)):
+        owners[c].busy = False
+    for n in range(len(grips)):
+        if grips[n, 0] >= 0 and grips[n, 1] >= 0:
+            some = True
+            for k in range(2):
+                owners[nodes[grips[n, k]].owner].busy = True
+    return some
+
+
+@inlined
+def _set_joints(nodes: Records, limbs: Records, owner: Record) -> None:
+    """Put all joints of one character where they belong."""
+    first = owner.limbs[0]
+    for n in range(first, first + owner.limbs[1]):
+        settle(nodes, limbs[n])
 
 
 @inlined

@@ -86,6 +86,8 @@ PERSON = np.dtype(
         # Ground that it goes by [m], [m/s]; lean of the trunk, along x and z; twist of the chest.
         ("floor", "f8"),
         ("floor_rate", "f8"),
+        # How much lower the pelvis is than it would be, for a leg that stands is no longer [m].
+        ("short", "f8"),
         ("lean", "f8", 2),
         ("lean_rate", "f8", 2),
         ("twist", "f8"),
@@ -126,8 +128,11 @@ PERSON = np.dtype(
         ("look_at", "f8", 3),
         ("arm", "i8", 2),
         ("arm_at", "f8", (2, 3)),
-        # How far its shoulders are to come down [m].
+        # How far its shoulders are to come down to somebody [m]; how much it leans on them, 0 to
+        # 1, and the rate.
         ("down", "f8"),
+        ("leans", "f8"),
+        ("leans_rate", "f8"),
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),

@@ -16,7 +16,7 @@ from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inl
 WATCH = 0.25
 """Time after which it is looked whether somebody has moved [s]."""
 
-MOVED, MORE, MOST = 0.006, 0.002, 0.03
+MOVED, MORE, MOST = 0.006, 0.002, 0.05
 """How far what rests may have moved in that time; how much more for each time that it did not
 go far, and how far that is [m]."""
 
@@ -25,6 +25,14 @@ TOUCHES = 0.1
 
 WAKES = 0.3
 """Speed of what wakes whom it comes to [m/s]."""
+
+TIRED = 8
+"""How often somebody has been watched and has not gone far when its tremor wakes nobody: in a pile
+each would keep the others awake for ever."""
+
+DEEP, WEDGED = 0.004, 40
+"""How deep somebody lies in another who is given time to come out [m], and how often it is watched
+for that."""
 
 
 @compiled
@@ -46,14 +54,26 @@ def look_who_rests(
 
 
 @inlined
+def strike(nodes: Records, one: Record, other: Record) -> None:
+    """Wake who is struck by somebody, unless that one has only trembled for long.
+
+    Who is pushed by somebody who acts does not fall asleep meanwhile.
+    """
+    if (one.asleep or other.acts) and other.drowsy < TIRED:
+        wake(nodes, one)
+    if (other.asleep or one.acts) and one.drowsy < TIRED:
+        wake(nodes, other)
+
+
+@inlined
 def wake_near(nodes: Records, owners: Records, near: Numbers) -> None:
     """Wake those beside whom somebody moves."""
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
         if one.asleep and not other.asleep and other.speed > WAKES:
-            wake(nodes, one)
+            strike(nodes, one, other)
         elif other.asleep and not one.asleep and one.speed > WAKES:
-            wake(nodes, other)
+            strike(nodes, one, other)
 
 
 @compiled
@@ -101,6 +121,8 @@ def _watch(nodes: Records, links: Records, owner: Record) -> None:
     far = math.sqrt(farthest)
     owner.drowsy = owner.drowsy + 1 if far < MOST else 0
     if not held or far > min(MOVED + MORE * owner.drowsy, MOST):
+        return
+    if owner.deep > DEEP and owner.drowsy < WEDGED:
         return
     owner.asleep, owner.speed = True, 0.0
     for i in range(first, end):

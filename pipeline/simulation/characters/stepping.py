@@ -10,7 +10,7 @@ from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.neighbours import Room, enclose, find_near, find_pairs
-from pipeline.simulation.characters.projecting import finish, hold, project
+from pipeline.simulation.characters.projecting import draw_in, finish, hold, hold_fast, project
 from pipeline.simulation.characters.resting import look_who_rests, wake_near
 from pipeline.simulation.characters.touching import PARTING, are_near, grow_old, meet
 from pipeline.simulation.characters.verlet import damp, integrate
@@ -76,6 +76,7 @@ def _sub_step(
     nodes, links, middles, limbs, own, grips, owners = crowd
     damp(nodes, links, h)
     integrate(nodes, gravity, h)
+    draw_in(nodes, grips, h)
     grow_old(links, h)
     enclose(nodes, owners)
     near = room.near[: find_near(owners, room.order, room.near)]
@@ -99,6 +100,7 @@ def _sub_step(
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish(nodes, links, middles, limbs, owners[c])
+    hold_fast(nodes, links, middles, limbs, owners, grips)
 
 
 @compiled

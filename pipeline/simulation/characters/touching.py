@@ -1,6 +1,7 @@
 """Touching: links that come into one another are moved apart, and know what they touch.
 
-Both nodes of a link are moved by the same: torques are left to the links beside it. What two
+Both nodes of a link are moved by the same: torques are left to the links beside it. Edges of
+boxes are pushed where they touch, for a box is one piece that leans on another. What two
 came nearer to one another in this sub-step is taken out of their positions alone, and so out
 of their velocities; what they were in one another before is taken out of both positions, so
 that nobody is shot off for having begun inside somebody. All shares go by mass, so momentum
@@ -16,7 +17,7 @@ import math
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
 from pipeline.simulation.characters.layout import NOBODY
-from pipeline.simulation.characters.resting import WAKES, wake
+from pipeline.simulation.characters.resting import WAKES, strike
 from pipeline.simulation.characters.segments import closest
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
@@ -47,6 +48,9 @@ GENTLE = 0.5
 """Speed of approach below which a touch is one of those that rest on one another [m/s]."""
 
 TINY = 1e-9
+
+Moves = tuple[Vector, Vector, Vector]
+"""What changes a place and its velocity, what the place alone, and what the velocity alone [m]."""
 
 
 @inlined
@@ -99,7 +103,8 @@ def meet(
     one, other = owners[a.owner], owners[b.owner]
     apart = math.sqrt(squared)
     n = times(1.0 / apart, away) if apart > TINY else _aside(one, other, u, v)
-    if one.edge > 0.0 and other.edge > 0.0 and _points_in(one, other, n):
+    boxes = one.edge > 0.0 and other.edge > 0.0
+    if boxes and _points_in(one, other, n):
         # Edges that have gone through one another are moved back through.
         apart, n = -apart, times(-1.0, n)
         if -apart > 0.5 * reach:
@@ -107,10 +112,11 @@ def meet(
     slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
     nearer = -dot(slip, n)
     if nearer > WAKES * h:
-        wake(nodes, one)
-        wake(nodes, other)
-    w_a = _lightness(nodes, a) * borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1])
-    w_b = _lightness(nodes, b) * borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1])
+        strike(nodes, one, other)
+    light_a = borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1])
+    light_b = borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1])
+    w_a = light_a * _lightness(nodes, a, s, boxes)
+    w_b = light_b * _lightness(nodes, b, t, boxes)
     if w_a + w_b == 0.0:
         return
     share = 1.0 / (w_a + w_b)
@@ -125,13 +131,16 @@ def meet(
     bounciness = max(one.bounciness, other.bounciness)
     if bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
         back = bounciness * nearer + nearer - stopped
-    part, back_a = times(share * parted, n), times(share * back, n)
-    _shift(nodes, a, times(share * w_a, move), times(w_a, part), times(w_a, back_a))
-    _shift(nodes, b, times(-share * w_b, move), times(-w_b, part), times(-w_b, back_a))
+    moves = times(share, move), times(share * parted, n), times(share * back, n)
+    if boxes:
+        _turn(nodes, a, s, light_a, moves)
+        _turn(nodes, b, t, -light_b, moves)
+    else:
+        _shift(nodes, a, w_a, moves)
+        _shift(nodes, b, -w_b, moves)
     if a.owner != b.owner:
-        for k in range(2):
-            rub(nodes[a.ends[k]], one, nearer / h)
-            rub(nodes[b.ends[k]], other, nearer / h)
+        _rub(nodes, a, one, nearer / h)
+        _rub(nodes, b, other, nearer / h)
 
 
 @inlined
@@ -163,6 +172,13 @@ def rub(node: Record, owner: Record, speed: float) -> None:
 
 
 @inlined
+def _rub(nodes: Records, link: Record, owner: Record, speed: float) -> None:
+    """Let both ends of a link that touches gently be damped."""
+    for k in range(2):
+        rub(nodes[link.ends[k]], owner, speed)
+
+
+@inlined
 def grow_old(links: Records, h: float) -> None:
     """Forget touches that have ended, a sub-step later."""
     for n in range(len(links)):
@@ -184,10 +200,19 @@ def borne(one: Record, other: Record, up: float) -> float:
 
 
 @inlined
-def _lightness(nodes: Records, link: Record) -> float:
-    """Return the inverse mass of a link that is moved as a whole, of what of it can move."""
+def _lightness(nodes: Records, link: Record, s: float, there: bool) -> float:
+    """Return the inverse mass of a link, of what of it can move.
+
+    Args:
+        nodes: of all characters.
+        link: which.
+        s: where on it.
+        there: whether it is moved there, and not as a whole.
+    """
     one: float = nodes[link.ends[0]].give
     other: float = nodes[link.ends[1]].give
+    if there:
+        return (1.0 - s) ** 2 * one + s * s * other
     if link.ends[0] == link.ends[1] or other == 0.0:
         return one
     return other if one == 0.0 else one * other / (one + other)
@@ -231,23 +256,30 @@ def _points_in(one: Record, other: Record, n: Vector) -> bool:
 
 
 @inlined
-def _shift(nodes: Records, link: Record, move: Vector, part: Vector, back: Vector) -> None:
-    """Move a link as a whole.
-
-    Args:
-        nodes: of all characters.
-        link: which.
-        move: what changes its velocity.
-        part: what does not.
-        back: what changes its velocity alone.
-    """
+def _shift(nodes: Records, link: Record, share: float, moves: Moves) -> None:
+    """Move a link as a whole, by a share of what is told."""
     for end in range(1 if link.ends[0] == link.ends[1] else 2):
         node = nodes[link.ends[end]]
         if node.give == 0.0:
             continue
         for k in range(3):
-            node.p[k] += move[k] + part[k]
-            node.before[k] += part[k] - back[k]
+            node.p[k] += share * (moves[0][k] + moves[1][k])
+            node.before[k] += share * (moves[1][k] - moves[2][k])
+
+
+@inlined
+def _turn(nodes: Records, link: Record, s: float, share: float, moves: Moves) -> None:
+    """Move a link at a place s on it, by a share of what `_shift` is told.
+
+    Edges that were moved as wholes would turn two boxes about one another out of nothing, for
+    ever if one leans on the other.
+    """
+    for end in range(2):
+        node = nodes[link.ends[end]]
+        some = share * node.give * (s if end == 1 else 1.0 - s)
+        for k in range(3):
+            node.p[k] += some * (moves[0][k] + moves[1][k])
+            node.before[k] += some * (moves[1][k] - moves[2][k])
 
 
 @inlined

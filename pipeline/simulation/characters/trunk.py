@@ -41,6 +41,9 @@ STRAIGHT = 0.996
 SWAY, SINK, ROTATE, LIST = 0.022, 0.028, math.radians(5.0), math.radians(4.0)
 """How far the pelvis goes aside and up and down, in legs; how far it turns and tilts."""
 
+RISES = 14.0
+"""How quickly somebody rises whom a leg that stood has held down [1/s]."""
+
 COUNTER = math.radians(6.0)
 """How far the shoulders turn against the pelvis."""
 
@@ -116,7 +119,7 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
     aside = SWAY * leg_of(person) * some * turn_of(person, middle)
     tilt = LIST * some * turn_of(person, middle)
     rotation = -ROTATE * some * turn_of(person, 1.0 - stance)
-    height = _height(person, stance)
+    height = _height(person, stance, dt)
     c, s = math.cos(person.heading), math.sin(person.heading)
     back = seat_back(person)
     pelvis = (
@@ -145,7 +148,7 @@ def _follow_ground(person: Record, dt: float) -> None:
 
 
 @compiled
-def _height(person: Record, stance: float) -> float:
+def _height(person: Record, stance: float, dt: float) -> float:
     """Return how high the pelvis is above the ground [m]."""
     leg, some = leg_of(person), person.walking
     bones = STRAIGHT * (person.thigh + person.shin)
@@ -163,21 +166,27 @@ def _height(person: Record, stance: float) -> float:
     height = (1.0 - some) * stood + some * ((1.0 - run) * walk + run * bounce)
     sat = eased(person.seated)
     height = (1.0 - sat) * (height - person.crouch * leg) + sat * (person.seat[1] - person.floor)
-    return _within_reach(person, height)
+    return _within_reach(person, height, dt)
 
 
 @compiled
-def _within_reach(person: Record, height: float) -> float:
-    """Return the height at which no leg that stands has to be longer than it is."""
+def _within_reach(person: Record, height: float, dt: float) -> float:
+    """Return the height at which no leg that stands has to be longer than it is.
+
+    Who was held down by a leg rises when its foot leaves the ground, and is not thrown up.
+    """
     bones = 0.995 * (person.thigh + person.shin)
+    most = height
     for k in range(2):
         if person.doing[k] == STANCE:
             x = person.ankles[k, 0] - person.wanted[HIP + k, 0]
             z = person.ankles[k, 2] - person.wanted[HIP + k, 2]
             away = min(x * x + z * z, 0.75 * bones * bones)
             top = person.ankles[k, 1] + math.sqrt(bones * bones - away) - person.floor
-            height = min(height, top)
-    return height
+            most = min(most, top)
+    person.short = max(height - most, person.short * math.exp(-RISES * dt))
+    held: float = height - person.short
+    return held
 
 
 @compiled
@@ -186,10 +195,9 @@ def seat_back(person: Record) -> float:
     # First back, then down: whoever folds straight down falls on their heels.
     back: float = person.seat[0] * math.sin(0.5 * math.pi * eased(person.seated))
     # Who bows or crouches keeps the balance with the hips.
-    if person.down > 0.0:
-        # Who holds somebody leans on them.
-        return back
-    back += 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
+    balance = 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
+    # Who holds somebody leans on them.
+    back += (1.0 - person.leans) * balance
     return back
 
 

@@ -9,7 +9,10 @@ from pipeline.simulation.characters.layout import crowd_of
 from pipeline.simulation.characters.person import LINK_NAMES, person
 from pipeline.simulation.characters.things import merry_go_round
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import read_scene
 
+from .acting import STEPS, troupe_of
 from .yards import attitude, least_bend, yard_of
 
 
@@ -67,3 +70,20 @@ def test_numbers_count_from_each_ones_first() -> None:
         first, count = owner.pairs
         assert (crowd.links.owner[crowd.pairs[first : first + count]] == k).all()
     assert (crowd.links.owner[crowd.nodes.link] == crowd.nodes.owner).all()
+
+
+def test_a_merry_go_round_in_a_scene_stands_on_its_base_and_turns_on() -> None:
+    simulation = Simulation(
+        read_scene(
+            "pronk: 1\nduration: 2\ncast: [{character: merry-go-round, spin_deg: [0, 60, 0]}]\n"
+        )
+    )
+    crowd = troupe_of(simulation).crowd
+    assert crowd.p[:, 1].min() == pytest.approx(0.22, abs=0.001)
+    angles = []
+    while not simulation.finished:
+        simulation.step()
+        angles.append(np.arctan2(-crowd.p[2, 2], crowd.p[2, 0]))
+    rates = np.degrees(np.diff(np.unwrap(angles))) * STEPS
+    # Air alone slows it down.
+    assert rates[-1] == pytest.approx(rates[0] * np.exp(-0.12 * 2.0), rel=0.02)

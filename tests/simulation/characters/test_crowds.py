@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from .yards import DT, depth, least_bend, lengths_off, random_crowd
+from .yards import DT, depth, least_bend, lengths_off, pile, random_crowd
 
 FEW, SOME, ALL = range(8), range(8, 100), range(100, 1000)
 LONGEST = 40.0
@@ -58,6 +58,36 @@ def test_nothing_explodes_a_hundred_times() -> None:
 def test_nothing_explodes_a_thousand_times(tenth: int) -> None:
     for seed in ALL[100 * tenth : 100 * (tenth + 1)]:
         holds(seed)
+
+
+def comes_to_rest(seed: int) -> None:
+    yard = pile(seed)
+    crowd, off = yard.crowd, 0.0
+    for step in range(round(LONGEST / DT)):
+        yard.step()
+        off = max(off, lengths_off(crowd))
+        if step > 150 and crowd.owners["asleep"].all():
+            break
+    assert np.isfinite(crowd.p).all()
+    assert off < 0.05
+    before = crowd.p.copy()
+    yard.step()
+    assert np.abs(crowd.p - before).max() / DT < 1e-3
+    assert lengths_off(crowd) < 0.005
+    # An edge lies between the balls of which limbs are made for a box.
+    assert depth(crowd.nodes, crowd.links) < 0.01
+    assert (crowd.nodes["radius"] - crowd.p[:, 1]).max() < 0.005
+
+
+@pytest.mark.parametrize("seed", [22, 53, 84])
+def test_boxes_that_lie_on_people_come_to_rest(seed: int) -> None:
+    comes_to_rest(seed)
+
+
+@pytest.mark.nightly
+def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
+    for seed in range(100):
+        comes_to_rest(seed)
 
 
 def test_the_same_crowd_moves_the_same_to_the_last_bit_alone_or_beside_others() -> None:

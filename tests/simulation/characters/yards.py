@@ -96,7 +96,7 @@ PLANS = (
 def random_crowd(seed: int) -> Yard:
     """Return two to six of whatever there is, in one another, thrown and turning.
 
-    One box or bench at most: of piles of several, thrown on people, some tremble on.
+    One box or bench at most; for more of them see `pile`.
     """
     chance = np.random.default_rng(seed)
     plans = [PLANS[int(chance.integers(4))] for _ in range(int(chance.integers(2, 7)))]
@@ -110,6 +110,25 @@ def random_crowd(seed: int) -> Yard:
         v = way * chance.uniform(0.0, 20.0) / np.linalg.norm(way)
         velocities.append(v + np.cross(chance.normal(size=3) * chance.uniform(0.0, 6.0), p))
         places.append(p + chance.uniform([-0.8, 0.9, -0.8], [0.8, 2.2, 0.8]))
+    yard = yard_of(plans, places)
+    yard.throw(np.concatenate(velocities))
+    return yard
+
+
+def pile(seed: int) -> Yard:
+    """Return one or two people, and two to four boxes and benches thrown upon them."""
+    chance = np.random.default_rng(seed + 5000)
+    plans = [PLANS[int(chance.integers(3))] for _ in range(int(chance.integers(1, 3)))]
+    plans += [PLANS[int(chance.integers(4, 6))] for _ in range(int(chance.integers(2, 5)))]
+    places, velocities = [], []
+    for k, plan in enumerate(plans):
+        p = plan.rest @ attitude(chance).T
+        p -= p.mean(axis=0)
+        way = chance.normal(size=3)
+        v = way * chance.uniform(0.0, 6.0) / np.linalg.norm(way)
+        velocities.append(v + np.cross(chance.normal(size=3) * chance.uniform(0.0, 4.0), p))
+        above = chance.uniform([-0.6, 0.9, -0.6], [0.6, 1.2, 0.6])
+        places.append(p + above + [0.0, 0.55 * k, 0.0])
     yard = yard_of(plans, places)
     yard.throw(np.concatenate(velocities))
     return yard

@@ -97,6 +97,7 @@ class Embrace:
         if self.time == 0.0:
             actor.stop()
             me.faces = False
+        actor.embrace(self.owner)
         self.time += dt
         other = actor.stage.middle(self.owner)
         ahead = np.array([other[0] - me.at[0], other[2] - me.at[1]])

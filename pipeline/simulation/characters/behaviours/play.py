@@ -32,6 +32,10 @@ FORESEES = 0.35
 NEAR, GENTLE = 0.9, 0.8
 """How near a ball one slows down [m], and the speed it is kicked with, in strolls."""
 
+ROLLS = 8.0
+"""How far a ball rolls that was kicked: nearer to the edge of the ground it is kicked back, for
+over the edge nobody runs after it [m]."""
+
 BEHIND = 0.55
 """How far behind it one goes who has to come round it [m]."""
 
@@ -84,7 +88,7 @@ class PlayBall:
         back = self.home - ball
         far = math.hypot(back[0], back[1])
         around = mind.around
-        inside = (ball > around.low + 4.0).all() and (ball < around.high - 4.0).all()
+        inside = (ball > around.low + ROLLS).all() and (ball < around.high - ROLLS).all()
         if (far > self.words.within or not inside) and far > 1e-6:
             result: Array = back / far
             return result

@@ -29,6 +29,7 @@ class Encounters:
         fixed: solids that are not pushed.
         yielding: those that are, if there are any.
         yields: the troupe that they are of.
+        still: whether all stay where they begin, so that they are felt once.
     """
 
     def __init__(
@@ -38,7 +39,9 @@ class Encounters:
         fixed: Sequence[Obstacle],
         yielding: Sequence[Obstacle],
         yields: Yields | None,
+        still: bool,
     ) -> None:
+        self.still = still
         self.troupe, self.recorder, self.yields = troupe, recorder, yields
         taken = {id(one) for one in troupe.surround([*fixed, *yielding])}
         self._nodes = [one.node for one in fixed if id(one) in taken]
@@ -51,7 +54,7 @@ class Encounters:
 
     def feel(self, row: int) -> None:
         """Let the troupe feel where all solids are in a row that is written, and how fast."""
-        if row == self._row:
+        if row == self._row or (self.still and self._row >= 0):
             return
         first, self._row = self._row < 0, row
         recorder, nodes = self.recorder, self._nodes
@@ -89,6 +92,7 @@ def encounters_of(
     fixed: Sequence[Obstacle],
     yields: Yields | None,
     first: int,
+    still: bool = False,
 ) -> Encounters | None:
     """Return who runs into what, None if there is nothing to run into.
 
@@ -98,12 +102,13 @@ def encounters_of(
         fixed: solids that are not pushed.
         yields: whose solids are.
         first: number of the first of its nodes.
+        still: whether all stay where they begin.
     """
     yielding = [] if yields is None else yields.solids()
     yielding = [replace(one, node=first + one.node) for one in yielding]
     if not fixed and not yielding:
         return None
-    return Encounters(troupe, recorder, fixed, yielding, yields)
+    return Encounters(troupe, recorder, fixed, yielding, yields, still)
 
 
 def _joined(one: Motion, other: Motion, which: NDArray[np.bool_]) -> Motion:

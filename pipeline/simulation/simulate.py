@@ -113,7 +113,7 @@ class Simulation:
             self._at_once = min(self._at_once, ROWS_BEFORE_BODIES)
             self._early, self._late = split(self.bonds, self._nodes_of(self.colliders))
         self._encounters = self._who_bumps(scene)
-        if self._encounters is not None:
+        if self._encounters is not None and not self._encounters.still:
             # They are felt where they were one step ago.
             self._at_once = 1
         try:
@@ -146,7 +146,9 @@ class Simulation:
         fixed = [o for o in self._obstacles if o.performer in hard and o.node not in borne]
         yields = self.colliders if isinstance(self.colliders, Yields) else None
         first = self._nodes_of(yields).start if yields is not None else 0
-        return encounters_of(one, self.recorder, fixed, yields, first)
+        moving = {m.name for m in scene.cast if not (isinstance(m, Prop) and _stands(m))}
+        still = yields is None and moving.isdisjoint(o.performer for o in fixed)
+        return encounters_of(one, self.recorder, fixed, yields, first, still)
 
     def _nodes_of(self, troupe: Troupe) -> range:
         before = self.troupes[: self.troupes.index(troupe)]
@@ -217,7 +219,7 @@ class Simulation:
         for troupe in self.troupes:
             troupe.keep()
         self._kept += 1
-        begins = self._kept == 1 and self.colliders is not None
+        begins = self._kept == 1 and (self.colliders or self._encounters) is not None
         if begins or self._kept - self._written == self._at_once or self.finished:
             self._write_kept()
 
@@ -266,6 +268,12 @@ class Simulation:
             *(one for fact in facts for one in fact.happened),
         )
         return sorted(contacts, key=lambda c: (c.step, c.fraction, c.part)), notes
+
+
+def _stands(prop: Prop) -> bool:
+    """Tell whether a prop stays where it begins."""
+    moved = prop.keyframes, prop.velocity, prop.spin_deg, prop.force, prop.held, prop.parent
+    return not any(moved)
 
 
 def simulate(

@@ -373,3 +373,22 @@ def test_who_is_alone_meets_nothing_and_rows_are_written_by_the_dozen() -> None:
     assert alone._encounters is None
     assert alone._at_once > 16
     assert len(troupe_of(alone).room.solids.bodies) == 0
+
+
+def test_what_stands_is_felt_once_and_rows_are_written_by_the_dozen() -> None:
+    words = (
+        "pronk: 1\nduration: 1\ncast:\n- {name: doll, character: ragdoll, at: [0, 0.7, 0]}\n"
+        "- {name: table, prop: {shape: box, size: [1, 0.5, 1]}, at: [0, 0]}"
+    )
+    once, always = Simulation(read_scene(words)), Simulation(read_scene(words))
+    assert once._at_once > 16
+    assert always._encounters is not None
+    always._encounters.still, always._at_once = False, 1
+    for simulation in (once, always):
+        while not simulation.finished:
+            simulation.step()
+    assert np.array_equal(once.take().positions, always.take().positions)
+    moving = Simulation(
+        read_scene(words + "\n- {prop: {shape: ball}, at: [3, 3], spin_deg: [0, 9, 0]}")
+    )
+    assert moving._at_once == 1

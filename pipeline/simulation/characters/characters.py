@@ -125,7 +125,8 @@ class Characters:
 
     def feel(self, motion: Motion) -> None:
         """Take in where the solids are now, and how fast."""
-        self.around.feel(motion)
+        spans = self.crowd.owners["nodes"].tolist()
+        self.around.feel(motion, [self.crowd.p[first : first + n] for first, n in spans])
 
     def pushed(self) -> tuple[Array, Array]:
         """Return what solids were pushed by since they were felt: (S, 3) [N s], (S, 3) [N m s]."""

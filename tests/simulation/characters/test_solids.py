@@ -214,6 +214,17 @@ def test_what_somebody_carries_is_not_in_its_way() -> None:
     assert simulation._encounters is None
 
 
+def test_who_begins_in_a_room_is_not_thrown_out_of_it() -> None:
+    simulation = played(
+        "- {name: bob, character: adult, at: [0.5, 0]}\n"
+        "- {name: sky, prop: {shape: ball, radius: 9}, at: [0, 0, 0]}\n"
+        "- {name: room, prop: {shape: box, size: [4, 3, 4]}, at: [0, 0]}",
+        1,
+    )
+    assert np.abs(path(simulation, "bob") - path(simulation, "bob")[0]).max() < 0.03
+    assert not troupe_of(simulation).room.solids.bodies["here"].any()
+
+
 # --- what gives way --------------------------------------------------------------------------
 
 

@@ -39,13 +39,14 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     props = [member for member in scene.cast if isinstance(member, Prop)]
     if props:
         troupes.append(Props(props, world, [member.material or THING for member in props]))
+    # Characters are not among them: they run into bodies themselves, and feel what these weigh.
+    pushing = [troupe.inventory for troupe in troupes]
     characters = [member for member in scene.cast if isinstance(member, Character)]
     if characters:
         # As below: they need a compiler.
         from pipeline.simulation.characters.characters import Characters
 
         troupes.append(Characters(characters, world))
-    pushing = [troupe.inventory for troupe in troupes]
     troupes += _alone(scene, world)
     if scene.dancers:
         # MuJoCo is loaded by those alone who need it.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 KINDS: Mapping[str, str] = {
     "arrived": "somebody has come to the end of its way, or has done what it was told",
-    "touch": "two characters begin to touch one another",
+    "touch": "a character begins to touch another, or something that is in its way",
     "pain": "somebody is hurt, by whom or what",
     "hug": "somebody has its arms around somebody",
     "cry": "somebody cries, for pain or for fear",

@@ -15,9 +15,9 @@ import numpy as np
 
 from pipeline.simulation.attaching import Bond
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.obstacles import Obstacle
 from pipeline.simulation.reel import put_down, reel
 from pipeline.simulation.script import Orders
+from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
 from pipeline.simulation.take import (
     Contact,

@@ -22,15 +22,26 @@ from pipeline.simulation.detect.contacts import Contacts
 from pipeline.simulation.detect.motions import Motions
 from pipeline.simulation.detect.scenery import Scenery, solids_of
 from pipeline.simulation.detect.voices import Voices
+from pipeline.simulation.encounters import Encounters, encounters_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.happenings import Happening
-from pipeline.simulation.obstacles import Obstacle, obstacles_of
+from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Script
+from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.take import Contact, Header, Note, Take
 from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.troupe import Follows, Meets, Prepares, Sees, Troupe, World
-from pipeline.spec.cast import Group
+from pipeline.simulation.troupe import (
+    Bumps,
+    Follows,
+    Meets,
+    Prepares,
+    Sees,
+    Troupe,
+    World,
+    Yields,
+)
+from pipeline.spec.cast import Creature, Group, Prop
 from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.script import Instruction
 
@@ -103,6 +114,10 @@ class Simulation:
             # What they meet should not be told much later.
             self._at_once = min(self._at_once, ROWS_BEFORE_BODIES)
             self._early, self._late = split(self.bonds, self._nodes_of(self.colliders))
+        self._encounters = self._who_bumps(scene)
+        if self._encounters is not None and not self._encounters.still:
+            # They are felt where they were one step ago.
+            self._at_once = 1
         try:
             self._keep()
         except SceneError as error:
@@ -120,6 +135,22 @@ class Simulation:
             figures=figures,
             groups=frozenset(m.name for m in scene.cast if isinstance(m, Group)),
         )
+
+    def _who_bumps(self, scene: Scene) -> Encounters | None:
+        """Return who runs into the solids of others, None if nobody can."""
+        one = next((t for t in self.troupes if isinstance(t, Bumps)), None)
+        if one is None:
+            return None
+        hard = {m.name for m in scene.cast if isinstance(m, Creature | Prop)}
+        # What they carry goes where they go.
+        _, carried = split(self.bonds, self._nodes_of(one))
+        borne = {int(node) for bond in carried for node in bond.nodes}
+        fixed = [o for o in self._obstacles if o.performer in hard and o.node not in borne]
+        yields = self.colliders if isinstance(self.colliders, Yields) else None
+        first = self._nodes_of(yields).start if yields is not None else 0
+        moving = {m.name for m in scene.cast if not (isinstance(m, Prop) and _stands(m))}
+        still = yields is None and moving.isdisjoint(o.performer for o in fixed)
+        return encounters_of(one, self.recorder, fixed, yields, first, still)
 
     def _nodes_of(self, troupe: Troupe) -> range:
         before = self.troupes[: self.troupes.index(troupe)]
@@ -175,6 +206,8 @@ class Simulation:
             if sought := looker.sought(orders):
                 self._write_kept()
                 looker.see(self.recorder.solids(self._obstacles, sought, self._kept - 1))
+        if self._encounters is not None:
+            self._encounters.feel(self._kept - 1)
         self.recorder.told(self.step_number, orders)
         for troupe in self.troupes:
             troupe.read(orders)
@@ -190,7 +223,7 @@ class Simulation:
         for troupe in self.troupes:
             troupe.keep()
         self._kept += 1
-        begins = self._kept == 1 and self.colliders is not None
+        begins = self._kept == 1 and (self.colliders or self._encounters) is not None
         if begins or self._kept - self._written == self._at_once or self.finished:
             self._write_kept()
 
@@ -204,6 +237,8 @@ class Simulation:
         for troupe, rows in zip(self.troupes, self.recorder.rows(which), strict=True):
             if troupe is self.colliders:
                 R, p = self.recorder.attached(which, self._early)
+                if self._encounters is not None:
+                    self._encounters.push()
                 for k, row in enumerate(range(which.start, which.stop)):
                     step = row * self.world.clock.steps // self.world.clock.samples
                     self.colliders.meet(step, p[k], R[k])
@@ -237,6 +272,12 @@ class Simulation:
             *(one for fact in facts for one in fact.happened),
         )
         return sorted(contacts, key=lambda c: (c.step, c.fraction, c.part)), notes
+
+
+def _stands(prop: Prop) -> bool:
+    """Tell whether a prop stays where it begins."""
+    moved = prop.keyframes, prop.velocity, prop.spin_deg, prop.force, prop.held, prop.parent
+    return not any(moved)
 
 
 def simulate(

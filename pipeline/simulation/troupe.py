@@ -17,6 +17,7 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.happenings import Happening
 from pipeline.simulation.script import Orders
+from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.terrain import Ground
@@ -134,6 +135,34 @@ class Meets(Troupe, Protocol):
 
     def meet(self, step: int, p: Array, R: Array) -> None:
         """Go on to the row at `step`, all nodes (J, 3), (J, 3, 3) that push standing there."""
+
+
+@runtime_checkable
+class Yields(Meets, Protocol):
+    """A troupe that is pushed, and whose solids others feel as heavy as they are."""
+
+    def solids(self) -> list[Obstacle]:
+        """Return its solids; their nodes count from its own first."""
+
+    def motion(self) -> Motion:
+        """Return where they are in the last row, and how fast."""
+
+    def push(self, impulses: Array, twists: Array) -> None:
+        """Let them be pushed until the next row: (S, 3) [N s], about their nodes [N m s]."""
+
+
+@runtime_checkable
+class Bumps(Troupe, Protocol):
+    """A troupe that runs into the solids of others, where they were one step ago, and as fast."""
+
+    def surround(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
+        """Take in what there is to run into; return that of it which is told of from then on."""
+
+    def feel(self, motion: Motion) -> None:
+        """Take in where the solids are now, and how fast."""
+
+    def pushed(self) -> tuple[Array, Array]:
+        """Return what solids were pushed by since they were felt: (S, 3) [N s], (S, 3) [N m s]."""
 
 
 @runtime_checkable

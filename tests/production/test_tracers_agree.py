@@ -22,7 +22,7 @@ SCENES = (
     "dice",
     "dunes",
     "first_steps",
-    "materials",
+    "stacking",
     "stepping_stones",
     "toy",
     "under_water",

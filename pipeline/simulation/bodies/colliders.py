@@ -19,9 +19,10 @@ from pipeline.simulation.bodies.gathering import Block, appearance, blocks_of, s
 from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
 from pipeline.simulation.dynamics.pushing import Pushed
-from pipeline.simulation.obstacles import Obstacle
+from pipeline.simulation.obstacles import directions
 from pipeline.simulation.script import Orders
-from pipeline.simulation.spatial import Array, matrix
+from pipeline.simulation.solid import Motion, Obstacle, Weight
+from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Body, Many
@@ -143,6 +144,22 @@ class Colliders:
         self._notes.clear()
         return facts
 
+    # --- those who run into them ------------------------------------------------------
+
+    def solids(self) -> list[Obstacle]:
+        """Return all bodies; their nodes count from the first."""
+        return [_solid(i, block) for i, block in enumerate(self.blocks)]
+
+    def motion(self) -> Motion:
+        """Return where they are in the last row, and how fast."""
+        state, R = self.solver.state, matrix(self.solver.state.q)
+        borne = self.solver.asleep | self.solver.touching
+        return Motion(state.p, R, state.v, turn(R, state.w), self.alive.copy(), borne)
+
+    def push(self, impulses: Array, twists: Array) -> None:
+        """Let them be pushed until the next row: (N, 3) [N s], about their middles [N m s]."""
+        self.solver.push(impulses, twists)
+
     # --- what rolls and slides --------------------------------------------------------
 
     def _rubs(self, step: int) -> list[Rub]:
@@ -256,3 +273,12 @@ class Colliders:
             size=block.size,
             kind="hit",
         )
+
+
+def _solid(number: int, block: Block) -> Obstacle:
+    """Return a body as others feel it."""
+    build = block.collider.build
+    corners = build.hull.vertices if build.hull is not None else build.radius * directions()
+    inverse = np.linalg.inv(build.mass.inertia).astype(np.float64)
+    weight = Weight(build.mass.mass, inverse, build.friction, build.bounciness)
+    return Obstacle(number, block.name, block.performer, block.material, corners, weight)

@@ -50,7 +50,7 @@ def meet_box(
     log: Log,
 ) -> None:
     """Move the links of one character out of a box, the other."""
-    box, whose = _box(nodes, other), nodes[other.nodes[0]].owner
+    box, whose = box_of(nodes, other), nodes[other.nodes[0]].owner
     for n in range(one.links[0], one.links[0] + one.links[1]):
         link = links[n]
         if link.girth == 0.0 or not _may_touch(nodes, link, other):
@@ -75,7 +75,7 @@ def part(nodes: Records, one: Record, other: Record, slack: float) -> None:
 
     Source: Ericson 2005, 4.4.1 (separating axes; here those of the faces).
     """
-    a, b = _box(nodes, one), _box(nodes, other)
+    a, b = box_of(nodes, one), box_of(nodes, other)
     off = minus(a[0], b[0])
     least, way = 1e300, (0.0, 1.0, 0.0)
     for k in range(6):
@@ -111,7 +111,7 @@ def _half(box: Box, axis: Vector) -> float:
 
 
 @inlined
-def _box(nodes: Records, owner: Record) -> Box:
+def box_of(nodes: Records, owner: Record) -> Box:
     """Return where a box is, see `things.CORNERS`."""
     first = owner.nodes[0]
     middle = x = y = z = (0.0, 0.0, 0.0)
@@ -138,7 +138,7 @@ def _may_touch(nodes: Records, link: Record, owner: Record) -> bool:
 
 
 @inlined
-def _nearest(box: Box, at: Vector) -> tuple[Vector, Vector, float]:
+def nearest_of_box(box: Box, at: Vector) -> tuple[Vector, Vector, float]:
     """Return a place on a box between its corners, along its axes from -1 to 1, that is nearest.
 
     Returns:
@@ -168,7 +168,7 @@ def _nearest(box: Box, at: Vector) -> tuple[Vector, Vector, float]:
 
 
 @inlined
-def _weights(at: Vector) -> Corners:
+def weights_of(at: Vector) -> Corners:
     """Return the weights of the corners at a place along the axes from -1 to 1."""
     a, b, c = 0.5 * (1.0 + at[0]), 0.5 * (1.0 + at[1]), 0.5 * (1.0 + at[2])
     return (
@@ -184,7 +184,7 @@ def _weights(at: Vector) -> Corners:
 
 
 @inlined
-def _heaviest(weights: Corners) -> int:
+def heaviest(weights: Corners) -> int:
     """Return the nearest corner."""
     best = 0
     for k in range(1, 8):
@@ -215,12 +215,12 @@ def _meet(
     link = links[n]
     i, j = nodes[link.ends[0]], nodes[link.ends[1]]
     at = plus(times(1.0 - t, triple(i.p)), times(t, triple(j.p)))
-    place, normal, gap = _nearest(box, at)
+    place, normal, gap = nearest_of_box(box, at)
     depth = link.girth + other.edge - gap
     if depth <= 0.0 or (one.edge > 0.0 and depth > DEEP + one.edge + other.edge):
         return
     one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
-    weights = _weights(place)
+    weights = weights_of(place)
     first = other.nodes[0]
     went = plus(
         times(1.0 - t, minus(triple(i.p), triple(i.before))),
@@ -237,7 +237,7 @@ def _meet(
     near, far = (i, i) if t == 0.0 else (i, j)
     light = borne(near, far, normal[1])
     weight = light * ((1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give)
-    firm = borne(nodes[first + _heaviest(weights)], nodes[first + _heaviest(weights)], -normal[1])
+    firm = borne(nodes[first + heaviest(weights)], nodes[first + heaviest(weights)], -normal[1])
     for k in range(8):
         weight += firm * weights[k] ** 2 * nodes[first + k].give
         if weights[k] > 0.1:

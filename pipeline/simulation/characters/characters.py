@@ -13,6 +13,7 @@ import numpy as np
 
 from pipeline.simulation.characters.actor import Stage
 from pipeline.simulation.characters.appearance import appearance
+from pipeline.simulation.characters.around import Around
 from pipeline.simulation.characters.bearing import feet_of, gaze_of
 from pipeline.simulation.characters.direction import Direction
 from pipeline.simulation.characters.events import new_log
@@ -31,6 +32,7 @@ from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.grid import grid_of
 from pipeline.simulation.script import Orders
+from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Rows, World
@@ -68,6 +70,7 @@ class Characters:
         self.level = bool(np.ptp(world.ground.field.heights) == 0.0)
         self.room, self.log = room_for(self.crowd), new_log()
         self.telling = Telling(cast, self.crowd, world.ground.material)
+        self.around = Around()
         self._look = appearance(cast, self.plans, world.seed, world.clock.rows)
         self._firsts = np.array([thing.nodes[0] for thing in self._look.things], dtype=np.int64)
         bodies = [proportions_of(member) is not None for member in cast]
@@ -116,6 +119,24 @@ class Characters:
         owners["acts"][acting] = True
         persons["grip"] = [grips[i] for i in acting]
         return persons
+
+    # --- solids of other rooms --------------------------------------------------------
+
+    def surround(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
+        """Take in what there is to run into; return that of it which is told of from then on."""
+        self.around = Around(obstacles, len(self.cast))
+        self.room = room_for(self.crowd, self.around.solids)
+        self.telling.solids = self.around.obstacles
+        return self.around.obstacles
+
+    def feel(self, motion: Motion) -> None:
+        """Take in where the solids are now, and how fast."""
+        spans = self.crowd.owners["nodes"].tolist()
+        self.around.feel(motion, [self.crowd.p[first : first + n] for first, n in spans])
+
+    def pushed(self) -> tuple[Array, Array]:
+        """Return what solids were pushed by since they were felt: (S, 3) [N s], (S, 3) [N m s]."""
+        return self.around.pushed()
 
     # --- the passes of the step -----------------------------------------------------
 

@@ -10,10 +10,12 @@ from pipeline.simulation.characters.carriage import halt, lead
 from pipeline.simulation.characters.feeling import feel
 from pipeline.simulation.characters.gait import tread
 from pipeline.simulation.characters.gaze import look
+from pipeline.simulation.characters.halting import hold_back
 from pipeline.simulation.characters.layout import Crowd
 from pipeline.simulation.characters.legs import hold_legs
 from pipeline.simulation.characters.muscles import pull
 from pipeline.simulation.characters.sitting import sit
+from pipeline.simulation.characters.solids import Solids
 from pipeline.simulation.characters.steering import avoid
 from pipeline.simulation.characters.trunk import hold_trunk, stretch
 from pipeline.simulation.dynamics.compiled import Records, compiled
@@ -21,7 +23,7 @@ from pipeline.simulation.dynamics.grid import Grid
 
 
 @compiled
-def steer(crowd: Crowd, persons: Records, ground: Grid, h: float) -> None:
+def steer(crowd: Crowd, persons: Records, ground: Grid, solids: Solids, h: float) -> None:
     """Let everybody act for a sub-step of `h` [s], see `layout`."""
     nodes, links, _, _, _, _, owners = crowd
     if len(persons) > 0 and persons[0].since == 0.0:
@@ -33,6 +35,7 @@ def steer(crowd: Crowd, persons: Records, ground: Grid, h: float) -> None:
             halt(person)
         else:
             lead(person, nodes, ground, h)
+            hold_back(person, owners[person.owner].mass, solids, h)
             tread(person, ground.frame, ground.vertices, h)
             sit(person, h)
             look(person, h)

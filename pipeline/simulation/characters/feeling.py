@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from pipeline.simulation.characters.layout import SOLID
 from pipeline.simulation.characters.record import PELVIS
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 
@@ -36,7 +37,7 @@ def feel(person: Record, nodes: Records, links: Records, owners: Records, dt: fl
     first, count = owner.links[0], owner.links[1]
     for link in range(first, first + count):
         other = links[link].touched_owner
-        if other >= 0 and other != person.owner:
+        if (other >= 0 and other != person.owner) or links[link].touched <= SOLID:
             blow = links[link].energy / (STUNS * owner.mass)
             if blow > LEAST:
                 person.dazed = max(person.dazed, min(blow, 1.0))

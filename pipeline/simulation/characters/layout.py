@@ -41,7 +41,8 @@ FREE, LOCKED, LANDING, RESTING = 0, 1, 2, 3
 """What a node's lock is; RESTING is that of all nodes of a character that sleeps."""
 
 NOBODY, TERRAIN, SOLID = -1, -2, -3
-"""What is touched that is no link: nothing, the ground, a solid of another room."""
+"""What is touched that is no link: nothing, the ground, the first solid of another room; further
+solids are numbered downward."""
 
 NODE = np.dtype(
     [
@@ -84,7 +85,7 @@ LINK = np.dtype(
         ("owner", "i8"),
         # Whether it is one of an arm, which passes through those of whom it embraces.
         ("arm", "?"),
-        # The link that it touches, or NOBODY, TERRAIN, SOLID, and whose that is, or NOBODY.
+        # The link that it touches, or NOBODY, TERRAIN, SOLID - k, and whose that is, or NOBODY.
         ("touched", "i8"),
         ("touched_owner", "i8"),
         # Kinetic energy of the hardest touch in this step [J]; since it last touched another

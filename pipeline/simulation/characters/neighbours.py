@@ -14,6 +14,7 @@ import numpy as np
 
 from pipeline.simulation.characters.layout import Crowd, Numbers
 from pipeline.simulation.characters.projecting import are_held
+from pipeline.simulation.characters.solids import Solids, no_solids
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 
 MARGIN = 0.005
@@ -27,20 +28,23 @@ class Room(NamedTuple):
         order: (C,) characters by where their boxes begin along x.
         near: (n, 2) characters whose boxes overlap.
         pairs: (m, 2) links that may touch.
+        solids: of other rooms, and room for those who are near them.
     """
 
     order: Numbers
     near: Numbers
     pairs: Numbers
+    solids: Solids
 
 
-def room_for(crowd: Crowd) -> Room:
+def room_for(crowd: Crowd, solids: Solids | None = None) -> Room:
     """Return room: each character may be near twenty others, each link near twelve."""
     count, links = len(crowd.owners), len(crowd.links)
     return Room(
         np.arange(count),
         np.zeros((20 * count, 2), dtype=np.int64),
         np.zeros((64 + 12 * links, 2), dtype=np.int64),
+        no_solids() if solids is None else solids,
     )
 
 

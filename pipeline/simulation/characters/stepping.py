@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.boxes import meet_box, part
+from pipeline.simulation.characters.bumping import Pace, find_solids, meet_solids
 from pipeline.simulation.characters.control import steer
 from pipeline.simulation.characters.events import Log
 from pipeline.simulation.characters.floor import stand
@@ -46,7 +47,7 @@ def advance(
         persons: `control.PERSON` of those who act; changed.
         grid: the terrain.
         level: whether it is a level plane.
-        room: to work in.
+        room: to work in, and the solids of other rooms; these are changed.
         log: of what touches; begun anew.
         gravity: [m/s²].
         dt: the step [s].
@@ -56,7 +57,7 @@ def advance(
     log.filled[0] = 0
     _forget(crowd.links)
     for n in range(count):
-        steer(crowd, persons, grid, h)
+        steer(crowd, persons, grid, room.solids, h)
         _sub_step(crowd, grid, level, room, log, gravity, h, n / count)
     _feel(crowd.links, crowd.owners, dt)
     look_who_rests(crowd.nodes, crowd.links, crowd.owners, crowd.grips, h, dt)
@@ -81,6 +82,7 @@ def _sub_step(
     enclose(nodes, owners)
     near = room.near[: find_near(owners, room.order, room.near)]
     wake_near(nodes, owners, near)
+    solid = find_solids(nodes, owners, room.solids, h)
     _choose(owners, False)
     pairs = room.pairs[: find_pairs(nodes, links, owners, own, near, room.pairs)]
     for n in range(ROUNDS + MORE):
@@ -94,6 +96,9 @@ def _sub_step(
         hold(nodes, grips)
         _meet_all(nodes, links, owners, pairs, h, slack, moment, log)
         _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
+        if solid > 0:
+            pace = Pace(h, slack, moment)
+            meet_solids(nodes, links, owners, room.solids, solid, pace, n % 2 == 1, log)
         for c in range(len(owners)):
             if owners[c].busy:
                 stand(nodes, links, owners[c], grid, level, h, slack, moment, log)

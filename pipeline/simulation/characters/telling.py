@@ -6,10 +6,11 @@ import math
 from collections.abc import Sequence
 
 from pipeline.simulation.characters.events import Log
-from pipeline.simulation.characters.layout import Crowd
+from pipeline.simulation.characters.layout import SOLID, TERRAIN, Crowd
 from pipeline.simulation.characters.looks import MATERIALS
 from pipeline.simulation.characters.making import PEOPLE
 from pipeline.simulation.characters.person import LINK_NAMES
+from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.take import Contact
 from pipeline.spec.cast import Character
 
@@ -21,13 +22,18 @@ BODY = "skin"
 
 
 class Telling:
-    """What of the log of a step is told."""
+    """What of the log of a step is told.
+
+    Attributes:
+        solids: of other rooms, numbered from `SOLID` downward.
+    """
 
     def __init__(self, cast: Sequence[Character], crowd: Crowd, surface: str) -> None:
         self.cast = cast
         self.surface = surface
         self._links = crowd.links
         self._owners = crowd.owners
+        self.solids: Sequence[Obstacle] = ()
 
     def contacts(self, log: Log, step: int) -> tuple[Contact, ...]:
         """Return the touches of a step, but for the feet of those who walk."""
@@ -35,7 +41,7 @@ class Telling:
         for event in log.events[: int(log.filled[0])]:
             member = self.cast[int(self._links["owner"][event["link"]])]
             name = self._name(member, int(event["link"]))
-            on_ground = event["other"] < 0
+            on_ground = event["other"] == TERRAIN
             if on_ground and member.acts and name in FEET:
                 continue
             found.append(self._contact(event, member, name, step))
@@ -45,17 +51,15 @@ class Telling:
         """Return who began to touch whom in a step."""
         pairs = dict[tuple[str, str], None]()
         for event in log.events[: int(log.filled[0])]:
-            if event["other"] >= 0:
-                one, other = (
-                    self.cast[int(self._links["owner"][event[word]])].name
-                    for word in ("link", "other")
-                )
-                pairs[one, other] = None
+            if event["other"] == TERRAIN:
+                continue
+            one = self.cast[int(self._links["owner"][event["link"]])].name
+            pairs[one, self._whom(int(event["other"]))] = None
         return tuple(pairs)
 
     def _contact(self, event: object, member: Character, name: str, step: int) -> Contact:
         link, other = int(event["link"]), int(event["other"])  # type: ignore[index]
-        whom = self.cast[int(self._links["owner"][other])] if other >= 0 else None
+        whom, surface = self._other(other)
         x, y, z = (float(c) for c in event["place"])  # type: ignore[index]
         u, v, w = (float(c) for c in event["normal"])  # type: ignore[index]
         return Contact(
@@ -63,16 +67,32 @@ class Telling:
             fraction=min(float(event["moment"]), math.nextafter(1.0, 0.0)),  # type: ignore[index]
             performer=member.name,
             part=f"{member.name}.{name}" if name else member.name,
-            other=whom.name if whom is not None else "terrain",
+            other=whom,
             place=(x, y, z),
             normal=(u, v, w),
             speed=float(event["speed"]),  # type: ignore[index]
             energy=float(event["energy"]),  # type: ignore[index]
             material=_material(member),
-            surface=_material(whom) if whom is not None else self.surface,
+            surface=surface,
             size=float(max(self._links["reach"][link, 0], 2.0 * self._links["girth"][link])),
             kind="hit",
         )
+
+    def _whom(self, other: int) -> str:
+        """Return whom a link, or a solid of another room, belongs to."""
+        if other <= SOLID:
+            return self.solids[SOLID - other].performer
+        return self.cast[int(self._links["owner"][other])].name
+
+    def _other(self, other: int) -> tuple[str, str]:
+        """Return what is touched, by name, and its material."""
+        if other == TERRAIN:
+            return "terrain", self.surface
+        if other <= SOLID:
+            solid = self.solids[SOLID - other]
+            return solid.name, solid.material
+        member = self.cast[int(self._links["owner"][other])]
+        return member.name, _material(member)
 
     def _name(self, member: Character, link: int) -> str:
         """Return what a link of a person is called, "" for a thing's."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
-from pipeline.simulation.characters.layout import NOBODY
+from pipeline.simulation.characters.layout import NOBODY, TERRAIN
 from pipeline.simulation.characters.resting import WAKES, strike
 from pipeline.simulation.characters.segments import closest
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
@@ -185,7 +185,7 @@ def grow_old(links: Records, h: float) -> None:
         link = links[n]
         link.age[0] += h
         link.age[1] += h
-        if link.age[0] > PAUSE and (link.touched >= 0 or link.age[1] > PAUSE):
+        if link.age[0] > PAUSE and (link.touched != TERRAIN or link.age[1] > PAUSE):
             link.touched, link.touched_owner = NOBODY, NOBODY
 
 

@@ -131,6 +131,7 @@ class MujocoWorld:
         self.law = Pressing(things, self.count, uneven, self.model, self.data, self._mujoco)
         self._any_gone = False
         self._cut = 0
+        self._is_pushed = False
         self._put(state)
 
     # --- state --------------------------------------------------------------------
@@ -151,6 +152,20 @@ class MujocoWorld:
         n = self.count
         self._qpos[:n, :3], self._qpos[:n, 3:] = state.p, state.q
         self._qvel[:n, :3], self._qvel[:n, 3:] = state.v, state.w
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """(N,) which bodies touched anything in the last sub-step."""
+        found = np.zeros(self.model.nbody, dtype=bool)
+        found[self._things_that_touch()] = True
+        result: NDArray[np.bool_] = found[1 : 1 + self.count]
+        return result
+
+    def push(self, impulses: Array, twists: Array) -> None:
+        """Push bodies in the next step: (N, 3) [N s], and about their middles (N, 3) [N m s]."""
+        pushes = self.data.xfrc_applied[1 : 1 + self.count]
+        pushes[:, :3], pushes[:, 3:] = impulses / self.step, twists / self.step
+        self._is_pushed = bool(pushes.any())
 
     def lift(self, p: Array) -> None:
         """Put the bodies at other places (N, 3) [m]."""
@@ -217,7 +232,7 @@ class MujocoWorld:
         motion = self.pushers.motion(poses)
         n = self.substeps.count(self.pushers)
         law, began = self.law, self.data.time
-        if not len(motion) and self._rests():
+        if not len(motion) and not self._is_pushed and self._rests():
             self.data.time = began + self.step
             return []
         if n != self._cut:

@@ -1,0 +1,120 @@
+"""Halting: people do not walk on into what does not give way, nor put their feet into it.
+
+Who comes near a solid of another room goes on no faster towards it than it goes itself, but past
+it as before. What is light is walked into, and pushed; the heavier it is, the more slowly. Feet
+that stand where something has come are moved out of it.
+
+What is no higher than an ankle, and what is above the head, nobody minds.
+"""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.bumping import FAR, gap_of
+from pipeline.simulation.characters.record import STANCE
+from pipeline.simulation.characters.solids import Solids, velocity_at
+from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
+from pipeline.simulation.dynamics.vectors import Vector, minus, times, triple
+
+LEVELS = (0.07, 0.28, 0.53, 0.8)
+"""Heights at which people look for solids, in theirs: ankle, knee, pelvis, chest."""
+
+ROOM, SLOWS = 0.15, 4.0
+"""How far the middle of a body is kept off, in heights; how fast it may come nearer by the
+distance that is left [1/s]."""
+
+LIGHT, HEAVY = 0.25, 1.0
+"""Masses of what nobody is slowed by and of what nobody pushes, in theirs."""
+
+FOOT, SLIDES = 0.05, 1.5
+"""How far an ankle is kept off, in heights; how fast one that stands is moved out [m/s]."""
+
+STEEP = 0.7
+"""Cosine of the least angle to the level of what bars the way, as up or down its way out leads."""
+
+
+@compiled
+def hold_back(person: Record, mass: float, solids: Solids, h: float) -> None:
+    """Take out of the way of one who walks what leads into solids, for a sub-step of `h` [s]."""
+    if person.frozen:
+        return
+    for s in range(len(solids.bodies)):
+        solid = solids.bodies[s]
+        if solid.here and _is_near(person, solid):
+            _slow(person, mass, solids, s)
+            if _bars(solid, mass) > 0.0:
+                _clear(person, solids, s, h)
+
+
+@inlined
+def _is_near(person: Record, solid: Record) -> bool:
+    reach = 0.5 * person.height
+    near: bool = (
+        solid.low[0] - reach < person.at[0] < solid.high[0] + reach
+        and solid.low[2] - reach < person.at[1] < solid.high[2] + reach
+        and solid.high[1] > person.floor
+        and solid.low[1] < person.floor + person.height
+    )
+    return near
+
+
+@inlined
+def _bars(solid: Record, mass: float) -> float:
+    """Return how much of the way somebody of a mass has to a solid it bars, from 0 to 1."""
+    if solid.inverse_mass == 0.0:
+        return 1.0
+    share: float = (1.0 / (solid.inverse_mass * mass) - LIGHT) / (HEAVY - LIGHT)
+    return min(max(share, 0.0), 1.0)
+
+
+@compiled
+def _slow(person: Record, mass: float, solids: Solids, s: int) -> None:
+    """Let somebody go on no faster into a solid than it goes."""
+    solid, bars = solids.bodies[s], _bars(solids.bodies[s], mass)
+    if bars == 0.0:
+        return
+    least, normal, where = FAR, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
+    for level in LEVELS:
+        at = (person.at[0], person.floor + level * person.height, person.at[1])
+        gap, way = gap_of(solids, s, at, 0.5 * person.height)
+        if gap < least and abs(way[1]) < STEEP:
+            least, normal, where = gap, way, minus(at, times(gap, way))
+    if least == FAR:
+        return
+    size = math.hypot(normal[0], normal[2])
+    x, z = normal[0] / size, normal[2] / size
+    v = velocity_at(solid, minus(where, triple(solid.p)))
+    towards = (person.going[0] - v[0]) * x + (person.going[1] - v[2]) * z
+    left = max(least - ROOM * person.height, 0.0)
+    most = SLOWS * left + (1.0 - bars) * person.pace
+    if -towards > most:
+        more = -towards - most
+        person.going[0] += more * x
+        person.going[1] += more * z
+
+
+@compiled
+def _clear(person: Record, solids: Solids, s: int, h: float) -> None:
+    """Move a foot that stands in a solid out of it, and land one that swings beside it."""
+    room = FOOT * person.height
+    for k in range(2):
+        if person.doing[k] == STANCE:
+            x, z, deep = _out(solids, s, triple(person.stood[k]), room)
+            deep = min(deep, SLIDES * h)
+            person.stood[k, 0] += deep * x
+            person.stood[k, 2] += deep * z
+        else:
+            x, z, deep = _out(solids, s, triple(person.land[k]), room)
+            person.land[k, 0] += deep * x
+            person.land[k, 2] += deep * z
+
+
+@inlined
+def _out(solids: Solids, s: int, at: Vector, room: float) -> tuple[float, float, float]:
+    """Return the level way out of a solid, and how far a foot has to go along it [m]."""
+    gap, normal = gap_of(solids, s, at, room)
+    size = math.hypot(normal[0], normal[2])
+    if gap >= room or abs(normal[1]) >= STEEP:
+        return 0.0, 0.0, 0.0
+    return normal[0] / size, normal[2] / size, room - gap

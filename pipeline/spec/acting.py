@@ -83,10 +83,21 @@ def faults_of_touch(pair: object, path: Path, cast: Mapping[str, object]) -> Ite
         if name not in cast:
             message = f"nobody in the cast is called '{name}', {hint(name, cast)}"
             yield Fault((*path, k), message)
-        elif _get(cast[name], "character") is None:
-            yield Fault((*path, k), f"'{name}' is no character, whose touch nobody feels")
         elif name in names[:k]:
             yield Fault((*path, k), f"'{name}' cannot touch itself; name another")
+        elif not _is_felt(cast[name]):
+            yield Fault((*path, k), f"'{name}' is nothing that a character feels; name another")
+    known = [name for name in names if isinstance(name, str) and name in cast]
+    if len(set(known)) == 2 and all(_get(cast[name], "character") is None for name in known):
+        message = f"neither '{known[0]}' nor '{known[1]}' is a character, who would feel it"
+        yield Fault(path, message)
+
+
+def _is_felt(member: object) -> bool:
+    """Say whether characters meet this member of the cast."""
+    if any(_get(member, word) is not None for word in ("character", "prop", "figure")):
+        return True
+    return bool(_get(_get(member, "body"), "collide") == "all")
 
 
 def faults_of_hug(pair: object, path: Path, cast: Mapping[str, object]) -> Iterator[Fault]:

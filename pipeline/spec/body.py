@@ -30,7 +30,7 @@ class Matter(Words):
     collide: Literal["terrain", "all"] = Field(
         "terrain",
         description="What it meets: terrain is the ground alone; all is the ground, creatures, "
-        "props, and other bodies of which this is said.",
+        "props, characters, and other bodies of which this is said.",
     )
     inertia: Literal["tensor", "scalar"] = Field(
         "tensor",

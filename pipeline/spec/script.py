@@ -236,7 +236,9 @@ class When(Words):
         "it has done what it was told: sits, stands, holds, hugs.",
     )
     touch: tuple[Name, Name] | None = Field(
-        None, description="Two who begin to touch one another: characters."
+        None,
+        description="Two who begin to touch one another: a character and another, a prop, a "
+        "creature, or a body that collides with all.",
     )
     hug: tuple[Name, Name] | None = Field(
         None,

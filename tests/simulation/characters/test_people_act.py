@@ -317,7 +317,9 @@ def test_who_is_far_from_all_others_moves_to_the_last_bit_as_alone() -> None:
 CAST = """pronk: 1
 duration: 1
 cast: [{name: a, character: adult}, {name: doll, character: ragdoll, at: [1, 1]},
-  {name: ball, character: ball, at: [2, 2]}, {name: bug, figure: beetle, walk: {}, at: [-3, 3]}]
+  {name: ball, character: ball, at: [2, 2]}, {name: bug, figure: beetle, walk: {}, at: [-3, 3]},
+  {name: pebble, body: {shape: sphere, radius: 0.1}, at: [4, 0.1, 4]},
+  {name: gate, prop: box, at: [5, 5]}]
 script: [%s]
 """
 
@@ -375,7 +377,12 @@ def test_a_hug_is_waited_for_and_it_matters_who_hugs_whom() -> None:
         ("{at: 0, who: doll, do: stop}", "'doll' is a ragdoll, which no script moves"),
         ("{at: 0, who: bug, do: sit}", "'bug' is a creature; only a child or an adult"),
         ("{at: 0, who: a, do: {look_at: bug}}", "'bug' is no character"),
-        ("{when: {touch: [a, bug]}, who: a, do: stop}", "whose touch nobody feels"),
+        ("{when: {touch: [a, pebble]}, who: a, do: stop}", "'pebble' is nothing that a character"),
+        (
+            "{when: {touch: [gate, bug]}, who: a, do: stop}",
+            "neither 'gate' nor 'bug' is a",
+        ),
+        ("{when: {touch: [a, gat]}, who: a, do: stop}", "is called 'gat', did you mean 'gate'"),
         ("{when: {touch: [a, a]}, who: a, do: stop}", "'a' cannot touch itself"),
         ("{when: {}, who: a, do: stop}", "should have one of arrived, touch and hug"),
         ("{when: {arrived: a, hug: [a, doll]}, who: a, do: stop}", "should have one of arrived"),

@@ -184,6 +184,19 @@ def test_a_person_stops_before_a_wall_and_stands() -> None:
     assert depth(simulation) < 0.005
 
 
+def test_a_script_waits_for_a_ball_that_hits_somebody() -> None:
+    simulation = played(
+        "- {name: bob, character: adult, at: [0, 0]}\n"
+        "- {name: ball, at: [-2, 1.2, 0], velocity: [6, 1, 0], body: "
+        "{shape: sphere, radius: 0.12, density: 300, collide: all}}",
+        4,
+        "- {when: {touch: [ball, bob]}, who: bob, do: {go_to: [0, 2]}}",
+    )
+    pelvis = path(simulation, "bob")
+    assert np.abs(pelvis[:24, 2]).max() < 0.05
+    assert pelvis[-1, 2] == pytest.approx(2.0, abs=0.2)
+
+
 def test_a_horse_pushes_who_is_in_its_way() -> None:
     simulation = played(
         "- {name: doll, character: adult, limp: true, at: [1.8, 0], rotation_deg: [0, 90, 0]}\n"

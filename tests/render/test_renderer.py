@@ -244,26 +244,6 @@ def test_memory_stays_flat_over_many_frames(renderer: Renderer, make_shot: Make)
 
 
 @pytest.mark.slow
-def test_most_of_the_time_goes_to_mitsuba_and_the_denoiser(
-    backend: Backend, make_shot: Make
-) -> None:
-    import time
-
-    fresh = Renderer(backend)
-    film = Film(preset="preview")
-    for i in range(2):
-        fresh.render(make_shot(x=0.1 * i, film=film))
-    done = replace(fresh.split)
-    began = time.perf_counter()
-    for i in range(3):
-        fresh.render(make_shot(x=0.1 * i, film=film))
-    wall = time.perf_counter() - began
-    split = fresh.split
-    inside = split.update + split.trace + split.denoise - done.update - done.trace - done.denoise
-    assert inside / wall > 0.9
-
-
-@pytest.mark.slow
 def test_the_scalar_variant_renders_too() -> None:
     code = _ALONE.replace("choose()", "choose('scalar')")
     child = subprocess.run(

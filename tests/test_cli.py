@@ -330,6 +330,7 @@ def test_check_tells_what_a_figures_author_may_not_have_meant(pronk: Pronk, fold
     assert f"{place}: 'x' is not connected to the rest and ignored" in err
 
 
+@pytest.mark.slow
 def test_figure_tells_and_pictures_a_figure(pronk: Pronk, folder: Path) -> None:
     code, out, _ = pronk("figure", "tiny.yaml:bug", "--out", "seen")
     assert code == 0

@@ -117,6 +117,7 @@ def test_a_crash_of_thousands_stays_below_the_ceiling_and_keeps_its_onset(
     assert report.rms_db == pytest.approx(db(np.sqrt((sound**2).mean())), abs=0.01)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(data=st.data(), rate=st.sampled_from(RATES), frames=st.integers(1, 30))
 def test_any_score_gives_finite_sound_of_exact_length(

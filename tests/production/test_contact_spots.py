@@ -21,6 +21,7 @@ cast:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilt", [30, -30, 60, -60])
 def test_a_plank_that_falls_tilted_is_struck_at_its_lower_end(tilt: float) -> None:
     take = simulate(read_scene(PLANK.format(tilt=tilt)))

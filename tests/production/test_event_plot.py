@@ -185,6 +185,7 @@ def test_what_is_no_such_sound_is_refused_with_its_name(tmp_path: Path) -> None:
 # --- the command ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_command_draws_rendered_frames_and_overwrites_none(studio, pronk) -> None:
     frames = {path.name: path.read_bytes() for path in (studio.made / "frames").iterdir()}
     code, _, said = pronk("plot", "events", "tiny", cwd=studio.folder)
@@ -198,6 +199,7 @@ def test_the_command_draws_rendered_frames_and_overwrites_none(studio, pronk) ->
     assert not list(ET.parse(svg).getroot().iter(f"{SVG}image"))
 
 
+@pytest.mark.slow
 def test_frames_that_are_not_there_are_rendered_small_and_kept_nowhere(unmade, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     svg, _ = plot_events(studio.order(), Quiet())

@@ -119,6 +119,7 @@ def test_the_picture_names_all_that_there_is(beetle: Figure) -> None:
     assert svg == figure_svg(beetle), "the same figure gives the same picture"
 
 
+@pytest.mark.slow
 def test_the_png_shows_the_svg_with_its_texts(beetle: Figure) -> None:
     svg = figure_svg(beetle)
     picture = np.asarray(Image.open(io.BytesIO(png_of(svg))).convert("RGB")).astype(int)

@@ -75,6 +75,7 @@ def lag(heard: NDArray[np.float64], sound: NDArray[np.float64], onset: int) -> i
     return int(np.argmax(np.correlate(around, pattern, "valid"))) - REACH
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [Fraction(24), Fraction(30000, 1001), Fraction(60)], ids=str)
 def test_twenty_sounds_are_heard_within_a_millisecond_of_their_frames(
     tmp_path: Path, rate: Fraction

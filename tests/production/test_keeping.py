@@ -53,6 +53,7 @@ def test_scoring_and_simulating_what_is_made_changes_nothing(studio: Studio) -> 
     assert studio.changes(before) == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("word", "due"),
     [

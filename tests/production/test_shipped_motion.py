@@ -34,6 +34,7 @@ def _tier(name: str) -> list[pytest.MarkDecorator]:
 SCENES = [pytest.param(name, marks=_tier(name)) for name in shipped_scenes()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_a_shipped_scene_moves_like_its_golden(name: str) -> None:
     golden = read_golden(MOTION / f"{name}.json")

@@ -45,6 +45,7 @@ def middle(renderer: Renderer, shot: Shot) -> float:
     return float(luminance(seen)[16:20, 20:28].mean())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "kind", [{}, {"radius": 0.04}, {"spot": {"toward": [0, 0, 0]}, "radius": None}]
 )
@@ -64,6 +65,7 @@ def test_lamps_add_up(renderer: Renderer) -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", [{}, {"radius": 0}, {"spot": {"toward": [0, 0, 0]}}])
 def test_a_lamp_moved_in_place_equals_a_fresh_build(
     renderer: Renderer, backend: Backend, make_shot: Make, kind: dict[str, object]

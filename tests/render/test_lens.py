@@ -76,6 +76,7 @@ def _white(renderer: Renderer) -> float:
     return float(coverage(renderer, seen_through(None, 1.0, half=2.0)).mean())
 
 
+@pytest.mark.slow
 def test_what_is_in_focus_is_as_sharp_as_without_a_lens(renderer: Renderer) -> None:
     sharp = coverage(renderer, seen_through(None, FOCUS, half=0.2))
     through = coverage(renderer, seen_through(Lens(RADIUS, FOCUS), FOCUS, half=0.2))
@@ -83,6 +84,7 @@ def test_what_is_in_focus_is_as_sharp_as_without_a_lens(renderer: Renderer) -> N
     assert abs(through - sharp).mean() < 0.003
 
 
+@pytest.mark.slow
 def test_focus_is_pulled_in_the_scene_as_it_is_built(renderer: Renderer) -> None:
     """What is moved in place is what would be built."""
     near, far = (seen_through(Lens(r, f), 4.0) for r, f in ((0.04, 2.0), (0.02, 4.0)))
@@ -99,6 +101,7 @@ def test_a_pinhole_and_a_lens_do_not_share_a_scene() -> None:
     assert seen_through(None, 1.0).build != seen_through(Lens(0.01, 1.0), 1.0).build
 
 
+@pytest.mark.slow
 def test_moments_are_seen_through_lenses_of_their_own(
     renderer: Renderer, make_shot: Callable[..., Shot]
 ) -> None:

@@ -138,6 +138,7 @@ def test_passes_in_parts_are_the_whole(renderer: Renderer, make_shot: Make) -> N
         np.testing.assert_allclose(getattr(parts, name), getattr(whole, name), rtol=1e-4, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_another_number_of_passes_is_recorded_anew(renderer: Renderer, make_shot: Make) -> None:
     from render.stage import Stage
 

@@ -71,6 +71,7 @@ def test_feet_go_up_and_come_down_in_turn_once_a_cycle_of_their_own(change: Gait
         assert np.allclose(clock, np.round(clock), atol=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
 def test_before_and_after_it_is_the_two_gaits(change: GaitChange) -> None:

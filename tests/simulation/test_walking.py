@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+import pytest
 
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.locomotion.herd import REACH
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 MILLIMETRE = 1e-3
 
 
+@pytest.mark.slow
 def test_feet_that_stand_do_not_slip(walk: Walk) -> None:
     down = walk.standing[1:] & walk.standing[:-1]
     moved = np.linalg.norm(np.diff(walk.tips, axis=0), axis=-1)

@@ -64,6 +64,7 @@ def test_terrains_are_written_out_and_read_back(terrain, monkeypatch):
     assert read_scene(dump(given)) == given
 
 
+@pytest.mark.slow
 @example(title="\x85", duration=1.0, at=(0.0, 0.0), names=["0", "1"])
 @given(
     title=st.text(max_size=200),

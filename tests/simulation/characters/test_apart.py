@@ -15,6 +15,8 @@ from pipeline.simulation.spatial import Array
 from .minded import simulation, steps, troupe
 from .yards import depth
 
+pytestmark = pytest.mark.slow
+
 WALKERS, BOXES = 6, ("box", "crate", "bench")
 
 THINGS = """

@@ -17,6 +17,8 @@ from pipeline.simulation.characters.behaviours.route import (
 )
 from tests.simulation.characters.minded import layout, simulation, steps, troupe
 
+pytestmark = pytest.mark.slow
+
 EMPTY = np.zeros((0, 2)), np.zeros(0), np.zeros(0)
 
 

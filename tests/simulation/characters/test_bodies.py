@@ -15,6 +15,8 @@ from pipeline.spec import read_scene
 from .acting import STEPS, troupe_of
 from .yards import attitude, least_bend, yard_of
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("who", [ADULT, CHILD])
 def test_a_person_is_sixteen_nodes_and_thirteen_links(who: Proportions) -> None:

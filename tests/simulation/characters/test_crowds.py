@@ -9,6 +9,8 @@ import pytest
 
 from .yards import DT, depth, least_bend, lengths_off, pile, random_crowd
 
+pytestmark = pytest.mark.slow
+
 FEW, SOME, ALL = range(8), range(8, 100), range(100, 1000)
 LONGEST = 40.0
 """In which all lie still: balls roll for long [s]."""

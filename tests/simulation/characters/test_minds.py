@@ -19,6 +19,8 @@ from pipeline.spec.loading import load_scene
 from pipeline.spec.shipped import library
 from tests.simulation.characters.minded import channel, doing, simulation, steps, troupe
 
+pytestmark = pytest.mark.slow
+
 
 def test_every_behaviour_has_words_something_that_does_it_and_a_scene() -> None:
     assert tuple(MAKERS) == tuple(FORMS) == NAMES[1:]

@@ -18,6 +18,8 @@ from pipeline.spec.shipped import library
 from .acting import STEPS, J, play_scene, troupe_of
 from .yards import least_bend
 
+pytestmark = pytest.mark.slow
+
 SIT = """
 duration: 6.5
 cast: [{name: a, character: adult}, {name: b, character: child, at: [3, 3]},

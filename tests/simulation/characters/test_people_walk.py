@@ -20,6 +20,8 @@ from pipeline.spec import read_scene
 from .acting import STEPS, Play, play_scene, spells, walk, walk_words
 from .yards import least_bend
 
+pytestmark = pytest.mark.slow
+
 WHO = {"adult": ADULT, "child": CHILD}
 
 WALKS = [

@@ -19,6 +19,8 @@ from pipeline.spec import read_scene
 from .acting import STEPS, troupe_of
 from .yards import attitude, lengths_off
 
+pytestmark = pytest.mark.slow
+
 WALL = "{name: wall, prop: {shape: box, size: [0.4, 1, 3]}, at: [0, 0]}"
 
 

@@ -15,6 +15,8 @@ from pipeline.simulation.people.proportions import ADULT, CHILD
 
 from .yards import DT, depth, lengths_off, yard_of
 
+pytestmark = pytest.mark.slow
+
 
 def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
     plans = [person(CHILD), ball(0.1, 0.4)._replace(air=0.0)]

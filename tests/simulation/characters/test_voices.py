@@ -23,6 +23,8 @@ from pipeline.spec import Scene, read_scene
 
 from .minded import troupe
 
+pytestmark = pytest.mark.slow
+
 BLOW = """pronk: 1
 duration: 2
 cast:

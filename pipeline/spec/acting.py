@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel
 
-from pipeline.spec.character import JOINTED, PARTS, PEOPLE
+from pipeline.spec.character import JOINTED, PARTS, PEOPLE, Kind
 from pipeline.spec.faults import Fault, Step
 from pipeline.spec.nearest import hint
 
@@ -16,6 +16,9 @@ PEOPLE_ALONE = ("reach", "grab", "let_go", "hug", "grapple", "sit", "stand", "fr
 
 ACTING = ("go_to", "turn_deg", "walk", "stop", "wait", "speed", "look_at", "look", *PEOPLE_ALONE)
 """What people can be told."""
+
+WRONG = "wrong"
+"""A kind of character that there is not."""
 
 SEATS = ("box", "bench")
 
@@ -66,8 +69,8 @@ def faults_of_acting(
 
 def fault_of_thing(member: object, name: str, path: Path) -> Fault | None:
     """Find who follows no script: a thing, or one who is limp."""
-    kind = _get(member, "character")
-    if kind not in PEOPLE:
+    kind = _kind(member)
+    if kind not in (*PEOPLE, WRONG):
         return Fault(path, f"'{name}' is a {kind}, which no script moves")
     if _get(member, "limp") is True:
         return Fault(path, f"'{name}' is limp, and follows no script")
@@ -108,7 +111,7 @@ def faults_of_hug(pair: object, path: Path, cast: Mapping[str, object]) -> Itera
     who, whom = names
     if who not in cast:
         yield Fault((*path, 0), f"nobody in the cast is called '{who}', {hint(who, cast)}")
-    elif (kind := _get(cast[who], "character")) not in PEOPLE:
+    elif (kind := _kind(cast[who])) not in (*PEOPLE, WRONG):
         kind = kind or "no character"
         yield Fault((*path, 0), f"'{who}' is {_article(kind)}{kind}; name a child or an adult")
     elif _get(cast[who], "limp") is True:
@@ -129,9 +132,15 @@ def faults_of_whom(
         yield Fault(path, f"nobody in the cast is called '{whom}', {hint(whom, cast)}")
     elif whom == name:
         yield Fault(path, f"'{name}' cannot do that to itself; name {what}")
-    elif (kind := _get(cast[whom], "character")) is None or (kinds and kind not in kinds):
+    elif (kind := _kind(cast[whom])) is None or (kinds and kind not in (*kinds, WRONG)):
         kind = kind or "no character"
         yield Fault(path, f"'{whom}' is {_article(kind)}{kind}; name {what}")
+
+
+def _kind(member: object) -> Any:
+    """Return what kind of character a member of the cast is; a slip is told where it stands."""
+    kind = _get(member, "character")
+    return kind if kind is None or kind in get_args(Kind) else WRONG
 
 
 def _article(kind: str) -> str:

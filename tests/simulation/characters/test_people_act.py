@@ -321,7 +321,7 @@ duration: 1
 cast: [{name: a, character: adult}, {name: doll, character: ragdoll, at: [1, 1]},
   {name: ball, character: ball, at: [2, 2]}, {name: bug, figure: beetle, walk: {}, at: [-3, 3]},
   {name: pebble, body: {shape: sphere, radius: 0.1}, at: [4, 0.1, 4]},
-  {name: gate, prop: box, at: [5, 5]}]
+  {name: gate, prop: {shape: box}, at: [5, 5]}]
 script: [%s]
 """
 
@@ -401,6 +401,14 @@ def test_what_people_cannot_do_is_refused_with_its_place(entry: str, said: str) 
     with pytest.raises(SceneError, match=r"script\[0\]") as caught:
         read_scene(CAST % entry)
     assert said in str(caught.value)
+
+
+def test_a_slip_in_a_kind_is_told_once_and_not_wherever_it_is_named() -> None:
+    text = CAST % "{when: {hug: [a, doll]}, who: a, do: {hug: doll}}"
+    with pytest.raises(SceneError) as caught:
+        read_scene(text.replace("character: adult", "character: adlt"))
+    assert len(caught.value.problems) == 1
+    assert "did you mean 'adult'" in str(caught.value)
 
 
 def test_parts_have_the_names_of_joints() -> None:

@@ -53,7 +53,7 @@ def main(count: int) -> None:
             pass
         wall = time.perf_counter() - began
     split = renderer.split
-    inside = split.seconds - split.tone - cold
+    inside = split.seconds - cold
     print(f"first frame, with build: {cold:.2f} s")
     print(f"warm preview: {wall / count:.2f} s a frame over {count} frames")
     print(f"inside Mitsuba and the denoiser: {100 * inside / wall:.1f}% of the wall time")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,26 +39,6 @@ class Exposure:
     def enlarged(self, soft: Image) -> Image:
         """Return a picture of the size of soft light at that of the whole."""
         return soft if soft.shape == self.direct.shape else _doubled(_doubled(soft, 0), 1)
-
-    @staticmethod
-    def mean(exposures: Iterable[Exposure]) -> Exposure:
-        """Return the mean of exposures that are equally long.
-
-        No more than two are held at a time, for pictures of a film's size are large.
-        """
-        sums: list[Image] = []
-        count = np.float32(0)
-        for one in exposures:
-            parts = one.direct, one.color, one.indirect, one.dye
-            if not sums:
-                sums = [part.copy() for part in parts]
-            else:
-                for total, part in zip(sums, parts, strict=True):
-                    total += part
-            count += np.float32(1)
-        for total in sums:
-            total /= count
-        return Exposure(*sums)
 
 
 def _doubled(picture: Image, axis: int) -> Image:

@@ -32,7 +32,6 @@ class Split:
         update: moving meshes and camera, with Mitsuba's own update.
         trace: Mitsuba at work, to the last pixel.
         denoise: the denoiser.
-        tone: from light to an 8-bit picture.
     """
 
     frames: int = 0
@@ -40,7 +39,6 @@ class Split:
     update: float = 0.0
     trace: float = 0.0
     denoise: float = 0.0
-    tone: float = 0.0
 
     @contextmanager
     def timed(self, part: str) -> Iterator[None]:
@@ -52,7 +50,7 @@ class Split:
     @property
     def seconds(self) -> float:
         """All of it."""
-        return self.build + self.update + self.trace + self.denoise + self.tone
+        return self.build + self.update + self.trace + self.denoise
 
 
 class Renderer:
@@ -99,12 +97,8 @@ class Renderer:
             exposure = self._exposed(shot, film)
         with self.split.timed("denoise"):
             light = self._denoiser.clean(exposure, film.denoise, wide=shot.light.is_wide)
-        frame = Frame(light, film.exposure)
-        if film.format == "png":
-            with self.split.timed("tone"):
-                _ = frame.srgb8
         self.split.frames += 1
-        return frame
+        return Frame(light, film.exposure)
 
     def _exposed(self, shot: Shot, film: FullFilm) -> Exposure:
         """Return the mean of all moments that the shutter is open."""
@@ -112,17 +106,16 @@ class Renderer:
         count = len(shot.moments)
         each = max(round(film.passes / count), 1)
 
-        def exposures() -> Iterator[Exposure]:
-            for k, moment in enumerate(shot.moments):
-                if k:
-                    with self.split.timed("update"):
-                        stage.move(moment)
-                passes = range(k * each, (k + 1) * each)
-                with self.split.timed("trace"):
-                    exposure = stage.expose(shot.seed, passes, count * each)
-                yield exposure
-
-        return Exposure.mean(exposures())
+        plate = stage.plate()
+        for k, moment in enumerate(shot.moments):
+            if k:
+                with self.split.timed("update"):
+                    stage.move(moment)
+            passes = range(k * each, (k + 1) * each)
+            with self.split.timed("trace"):
+                plate.expose(stage.sensor, shot.seed, passes, count * each)
+        with self.split.timed("trace"):
+            return plate.exposure()
 
     def _staged(self, shot: Shot) -> Stage:
         from render.stage import Stage

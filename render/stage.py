@@ -19,6 +19,7 @@ from render.lights import emitters
 from render.lights.lamps import lamp_emitters, move_lamps, standing
 from render.materials import light_paths
 from render.meshes import Group, built, groups, imprint, moved, update
+from render.plate import Plate
 from render.rough import set_pixel
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.tracer import tracer
@@ -82,8 +83,12 @@ class Stage:
         self._tracer.moved()
 
     def expose(self, seed: int, passes: range, of: int) -> Exposure:
-        """Return what the camera sees; see `tracer.Tracer`."""
+        """Return what the camera sees while nothing moves; see `Plate.expose`."""
         return self._tracer.expose(self.sensor, seed, passes, of)
+
+    def plate(self) -> Plate:
+        """Return a plate that the sensor of this stage may be exposed on."""
+        return self._tracer.plate()
 
 
 def _camera(film: FullFilm, pose: CameraPose) -> dict[str, Any]:

@@ -5,33 +5,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 import mitsuba as mi
 
-from render.exposure import Exposure
 from render.path_tracer import PathTracer
+from render.plate import Tracer
 from render.wavefront import Wavefront
 from render.words import FullFilm
-
-
-class Tracer(Protocol):
-    """Traces one scene."""
-
-    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
-        """Return what the sensor sees, the mean of some passes; see `words.FullFilm.rays`.
-
-        Args:
-            sensor: of the scene.
-            seed: of all passes.
-            passes: numbers of those to trace now, at some moment of the exposure.
-            of: how many passes make up the picture, among which the samples are spread.
-        """
-        ...
-
-    def moved(self) -> None:
-        """Take note that the scene was changed in place."""
-        ...
 
 
 def tracer(scene: Any, film: FullFilm, depth: int) -> tuple[Tracer, str]:

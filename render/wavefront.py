@@ -23,7 +23,7 @@ rays to lights and rays along the surface.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from render.exposure import GLEAM, Exposure
+from render.plate import Plate, Tracer
 from render.strata import grid
 from render.words.film import RAYS_A_PATH
 
@@ -134,10 +135,6 @@ Sums = tuple[Any, Any]
 """What all passes have brought, lane by lane, `mi.Color3f`: light, and the colour it fell on."""
 
 
-def _nothing(pixels: Any) -> Sums:
-    return dr.opaque(mi.Color3f, 0.0, len(pixels)), dr.opaque(mi.Color3f, 0.0, len(pixels))
-
-
 class Raster:
     """The pixels of a picture in the order in which they are worked on, a part at a time.
 
@@ -154,16 +151,28 @@ class Raster:
         order = _tiled(*size)
         self.parts = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // LANES))]
 
-    def picture(self, parts: Sequence[Any], count: int) -> Image:
-        """Return the mean, (H, W, 3), of as many samples as are in the sums of each part."""
+    def sums(self) -> list[Sums]:
+        """Return sums of nothing, for each part."""
+        return [
+            (dr.opaque(mi.Color3f, 0.0, len(p)), dr.opaque(mi.Color3f, 0.0, len(p)))
+            for p in self.parts
+        ]
+
+    def pictures(self, sums: list[Sums], count: int) -> tuple[Image, Image]:
+        """Return the means, (H, W, 3), of as many samples as are in sums, which are used up."""
+        first, second = (list(one) for one in zip(*sums, strict=True))
+        sums.clear()
+        return self._picture(first, count), self._picture(second, count)
+
+    def _picture(self, sums: list[Any], count: int) -> Image:
         width, height = self.size
         values = dr.empty(mi.Float, 3 * width * height)
-        for pixels, sums in zip(self.parts, parts, strict=True):
-            dr.scatter(values, sums / dr.opaque(mi.Float, count), pixels)
+        for pixels in self.parts:
+            dr.scatter(values, sums.pop(0) / dr.opaque(mi.Float, count), pixels)
         return np.array(values, np.float32).reshape(height, width, 3)
 
 
-class Wavefront:
+class Wavefront(Tracer):
     """Traces one scene.
 
     Args:
@@ -171,15 +180,20 @@ class Wavefront:
         size: width and height of the picture [pixels].
         depth: longest path, in segments.
         half: whether soft light is traced at half the size, one look in each pixel beside it.
+
+    Attributes:
+        looks: for each path.
+        sharp: the picture of direct light.
+        soft: that of indirect light.
     """
 
     def __init__(
         self, scene: Any, size: tuple[int, int], depth: int, *, half: bool = False
     ) -> None:
         self._scene, self._depth = scene, depth
-        self._looks = 1 if half else RAYS_A_PATH
-        self._sharp = Raster(size)
-        self._soft = Raster((size[0] // 2, size[1] // 2)) if half else self._sharp
+        self.looks = 1 if half else RAYS_A_PATH
+        self.sharp = Raster(size)
+        self.soft = Raster((size[0] // 2, size[1] // 2)) if half else self.sharp
         sky = scene.environment()
         self._sky_is_asked = sky is not None and sky.sampling_weight() > 0.0
         self._of = 0
@@ -190,29 +204,9 @@ class Wavefront:
         self._shining = _played(_shining)
         self._ended = _played(_ended)
 
-    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> Exposure:
-        """Return what the sensor sees; see `tracer.Tracer`."""
-        if of != self._of:
-            # Numbers of Python's in what is drawn by are not asked for by what plays back.
-            self.moved()
-            self._of = of
-        looks = range(self._looks * passes.start, self._looks * passes.stop)
-        cells = grid(self._looks * of), grid(of)
-        sharp: list[Sums] = []
-        for pixels in self._sharp.parts:
-            sums = _nothing(pixels)
-            for k in looks:
-                sums = self._look(sensor, pixels, Chance(seed + 1, k, cells[0]), sums)
-            sharp.append(sums)
-        soft: list[Sums] = []
-        for pixels in self._soft.parts:
-            sums = _nothing(pixels)
-            for k in passes if self._depth > 1 else ():
-                sums = self._follow(sensor, pixels, Chance(seed, k, cells[1]), sums)
-            soft.append(sums)
-        direct, color = (self._sharp.picture(p, len(looks)) for p in zip(*sharp, strict=True))
-        indirect, dye = (self._soft.picture(p, len(passes)) for p in zip(*soft, strict=True))
-        return Exposure(direct, color, indirect, dye)
+    def plate(self) -> Plate:
+        """Return a plate on which nothing has fallen yet."""
+        return _Plate(self)
 
     def moved(self) -> None:
         """Forget what was recorded before the scene was changed.
@@ -223,20 +217,29 @@ class Wavefront:
         for stage in (self._looked, self._begun, self._shaded, self._shining, self._ended):
             stage.clear()
 
-    def _look(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> Sums:
+    def spread(self, passes: int) -> None:
+        """Take note of how many passes the samples of a picture are spread over."""
+        if passes != self._of:
+            # Numbers of Python's in what is drawn by are not asked for by what plays back.
+            self.moved()
+            self._of = passes
+
+    def look(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> Sums:
         """Return the sums of direct light and colour with one look through every pixel."""
-        ray = _ray(sensor, pixels, self._sharp.size, chance.draws(0))
+        ray = _ray(sensor, pixels, self.sharp.size, chance.draws(0))
         further: Sums = self._looked(
             self._scene, pixels, ray, self._depth > 1, sums, chance.draws(1)
         )
         return further
 
-    def _follow(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> Sums:
+    def follow(self, sensor: Any, pixels: Any, chance: Chance, sums: Sums) -> Sums:
         """Return the sums of indirect light and dye with one path from every pixel."""
+        if self._depth == 1:
+            return sums
         count = dr.width(pixels)
         # Held in full, although all are equal, so that later steps have the kernel of the first.
         fresh = dr.opaque(mi.Color3f, 1.0, count), dr.opaque(mi.Float, 0.0, count)
-        ray = _ray(sensor, pixels, self._soft.size, chance.draws(0))
+        ray = _ray(sensor, pixels, self.soft.size, chance.draws(0))
         paths = self._begun(self._scene, pixels, ray, fresh)
         for step in range(1, self._depth):
             going = mi.UInt32(dr.compress(paths.hit.is_valid()))
@@ -254,6 +257,42 @@ class Wavefront:
             paths = dr.gather(Paths, paths, shining)
             sums = self._ended(self._scene, paths, sums[0]), sums[1]
         return sums
+
+
+class _Plate(Plate):
+    """Looks and paths, added up apart and part by part of the picture.
+
+    Args:
+        tracer: what fills it.
+    """
+
+    def __init__(self, tracer: Wavefront) -> None:
+        self._tracer = tracer
+        self._sharp, self._soft = tracer.sharp.sums(), tracer.soft.sums()
+        self._passes = 0
+
+    def expose(self, sensor: Any, seed: int, passes: range, of: int) -> None:
+        """Add what the sensor sees now."""
+        tracer = self._tracer
+        tracer.spread(of)
+        looks = range(tracer.looks * passes.start, tracer.looks * passes.stop)
+        cells = grid(tracer.looks * of), grid(of)
+        for i, pixels in enumerate(tracer.sharp.parts):
+            for k in looks:
+                chance = Chance(seed + 1, k, cells[0])
+                self._sharp[i] = tracer.look(sensor, pixels, chance, self._sharp[i])
+        for i, pixels in enumerate(tracer.soft.parts):
+            for k in passes:
+                chance = Chance(seed, k, cells[1])
+                self._soft[i] = tracer.follow(sensor, pixels, chance, self._soft[i])
+        self._passes += len(passes)
+
+    def exposure(self) -> Exposure:
+        """Return the mean of all passes."""
+        tracer = self._tracer
+        direct, color = tracer.sharp.pictures(self._sharp, tracer.looks * self._passes)
+        indirect, dye = tracer.soft.pictures(self._soft, self._passes)
+        return Exposure(direct, color, indirect, dye)
 
 
 def _played(stage: Callable[..., Any]) -> Any:

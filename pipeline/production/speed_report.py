@@ -70,7 +70,9 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
                 for done, frame in enumerate(spread(order.scene.n_frames, frames + 1)):
                     began = time.perf_counter()
                     with held_back():
-                        renderer.render(shooting.shot(frame))
+                        picture = renderer.render(shooting.shot(frame))
+                        if shooting.film.format == "png":
+                            _ = picture.srgb8
                     seconds.append(time.perf_counter() - began)
                     if done == 0:
                         renderer.split = Split()
@@ -89,7 +91,7 @@ def _speed(
     # A scene of one frame has no other than its first.
     later = list(seconds[1:]) or list(seconds)
     frame = sum(later) / len(later)
-    whole = max(split.seconds, 1e-9)
+    whole = max(sum(later), 1e-9)
     return Speed(
         preset=preset,
         width=film.size[0],

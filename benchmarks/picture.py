@@ -215,7 +215,7 @@ def _ours(shot: Shot, count: int, soft_light: str = "full") -> Callable[[int], P
     stage, denoiser = Stage(shot), Denoiser()
     passes = shot.film.resolved().passes
     return lambda seed: denoiser.clean(
-        stage.expose(seed, range(passes), passes), "fast", wide=shot.light.is_wide
+        stage.expose(seed, range(passes), passes), "fast", wide=stage.wide
     )
 
 

@@ -94,15 +94,15 @@ class Renderer:
             # Before the work that would be in vain without it.
             self._denoiser.require()
         with told_memory():
-            exposure = self._exposed(shot, film)
+            stage = self._staged(shot)
+            exposure = self._exposed(stage, shot, film)
         with self.split.timed("denoise"):
-            light = self._denoiser.clean(exposure, film.denoise, wide=shot.light.is_wide)
+            light = self._denoiser.clean(exposure, film.denoise, wide=stage.wide)
         self.split.frames += 1
         return Frame(light, film.exposure)
 
-    def _exposed(self, shot: Shot, film: FullFilm) -> Exposure:
+    def _exposed(self, stage: Stage, shot: Shot, film: FullFilm) -> Exposure:
         """Return the mean of all moments that the shutter is open."""
-        stage = self._staged(shot)
         count = len(shot.moments)
         each = max(round(film.passes / count), 1)
 

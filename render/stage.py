@@ -37,6 +37,7 @@ class Stage:
         sensor: the camera in it.
         depth: longest light path, in segments; glass takes more than the film asks for.
         handed_over: why Mitsuba's own path tracer is at work, or nothing.
+        wide: whether lights that surfaces ask for are so wide that their shadows are soft.
     """
 
     def __init__(self, shot: Shot) -> None:
@@ -60,6 +61,7 @@ class Stage:
             }
         )
         self.sensor = self.scene.sensors()[0]
+        self.wide = self.scene.environment().sampling_weight() > 0.0
         self.depth = self._film.depth + light_paths(shot.materials.values())
         self._tracer, self.handed_over = tracer(self.scene, self._film, self.depth)
         self._values = mi.traverse(self.scene)

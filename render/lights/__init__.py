@@ -23,7 +23,7 @@ from render.words import Light, Moon, Studio
 __all__ = ["emitters"]
 
 _STRONG = 0.02
-"""Share of the card's light from which on the key light is what is worth a shadow ray."""
+"""Share of the card's light from which on a key light is alone worth a shadow ray."""
 
 
 def emitters(light: Light, ground: Sequence[float]) -> dict[str, dict[str, Any]]:
@@ -44,11 +44,13 @@ def emitters(light: Light, ground: Sequence[float]) -> dict[str, dict[str, Any]]
     if around.points is not None:
         height, width = around.points.shape[:2]
         image = enlarged(image, width, height) + around.points
+    # Softboxes beside the key light are strong and narrow: met by chance alone they are grain.
+    alone = not light.is_wide and key.brightness(UP) > _STRONG * card
     found = {
         "sky": {
             "type": "envmap",
             "bitmap": mi.Bitmap(np.ascontiguousarray(image, np.float32)),
-            "sampling_weight": 0.0 if key.brightness(UP) > _STRONG * card else 1.0,
+            "sampling_weight": 0.0 if alone else 1.0,
         }
     }
     if key.lit:

@@ -87,3 +87,39 @@ def test_soft_shadows_of_a_wide_light_are_cleaned_and_the_sky_is_kept() -> None:
     ground = cleaned[20:]
     even = ((x + y) % 2 == 0)[20:]
     assert ground[even].mean() / ground[~even].mean() > 3.0
+
+
+@pytest.mark.slow
+def test_a_sky_that_surfaces_ask_for_is_wide_and_its_grain_is_cleaned(
+    renderer: Renderer, make_shot: Callable[..., Shot]
+) -> None:
+    """Few samples of an overcast sky, as rendered, against many; of a sun, all is as it was."""
+    from render.stage import Stage
+
+    stages = {lit: Stage(make_shot(lit=lit)) for lit in ("day", "overcast", "studio")}
+    assert {lit: stage.wide for lit, stage in stages.items()} == {
+        "day": False,
+        "overcast": True,
+        "studio": True,
+    }
+    stage = stages["overcast"]
+    truth = stage.expose(3, range(512), 512).light
+    few = Film(size=(64, 48), samples=4, depth=3, denoise="fast", soft_light="full")
+    shown = renderer.render(make_shot(film=few, lit="overcast")).light
+    exposure = stage.expose(0, range(1), 1)
+    grainy = Denoiser().clean(exposure, "fast")
+    assert np.abs(shown - truth).mean() < 0.7 * np.abs(grainy - truth).mean()
+
+
+@pytest.mark.slow
+def test_softboxes_are_asked_for(renderer: Renderer, make_shot: Callable[..., Shot]) -> None:
+    """A studio without a key light nearly: what its fill and rim do is no grain of a few hits."""
+    from render.stage import Stage
+    from render.words import light
+
+    stage = Stage(make_shot(lit=light({"studio": {"softness_deg": 5, "fill": 1, "rim": 1}})))
+    whole = stage.expose(5, range(256), 256).light
+    rounds = np.stack([stage.expose(10 + k, range(2), 2).light for k in range(16)])
+    ground = whole[-16:]
+    spread = rounds.std(axis=0)[-16:].mean() / ground.mean()
+    assert spread < 0.33

@@ -29,6 +29,7 @@ def told(code: str, **variables: str) -> str:
     return done.stdout.strip()
 
 
+@pytest.mark.slow
 @able
 def test_a_process_of_ours_is_held_and_those_it_starts() -> None:
     assert told(TELL) == "x86_64-X86_V3"
@@ -43,6 +44,7 @@ def test_numpy_and_its_blas_obey() -> None:
     assert "Haswell" in told("import pipeline, numpy", OPENBLAS_VERBOSE="2")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("before", "variables"),
     [

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -86,6 +87,7 @@ def happenings(draw: Any, step: Any, frames: int) -> Any:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=80)
 @given(data=st.data(), rate=st.sampled_from(RATES), frames=st.integers(1, 60), sound=sounds)
 def test_any_sound_is_lawful_on_frames_and_counted(

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -87,6 +88,7 @@ def check_words(played):
         moved |= {n.channel} if n.gesture else set()
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(
     st.lists(

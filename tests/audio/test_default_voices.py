@@ -39,6 +39,7 @@ def heard(step: Any, score_of: Any, **words: Any) -> Note:
     return note
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 @given(size=st.floats(0.01, 2.0), strength=st.floats(0.15, 1.0))
 def test_every_material_is_heard_within_its_instruments_usual_range(

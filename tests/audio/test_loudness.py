@@ -19,6 +19,7 @@ def test_a_tone_of_a_thousand_hertz_in_both_ears_is_as_loud_as_its_level(level):
     assert integrated(sine(1000, 20, 10 ** (level / 20))) == pytest.approx(level, abs=0.1)
 
 
+@pytest.mark.slow
 def test_silence_has_no_loudness_and_pauses_do_not_count():
     assert integrated(np.zeros((RATE, 2))) == -np.inf
     assert integrated(np.zeros((1, 2))) == -np.inf

@@ -61,6 +61,7 @@ def events(draw, step, frames):
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(data=st.data(), rate=st.sampled_from(RATES), frames=st.integers(1, 40))
 def test_any_score_gives_a_lawful_file_and_counts_what_it_lost(
@@ -80,6 +81,7 @@ def test_any_score_gives_a_lawful_file_and_counts_what_it_lost(
     assert {tick for tick, *_ in smf.onsets()} == set(cues)
 
 
+@pytest.mark.slow
 def test_five_thousand_in_two_seconds_are_all_told_of(
     step, score_of, read_smf, check_laws, tmp_path
 ):

@@ -69,6 +69,7 @@ def test_below_frames_a_blow_is_heard_from_the_sample_of_its_cause_on(step, hear
     assert np.abs(sound[at]).min() > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "material",
     [
@@ -101,6 +102,7 @@ def test_between_events_there_is_silence(step, heard):
     assert sound[96_000:].any()
 
 
+@pytest.mark.slow
 def test_a_crash_of_thousands_stays_below_the_ceiling_and_keeps_its_onset(
     step, score_of, read_wav, tmp_path
 ):
@@ -187,6 +189,7 @@ write_midi(score, Path(sys.argv[1]) / "s.mid")
 """
 
 
+@pytest.mark.slow
 def test_two_processes_write_the_same_bytes(tmp_path):
     digests = set()
     for run in ("1", "2"):
@@ -252,6 +255,7 @@ def test_far_is_duller_and_small_is_brighter(step, heard):
     assert small > 1.2 * middle > 1.4 * large
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("brighter", "duller"),
     [("rock", "dry soil"), ("sand", "snow"), ("glass", "wood"), ("gravel", "mud")],

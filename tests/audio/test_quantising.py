@@ -112,6 +112,7 @@ def test_the_laws_of_the_grid(
         assert min(gaps) <= Fraction(1, 2) / rate
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", RATES, ids=str)
 def test_midi_stays_on_frames_and_sound_follows(
     step, score_of, read_smf, check_laws, read_wav, tmp_path, rate

@@ -51,6 +51,7 @@ def test_a_membrane_moves_as_bessel_functions_do():
         assert MEMBRANE.moves(along, 0.0) == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_where_a_bar_is_struck_is_heard(step, score_of, read_wav, tmp_path):
     def lowest_over_next(spot):
         share = []

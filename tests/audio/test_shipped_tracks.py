@@ -26,6 +26,7 @@ SCENES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_the_track_of_a_shipped_scene(name: str, read_wav: Any, tmp_path: Path) -> None:
     scene = load_scene(library() / (name + SUFFIX))

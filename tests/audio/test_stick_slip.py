@@ -25,6 +25,7 @@ def belt(speed, k=400.0, m=1e-3, sticking=1.0, sliding=0.4):
     return 1 / float(np.diff(slips[1:]).mean())
 
 
+@pytest.mark.slow
 def test_the_closed_form_is_what_a_mass_on_a_belt_does():
     k, m, drop = 400.0, 1e-3, 0.6
     swing = 2 * np.pi * np.sqrt(m / k)

@@ -52,6 +52,7 @@ def ground(take: Take) -> HeightField:
     return HeightField(heights, (float(size[0]), float(size[1])))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("fov", [20.0, 60.0])
 def test_performers_are_in_the_picture_at_every_frame(

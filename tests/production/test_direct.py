@@ -70,6 +70,7 @@ def test_a_scene_that_ends_now_is_as_long_as_it_was_played_and_replays(tmp_path:
     assert (session.simulation.recorder.positions[rows] == again.positions[rows]).all()
 
 
+@pytest.mark.slow
 def test_undirected_it_is_the_scene_itself(tmp_path: Path) -> None:
     plain = stage()
     kept = asked(session_in(tmp_path, plain))("end")
@@ -136,6 +137,7 @@ def test_steps_go_as_far_as_they_say(tmp_path: Path) -> None:
     assert ask("step")["step"] == 4 * FRAMES
 
 
+@pytest.mark.slow
 def test_queries_tell_what_the_take_will_have(tmp_path: Path) -> None:
     session = session_in(tmp_path)
     ask = asked(session)

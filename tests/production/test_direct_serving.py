@@ -81,6 +81,7 @@ def test_a_port_is_open_to_this_machine_alone_and_to_one_program(tmp_path: Path)
     assert kept.frames == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reset", [False, True])
 def test_who_vanishes_in_the_middle_leaves_a_finished_take(reset: bool, tmp_path: Path) -> None:
     def client(place: str) -> None:
@@ -116,6 +117,7 @@ def test_browsers_are_turned_away(tmp_path: Path) -> None:
     assert seen[:-1] in ([b""], [])
 
 
+@pytest.mark.slow
 def test_a_local_socket_is_its_owners_and_goes_with_the_run(tmp_path: Path) -> None:
     place = tmp_path / "s"
     seen: list[object] = []

@@ -37,6 +37,7 @@ def found() -> dict[str, Effort]:
     return {e.name: e for e in efforts(legged_of(scene), simulate(scene))}
 
 
+@pytest.mark.slow
 def test_everybody_on_legs_is_told_of(found: dict[str, Effort]) -> None:
     assert list(found) == ["stool", "mare", "pip"]
 

@@ -77,6 +77,7 @@ def test_a_damaged_memory_is_forgotten(tmp_path: Path, content: str) -> None:
     assert estimate().before() is not None
 
 
+@pytest.mark.slow
 def test_memory_is_bounded_and_the_oldest_goes_first() -> None:
     filmed(estimate("first"), 2.0)
     for i in range(MOST - 2):

@@ -207,6 +207,7 @@ def test_frames_that_are_not_there_are_rendered_small_and_kept_nowhere(unmade, t
     assert not list(studio.made.rglob("frames/*"))
 
 
+@pytest.mark.slow
 def test_the_command_refuses_with_one_message(studio, pronk) -> None:
     code, _, said = pronk("plot", "events", "tiny_", cwd=studio.folder)
     assert code == 2

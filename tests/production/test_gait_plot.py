@@ -49,6 +49,7 @@ def samples(spans: Array, times: Array) -> Array:
     return result
 
 
+@pytest.mark.slow
 def test_there_is_a_panel_for_everybody_who_walks_on_legs(creatures: list[CreatureBars]) -> None:
     assert [creature.name for creature in creatures] == ["bug", "mare", "pip"]
     assert [creature.gait for creature in creatures] == ["ripple", "rotary gallop", "run"]
@@ -180,6 +181,7 @@ def test_the_command_refuses_with_one_message(
     assert not (folder / "out" / name).exists()
 
 
+@pytest.mark.slow
 def test_a_change_of_gait_is_planned_as_it_was_walked() -> None:
     member = "- {name: mare, figure: horse, walk: {gait: walk}}\n"
     script = "script: [{at: 1.5, who: mare, do: {gait: trot}}, {at: 5, who: mare, do: stop}]\n"

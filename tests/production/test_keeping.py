@@ -84,6 +84,7 @@ def test_changed_words_taken_back_give_the_same_film(studio: Studio, film: Studi
     assert studio.contents() == film.contents()
 
 
+@pytest.mark.slow
 def test_a_changed_walk_is_simulated_again(studio: Studio) -> None:
     before = studio.state()
     studio.render("cast.bug.walk.cycle=0.4")

@@ -441,6 +441,7 @@ def _default_bounciness() -> float:
     return float(troupe.herd.bounciness[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["bounciness", "cycle", "speed"])
 def test_a_slightly_other_walk_is_noticed_where_it_first_leaves(
     first_steps: Take, word: str
@@ -469,6 +470,7 @@ def test_a_slightly_other_walk_is_noticed_where_it_first_leaves(
         )
 
 
+@pytest.mark.slow
 def test_the_same_walk_written_out_is_identical(first_steps: Take) -> None:
     golden = golden_of(first_steps, "first_steps")
     same = _first_steps(f"bounciness={_default_bounciness()!r}", "cycle=0.72")

@@ -125,6 +125,7 @@ def test_a_part_of_the_film_sounds_as_the_whole_does_there(studio: Studio) -> No
     assert onsets[0] - onsets[1] == pytest.approx(2 / 24, abs=0.001)
 
 
+@pytest.mark.slow
 def test_without_sound_there_is_none(unmade: Studio, tmp_path: Path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     studio.render(sound=False, frames="1-2")
@@ -133,6 +134,7 @@ def test_without_sound_there_is_none(unmade: Studio, tmp_path: Path) -> None:
     assert sounds(studio.made / "tiny_1-2.mp4") == ["video"]
 
 
+@pytest.mark.slow
 def test_frames_in_exr_make_the_same_film_as_their_pictures(studio: Studio) -> None:
     studio.render("film.format=png", frames="1-2")
     before_film = np.array(shown(studio.made / "tiny_1-2.mp4"), int)
@@ -152,6 +154,7 @@ def test_frames_in_exr_make_the_same_film_as_their_pictures(studio: Studio) -> N
     assert studio.changes(before) == set()
 
 
+@pytest.mark.slow
 def test_a_master_has_ten_bits_and_the_sound_as_it_was(studio: Studio) -> None:
     sets = ("film.preset=master", "film.size=[64,36]", "film.samples=1", "film.denoise=off")
     studio.render(*sets)

@@ -47,6 +47,7 @@ def test_every_golden_has_a_scene() -> None:
     assert {path.stem for path in MOTION.glob("*.json")} == set(shipped_scenes())
 
 
+@pytest.mark.slow
 def test_goldens_are_small_enough_for_version_control() -> None:
     for path in MOTION.glob("*.json"):
         marks = len(read_golden(path).marks)
@@ -66,6 +67,7 @@ def update(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
     return module
 
 
+@pytest.mark.slow
 def test_only_goldens_that_are_due_are_written(update: ModuleType, tmp_path: Path) -> None:
     path = tmp_path / "first_steps.json"
     assert "written" in update.update("first_steps", False)

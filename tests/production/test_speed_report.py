@@ -37,6 +37,7 @@ def test_the_command_measures_and_overwrites_nothing(studio, pronk) -> None:
     assert studio.changes(before) <= {"manifest.json"}
 
 
+@pytest.mark.slow
 def test_size_and_samples_are_words_of_the_film(unmade, pronk, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     words = ("frame", "tiny", "1", "--size", "32x18", "--samples", "2", "--json")

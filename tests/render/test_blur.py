@@ -44,6 +44,7 @@ def test_what_stands_still_looks_as_without_blur(renderer: Renderer, make_shot: 
     )
 
 
+@pytest.mark.slow
 def test_what_moves_is_seen_at_every_moment(renderer: Renderer, make_shot: Make) -> None:
     """Where the body is in one of two moments only, half of the picture is the ground's."""
     shot = exposed(make_shot, 2, 128)

@@ -38,6 +38,7 @@ def pair(k: int) -> tuple[Picture, Picture]:
     return one, two
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", range(PAIRS))
 def test_our_flip_is_that_of_its_authors(k: int) -> None:
     pytest.importorskip("flip_evaluator", reason="there is no wheel for this platform")

@@ -85,6 +85,7 @@ def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
         np.testing.assert_allclose(flat, xz, atol=0.02)
 
 
+@pytest.mark.slow
 def test_a_large_picture_gives_the_same_light(tmp_path: Path) -> None:
     from render.lights.directions import UP, irradiance
     from render.lights.hdr import _smaller

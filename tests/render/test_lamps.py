@@ -58,6 +58,7 @@ def test_brightness_one_shows_a_grey_card_as_middle_grey_a_metre_away(
     assert middle(renderer, card([{"brightness": 4, **kind}], 2.0)) == pytest.approx(near, rel=0.04)
 
 
+@pytest.mark.slow
 def test_lamps_add_up(renderer: Renderer) -> None:
     one = middle(renderer, card([{"brightness": 1}]))
     assert middle(renderer, card([{"brightness": 1}, {"brightness": 2}])) == pytest.approx(

@@ -58,6 +58,7 @@ def test_the_light_goes_on_from_day_to_night_without_a_jump(clouds: float) -> No
     assert steps(np.linspace(setting[worst], setting[worst + 1], 5)).max() < 0.4 * shift.max()
 
 
+@pytest.mark.slow
 def test_night_is_darker_and_bluer_than_dusk_and_dusk_than_day() -> None:
     level = {name: irradiance_of(light(name))[0] for name in ("day", "dusk", "night")}
     bright = {name: float(luminance(value)) for name, value in level.items()}
@@ -66,6 +67,7 @@ def test_night_is_darker_and_bluer_than_dusk_and_dusk_than_day() -> None:
     assert level["day"][2] < level["day"][0]
 
 
+@pytest.mark.slow
 def test_moon_and_clouds_decide_how_dark_a_night_is() -> None:
     def level(**words: object) -> float:
         return float(luminance(irradiance_of(light({"preset": "night", **words}))[0]))

@@ -21,6 +21,7 @@ from render.words import Film, material
 Make = Callable[..., Shot]
 
 
+@pytest.mark.slow
 def test_a_mesh_moved_in_place_equals_a_fresh_build(
     renderer: Renderer, backend: Backend, make_shot: Make
 ) -> None:

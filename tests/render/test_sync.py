@@ -71,6 +71,7 @@ def test_sound_is_in_time(tmp_path: Path, fps: Fraction) -> None:
     assert abs(late_ms(written(tmp_path, fps, 0.0), fps)) < 1.0
 
 
+@pytest.mark.slow
 def test_the_meter_sees_sound_that_is_late(tmp_path: Path) -> None:
     fps = Fraction(24)
     assert late_ms(written(tmp_path, fps, 0.010), fps) == pytest.approx(10.0, abs=1.0)

@@ -21,6 +21,7 @@ def test_every_pattern_that_a_material_may_name_is_drawn() -> None:
     assert {words.texture for words in MATERIALS.values()} <= {*PATTERNS, "none"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PATTERNS)
 def test_a_tile_has_no_seam(name: str) -> None:
     drawn = tile(name)
@@ -34,6 +35,7 @@ def test_a_tile_has_no_seam(name: str) -> None:
             assert np.abs(first - last).mean() <= 1.1 * steps.max() + 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PATTERNS)
 def test_a_tile_keeps_the_base_colour_on_average(name: str) -> None:
     drawn = tile(name)

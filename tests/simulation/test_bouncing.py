@@ -135,6 +135,7 @@ def test_energy_never_rises_and_nothing_sinks(terrain: str, count: int) -> None:
     assert (p[:, 1] > bouncing.ground.height(p[:, 0], p[:, 2]))[there].all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("terrain", TERRAINS)
 def test_nothing_passes_through_at_fifty_metres_a_second(terrain: str) -> None:
     chance = np.random.default_rng(7)
@@ -220,6 +221,7 @@ def test_soft_ground_takes_its_time() -> None:
     assert 0.2 - deepest == pytest.approx(sinks, rel=0.02)
 
 
+@pytest.mark.slow
 def test_bodies_alone_move_as_beside_others() -> None:
     everyone = drops(np.random.default_rng(5), 6, "fractal")
     start = everyone.state.some(np.arange(6))

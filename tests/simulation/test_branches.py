@@ -27,6 +27,7 @@ def _some(skeleton: Skeleton, count: int, kind: str = "") -> LimbBatch:
     return LimbBatch.of([(skeleton, limb) for limb in limbs for _ in range(count)])
 
 
+@pytest.mark.slow
 def test_a_free_ball_joint_always_finds_the_goal(shipped: Figure) -> None:
     """Where a bend gives the distance, a turn that no limit clips gives the place.
 

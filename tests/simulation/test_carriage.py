@@ -95,6 +95,7 @@ def angle(a: Array, b: Array) -> Array:
 PLACES = [(6, 1, 2), (6, 1, -4), (8, 0, -6), (8, 0.5, 0)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize(
     "name", ["antelope", "beetle", "camel", "centipede", "horse", "kangaroo", "ostrich", "person"]
@@ -171,6 +172,7 @@ def test_refuses_looks_that_nobody_can_have(words: str, message: str) -> None:
 # --- what trails ------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LIBRARY)
 def test_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
     seen = Seen(f"{{figure: {name}, walk: {{}}}}", duration=2)
@@ -188,6 +190,7 @@ def test_however_loose_joints_keep_their_limits(looseness: float) -> None:
     assert (seen.q < room.upper).all()
 
 
+@pytest.mark.slow
 def test_who_rests_does_not_move_but_of_its_own_accord() -> None:
     for name in ("horse", "scorpion", "person"):
         still = Seen(f"{{figure: {name}}}", duration=1, wander=0.0)
@@ -213,6 +216,7 @@ def test_a_tail_comes_later_the_farther_out() -> None:
     assert (np.diff(np.abs(swings)) > 0.0).all()
 
 
+@pytest.mark.slow
 def test_a_stiff_tail_does_not_swing() -> None:
     words = "{figure: horse, walk: {gait: bound}}"
     stiff, usual, floppy = (
@@ -267,6 +271,7 @@ def test_no_bearing_holds_a_body_steeper_than_its_bound() -> None:
 # --- bearing ----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["horse", "camel", "kangaroo", "centipede", "ostrich"])
 def test_a_raised_head_is_higher(name: str) -> None:
     words = f"{{figure: {name}, walk: {{}}}}"

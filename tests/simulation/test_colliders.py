@@ -140,6 +140,7 @@ def test_two_bodies_are_heard_together(scene_of: Scenes) -> None:
     assert (contact.step + contact.fraction) / 96.0 == pytest.approx(0.2, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
     walker = "{name: bug, figure: beetle, at: [-2, 0], walk: {}}"
     ball = (

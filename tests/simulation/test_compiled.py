@@ -58,6 +58,7 @@ print(tumble.stats.cache_path, before, is_made("dynamics"))
 """
 
 
+@pytest.mark.slow
 def test_machine_code_is_kept_in_the_users_cache(tmp_path: Path) -> None:
     where, *made = told(ENTRY, XDG_CACHE_HOME=str(tmp_path), NUMBA_CACHE_DIR="").split()
     assert made == ["False", "True"]
@@ -65,6 +66,7 @@ def test_machine_code_is_kept_in_the_users_cache(tmp_path: Path) -> None:
     assert list(Path(where).glob("*.nbc"))
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_kept_it_works_all_the_same(tmp_path: Path) -> None:
     # No folder can be made below a file.
     (tmp_path / "file").touch()

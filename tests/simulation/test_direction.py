@@ -133,6 +133,7 @@ def test_stops_waits_and_goes_on() -> None:
     assert speeds(stopped)[192:].max() == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [90, -60])
 def test_turns_by_what_it_is_told(angle: int) -> None:
     walking = walked("walk: {}", f"{{at: 0.5, who: b, do: {{turn_deg: {angle}}}}}", duration=5)
@@ -195,6 +196,7 @@ def test_an_inchworm_follows_no_script_and_no_path() -> None:
         Simulation(scene_of(worm.replace("walk: {}", "walk: {path: [[1, 1]]}")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [(2, 0.3), (1, 2), (0.6, -2), (-2, 0.5), (1.2, 0.4), (-1, 0)])
 def test_feet_stay_put_wherever_it_is_sent_while_it_walks(place: tuple[float, float]) -> None:
     script = f"{{at: 1.2, who: b, do: {{go_to: {list(place)}}}}},"

@@ -110,6 +110,7 @@ def become_figures(seed: int, count: int) -> tuple[int, set[str]]:
     return figures, messages
 
 
+@pytest.mark.slow
 def test_a_hundred_random_drawings() -> None:
     figures, messages = become_figures(1, 100)
     assert figures > 20

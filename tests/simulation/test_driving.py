@@ -74,6 +74,7 @@ def test_a_velocity_is_integrated_exactly(keys: list[tuple[float, float, Ease]])
     np.testing.assert_allclose(place[0, 0], 2.0 + whole, atol=1e-11)
 
 
+@pytest.mark.slow
 @given(st.floats(-60.0, 0.0))
 def test_phi_is_what_its_integral_says(z: float) -> None:
     # φ_n(z) = ∫₀¹ exp((1 - s) z) s^(n-1) / (n-1)! ds.

@@ -40,6 +40,7 @@ def asked(scene: Scene, drum: str) -> list[int]:
     return sorted(frames)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("by", "fps", "tempo"), CASES)
 def test_a_pattern_comes_out_on_its_frames(by: str, fps: int, tempo: float) -> None:
     scene, take = drummed(by, fps, tempo)

@@ -59,6 +59,7 @@ def test_clocks_of_legs_never_go_back_nor_stand_still(change: GaitChange) -> Non
     assert speed.max() < 2.0 - SLOWEST + 1e-6
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
 def test_feet_go_up_and_come_down_in_turn_once_a_cycle_of_their_own(change: GaitChange) -> None:
@@ -94,6 +95,7 @@ def test_before_and_after_it_is_the_two_gaits(change: GaitChange) -> None:
     assert change.at(change.end) is change.after
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
 def test_the_gait_of_the_moment_goes_over_without_a_jump(change: GaitChange) -> None:
@@ -114,6 +116,7 @@ def test_legs_go_the_shorter_way_round(change: GaitChange) -> None:
     assert np.abs(off).max() < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "second"), PAIRS)
 def test_named_gaits_go_over_into_one_another_and_swings_stay_what_they_are(
     first: str, second: str

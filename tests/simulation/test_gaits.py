@@ -77,6 +77,7 @@ def test_neighbours_never_swing_together_in_a_trot(legs: Rows) -> None:
             assert not (swinging[:, a] & swinging[:, b]).any()
 
 
+@pytest.mark.slow
 @given(rows(least=2))
 def test_a_wave_goes_from_back_to_front_and_no_neighbours_swing_together(legs: Rows) -> None:
     gait = wave(legs)

@@ -61,6 +61,7 @@ def velocities(take: Take) -> Array:
     return np.diff(own(take), axis=0) * float(take.header.rate * take.header.samples)
 
 
+@pytest.mark.slow
 def test_every_rule_is_implemented_and_in_a_scene() -> None:
     assert set(WORDS) == set(RULES)
     scenes = [load_scene(library() / f"{name}.yaml") for name in shipped_scenes()]
@@ -68,6 +69,7 @@ def test_every_rule_is_implemented_and_in_a_scene() -> None:
     assert {type(group) for group in groups} == set(RULES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", WORDS)
 def test_the_same_bytes_alone_and_beside_others(rule: type) -> None:
     take = take_of(WORDS[rule])

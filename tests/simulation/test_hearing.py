@@ -377,6 +377,7 @@ MIXED = (
 ALL = "sound: {detect: {breath: {heard: true}, squeak: {materials: {chitin: 1, plastic: 1}}}}"
 
 
+@pytest.mark.slow
 def test_the_same_bytes_twice_and_whatever_the_batches(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = scene_of(*MIXED, duration=3, more=ALL)
     take = simulate(scene)

@@ -156,6 +156,7 @@ def chain(figure: Callable[..., Figure]) -> Chain:
 # --- what holds at every row ------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_planted_end_stays_put(crawl: Crawl) -> None:
     moved = 0
     for end in (REAR, FRONT):
@@ -219,6 +220,7 @@ def test_links_stay_joined(crawl: Crawl) -> None:
             assert np.allclose(end, recorder.positions[:, b], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_feet_lie_on_the_ground_along_its_slope(crawl: Crawl) -> None:
     ground, gaps = crawl.simulation.world.ground, crawl.gaps
     for end, foot in enumerate(crawl.worm.chain.feet):
@@ -441,6 +443,7 @@ def _of(take: Take, name: str) -> tuple[bytes, ...]:
     )
 
 
+@pytest.mark.slow
 def test_worms_and_a_beetle_do_not_mind_the_order_of_the_cast(scene_of: SceneOf) -> None:
     cast = [
         WORM.format(name="one", at=[0, 0], heading=10, walk="{}"),

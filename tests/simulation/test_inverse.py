@@ -113,6 +113,7 @@ def test_the_same_seed_gives_the_same_pose(beetle: Figure) -> None:
         reach(legs, start, goals, restarts=1)
 
 
+@pytest.mark.slow
 def test_places_and_orientations_together(shipped: Figure) -> None:
     limbs = [limb for limb in shipped.skeleton.limbs if len(limb.joints) >= 6]
     if not limbs:
@@ -198,6 +199,7 @@ def _stretch(
     return np.array(qs), np.array(off)
 
 
+@pytest.mark.slow
 def test_through_full_extension_and_back(beetle: Figure) -> None:
     legs = _legs(beetle)
     qs, off = _stretch(legs, lambda b, q, goals: reach(b, b.pose(q), goals).pose.q)
@@ -217,6 +219,7 @@ def test_through_full_extension_and_back(beetle: Figure) -> None:
     assert off.max() > 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_along_a_motion_nothing_jumps(library: Library, name: str) -> None:
     """A circle about the rest, a warm start at every step."""

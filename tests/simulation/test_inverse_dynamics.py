@@ -212,6 +212,7 @@ def _energy(skeleton: Skeleton, masses: FrameMasses, motion: Motion, dt: float) 
     return result
 
 
+@pytest.mark.slow
 def test_the_work_of_joints_and_body_is_the_change_of_energy(shipped: Figure) -> None:
     skeleton, masses = shipped.skeleton, _masses(shipped)
     times = np.linspace(0.0, 1.0, 2001)

@@ -48,6 +48,7 @@ def test_every_figure_that_walks_has_a_bound() -> None:
     assert set(MOST) == {path.stem for path in LIBRARY.glob("*.yaml")} - LEGLESS
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", MOST)
 def test_joints_of_legs_accelerate_no_more_than_is_said(
     figure: str, walk_through: Callable[..., object]

@@ -103,6 +103,7 @@ def test_values_that_are_named_are_the_nearest_ones() -> None:
                 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("figure", ["kangaroo", "hopper", "beetle", "tripod"])
 @pytest.mark.parametrize("crouch", [0.01, 5.0])
 def test_a_crouch_that_is_refused_gets_one_that_works(figure: str, crouch: float) -> None:

@@ -130,6 +130,7 @@ def lowest_over(take: Take, who: str, first: float, last: float) -> float:
 # --- walkers that jump ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_walks_jumps_and_walks_on_to_the_end_of_its_way(leap: Leap) -> None:
     order = [leap.stages[k] for k in leap.changes]
     assert order == ["coming", "leaping", "landed", "walking"]
@@ -218,6 +219,7 @@ def simulated(scene: Scene) -> Take:
     return simulation.take()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "cause"), [((0.4, 2.5), "too high"), ((9.0, 0.5), "too long")])
 def test_walks_on_where_it_cannot_jump_and_says_why(size: tuple[float, float], cause: str) -> None:
     scene = over("antelope", *size, duration=3)
@@ -229,6 +231,7 @@ def test_walks_on_where_it_cannot_jump_and_says_why(size: tuple[float, float], c
     assert take.positions[-1, 0, 0] > 2.0
 
 
+@pytest.mark.slow
 def test_does_not_jump_over_what_it_is_too_near_to_stop_before() -> None:
     words = "{name: a, figure: antelope, at: [3.2, 0], walk: {path: [[9, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 2]}, at: [4, 0]}"
@@ -289,6 +292,7 @@ def directed(script: str, duration: float = 8, words: str = "", *others: str) ->
     return hop_through(scene_of(ROO.format(words), *others, duration=duration, more=more))
 
 
+@pytest.mark.slow
 def test_a_kangaroo_hops_over_a_crate_and_on() -> None:
     crate = "{name: crate, prop: {shape: box, size: [0.5, 0.5, 1.5]}, at: [5, 0]}"
     hops = directed("{at: 1, who: roo, do: {hop_over: crate}}", 6, "", crate)
@@ -314,6 +318,7 @@ def test_stops_after_the_present_jump_and_hops_on_when_told() -> None:
     assert hops.seen[0][-1].jumps > max(jumps) + 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
 def test_stops_on_its_way_to_a_place_whatever_it_is_about(at: float) -> None:
     script = f"{{at: 0.5, who: roo, do: {{go_to: [20, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
@@ -345,6 +350,7 @@ def test_waits_and_hops_on() -> None:
     assert hops.seen[0][-1].jumps > 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [40, -160])
 def test_turns_by_as_much_as_it_is_told(angle: float) -> None:
     hops = directed(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 8)

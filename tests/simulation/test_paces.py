@@ -88,6 +88,7 @@ def test_after_a_change_feet_keep_the_phases_of_the_new_gait() -> None:
     assert late >= 4
 
 
+@pytest.mark.slow
 def test_each_foot_comes_down_once_after_each_going_up() -> None:
     walk = walked("beetle", "{gait: tripod}", "{gait: wave}", "{gait: tripod}", duration=7)
     swinging = np.array(walk.swinging).astype(int)
@@ -97,6 +98,7 @@ def test_each_foot_comes_down_once_after_each_going_up() -> None:
     assert len(walk.take.contacts) == downs.sum()
 
 
+@pytest.mark.slow
 def test_a_new_gait_has_its_own_speed_or_the_one_that_is_asked_for() -> None:
     walk = walked("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=8)
     assert speed(walk, 6.2) == pytest.approx(1.4, rel=1e-6)
@@ -130,6 +132,7 @@ def test_a_way_is_the_integral_of_the_stride() -> None:
     np.testing.assert_allclose(paces.way(0, float(phase[0]), phase), summed, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_change_that_is_asked_for_during_another_waits_for_its_end() -> None:
     words = "script: [{at: 1, who: it, do: {gait: wave}}, {at: 1.2, who: it, do: {gait: tripod}}]\n"
     scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=6, more=words)
@@ -204,6 +207,7 @@ def test_a_mood_changes_the_pace_by_its_factors_and_half_of_it_by_their_roots() 
         assert getattr(half, name) == pytest.approx(factor**0.5 * getattr(plain, name))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "figure",
     [

@@ -84,6 +84,7 @@ def assert_same(one: Foothold | None, other: Foothold | None) -> None:
         assert one.arch == other.arch
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("off", [0.0, 1e-3])
 def test_steps_planned_early_are_those_planned_in_time(walkers: Walkers, off: float) -> None:
     early, lifts = PlainSteps(walkers.feet.footholds), lifts_of(walkers)
@@ -99,6 +100,7 @@ def test_steps_planned_early_are_those_planned_in_time(walkers: Walkers, off: fl
         assert_same(early.of(lift.leg), in_time.of(lift.leg))
 
 
+@pytest.mark.slow
 def test_no_plan_of_a_whole_walk_is_made_twice(
     walkers: Walkers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -135,6 +137,7 @@ def test_a_step_is_forgotten_when_its_creature_is_led_elsewhere(walkers: Walkers
     assert all(plain.of(leg) is None for leg in foreseen)
 
 
+@pytest.mark.slow
 def test_misses_are_how_far_limbs_settle_from_their_goals(walkers: Walkers) -> None:
     legs, chains = walkers.herd.legs, walkers.herd.chains
     chance = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))

@@ -139,6 +139,7 @@ def test_four_hips_around_the_centre_give_the_whole_moment():
 # --- on level ground -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_apex_and_travel_are_those_asked_for(level_hops):
     of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
     flights = level_hops.lifts
@@ -176,6 +177,7 @@ def test_the_library_has_these_figures_with_legs(library):
     assert legged == set(LIBRARY)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("figure", "words"), [(figure, "{}") for figure in LIBRARY] + list(HOPPERS.items())
 )
@@ -349,6 +351,7 @@ def test_without_balance_it_falls_and_says_so():
     assert any(e.cause == "collision" for e in take.events)
 
 
+@pytest.mark.slow
 def test_a_fall_is_the_same_bytes_twice():
     scene = scene_of(hopper("kangaroo", "{balance: 0}"), duration=4)
     one, two = (simulate(scene) for _ in range(2))
@@ -406,6 +409,7 @@ def test_each_jump_is_heard_once_at_its_take_off_and_once_a_foot_at_its_landing(
         assert 0.35 < one.strength / np.linalg.norm(level_hops.lifts[0][1]) < 1.5
 
 
+@pytest.mark.slow
 def test_who_falls_is_heard_a_few_times_and_ever_softer_at_the_end():
     hops = hop_through(scene_of(hopper("kangaroo", "{balance: 0}"), duration=7))
     take = hops.take

@@ -304,6 +304,7 @@ def test_who_falls_does_not_change_how_others_hop():
     assert found[0] == found[1]
 
 
+@pytest.mark.slow
 def test_falls_wait_for_no_compiler():
     lines = (
         "import sys",

@@ -75,6 +75,7 @@ def test_the_greatest_stride_and_height_that_a_message_names_work(scene_of: Scen
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

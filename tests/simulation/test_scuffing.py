@@ -101,6 +101,7 @@ def test_normal_steps_do_not_scuff(figure: str) -> None:
     assert {contact.kind for contact in take.contacts} == {"touch"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", ["0.004", "0.02"])
 def test_no_frame_rate_changes_when_feet_scuff(step: str) -> None:
     film = simulate(scene("beetle", step, "flat"))

@@ -118,6 +118,7 @@ def walking(figure: str, swing: str) -> str:
     return f"{{figure: {figure}, walk: {{swing: {swing}}}}}"
 
 
+@pytest.mark.slow
 def test_least_effort_takes_less_than_the_spline(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
 ) -> None:
@@ -134,6 +135,7 @@ def test_least_effort_takes_less_than_the_spline(
 UPRIGHT = ("horse", "person", "ostrich", "kangaroo")
 
 
+@pytest.mark.slow
 def test_a_free_leg_takes_less_than_a_led_one(
     shipped: Figure, scene_of: Callable[..., Scene], record: Record
 ) -> None:
@@ -197,6 +199,7 @@ def upright(
     return walk_through(scene_of(walking(*request.param), terrain=HILLS, duration=2.5, seed=2))
 
 
+@pytest.mark.slow
 def test_feet_stand_still_on_their_footholds(upright: Walk) -> None:
     down = upright.standing[1:] & upright.standing[:-1]
     moved = np.linalg.norm(np.diff(upright.tips, axis=0), axis=-1)

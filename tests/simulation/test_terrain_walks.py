@@ -38,6 +38,7 @@ BARRIERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("figure", "name"), PAIRS)
 def test_a_walker_gets_over(
     figure: str,

@@ -23,6 +23,7 @@ def test_feet_that_stand_do_not_slip(walk: Walk) -> None:
     assert moved[down].max() < 0.1 * MILLIMETRE
 
 
+@pytest.mark.slow
 def test_feet_are_where_they_are_to_be(walk: Walk) -> None:
     ends = np.array(walk.ends)[walk.standing]
     assert np.abs(walk.tips[walk.standing] - ends).max() < 0.1 * MILLIMETRE
@@ -86,6 +87,7 @@ def test_joints_move_without_jumps(walk: Walk) -> None:
     assert np.abs(np.diff(np.array(walk.q), axis=0)).max() < 20.0 * dt
 
 
+@pytest.mark.slow
 def test_a_body_moves_without_jumps(walk: Walk) -> None:
     body = walk.take.positions[:, 0]
     dt = walk.simulation.world.clock.dt

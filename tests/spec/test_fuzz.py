@@ -77,6 +77,7 @@ def test_any_row_of_pieces(pieces):
     outcome("".join(pieces))
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(max_examples=300)
 def test_a_scene_with_pieces_replaced(data):
@@ -133,6 +134,7 @@ def paths_in(words, path=()):
 PATHS = [path for path in paths_in(WORDS) if path]
 
 
+@pytest.mark.slow
 @given(st.sampled_from(PATHS), VALUES)
 @settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
 def test_a_scene_with_any_value_anywhere(path, value):

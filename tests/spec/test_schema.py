@@ -124,6 +124,7 @@ def test_figure_files_are_accepted_by_their_schema_alone(path):
     assert not accepts(schema(), words)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("path", "value"),
     [

@@ -5,7 +5,7 @@ in how the work is laid out, which decides the speed on a CPU:
 
 - Only paths that still go on are worked on. Outdoors four of five rays that leave a surface
   end in the sky; a loop inside one kernel drags the others along in half-empty vectors.
-- Samples are stratified pass by pass (`strata`), so that rays that lie beside each other in
+- Samples are stratified pass by pass (`draws`), so that rays that lie beside each other in
   memory, those of a small square of the picture, go into the same part of the sphere.
 - A pass is traced in Python once and then played back, until something moves.
 - What lamps do for the surfaces that are seen, and these surfaces' colours, is sharp and cheap;
@@ -29,51 +29,16 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
-from numpy.typing import NDArray
 
+from render.draws import ALONG, ON_LAMP, Chance, Draws, line, pair
 from render.exposure import GLEAM, Exposure
 from render.plate import Plate, Tracer
+from render.raster import Raster, Sums
 from render.strata import grid
 from render.words.film import RAYS_A_PATH
 
-Image = NDArray[np.float32]
-
-LANES = 1 << 17
-"""Most paths that are under way at once, which bounds the memory."""
-
-TILE = 4
-"""Side of the squares of pixels whose paths lie beside each other."""
-
 RECORDINGS = 8
 """Most recordings that are kept of one stage of the work."""
-
-ON_LAMP, ALONG = 0, 1
-"""The pairs that a step draws: a point on a lamp and a direction along the surface. At the eye
-they are a place in the pixel and one on the lens."""
-
-ROUNDS = 8
-"""Of the hash; with fewer, numbers of neighbouring keys have been seen to hang together."""
-
-
-@dataclass
-class Draws:
-    """What one step of one pass draws its samples by.
-
-    Attributes:
-        key: of the numbers that pixels draw in this pass.
-        base: of those that they keep over all passes.
-        k: number of the pass.
-        grid: columns and rows of cells in each pair of dimensions, one for every pass.
-        together: whether all pixels have the same cell along the surface in the same pass. Only
-            one step may: two would have the same cell together, always.
-    """
-
-    key: mi.UInt32
-    base: mi.UInt32
-    k: mi.UInt32
-    grid: tuple[int, int]
-    together: mi.Bool
 
 
 @dataclass
@@ -106,70 +71,6 @@ class Paths:
     def met(self) -> Any:
         """Return the surface at its end."""
         return self.hit.compute_surface_interaction(self.ray)
-
-
-@dataclass(frozen=True)
-class Chance:
-    """Where the samples of one pass of a picture lie."""
-
-    seed: int
-    k: int
-    grid: tuple[int, int]
-
-    def draws(self, step: int) -> Draws:
-        """Return what step `step` of the paths draws by; 0 is at the eye."""
-        key = self.seed * 0x9E3779B1 + step * 0xC2B2AE3D
-        drawn = Draws(
-            mi.UInt32((key + (self.k + 1) * 0x85EBCA77) & 0xFFFFFFFF),
-            mi.UInt32(key & 0xFFFFFFFF),
-            mi.UInt32(self.k),
-            self.grid,
-            mi.Bool(step == 1),
-        )
-        # Numbers that a kernel had to be compiled for would cost more than they say.
-        dr.make_opaque(drawn)
-        return drawn
-
-
-Sums = tuple[Any, Any]
-"""What all passes have brought, lane by lane, `mi.Color3f`: light, and the colour it fell on."""
-
-
-class Raster:
-    """The pixels of a picture in the order in which they are worked on, a part at a time.
-
-    Args:
-        size: width and height [pixels].
-
-    Attributes:
-        size: the same.
-        parts: numbers of pixels, row by row, `mi.UInt32` each.
-    """
-
-    def __init__(self, size: tuple[int, int]) -> None:
-        self.size = size
-        order = _tiled(*size)
-        self.parts = [mi.UInt32(p) for p in np.array_split(order, -(-len(order) // LANES))]
-
-    def sums(self) -> list[Sums]:
-        """Return sums of nothing, for each part."""
-        return [
-            (dr.opaque(mi.Color3f, 0.0, len(p)), dr.opaque(mi.Color3f, 0.0, len(p)))
-            for p in self.parts
-        ]
-
-    def pictures(self, sums: list[Sums], count: int) -> tuple[Image, Image]:
-        """Return the means, (H, W, 3), of as many samples as are in sums, which are used up."""
-        first, second = (list(one) for one in zip(*sums, strict=True))
-        sums.clear()
-        return self._picture(first, count), self._picture(second, count)
-
-    def _picture(self, sums: list[Any], count: int) -> Image:
-        width, height = self.size
-        values = dr.empty(mi.Float, 3 * width * height)
-        for pixels in self.parts:
-            dr.scatter(values, sums.pop(0) / dr.opaque(mi.Float, count), pixels)
-        return np.array(values, np.float32).reshape(height, width, 3)
 
 
 class Wavefront(Tracer):
@@ -311,7 +212,7 @@ def _looked(
     emitter = si.emitter(scene)
     light = emitter.eval(si, emitter != None)  # noqa: E711  (compared lane by lane)
     lamp, arriving = scene.sample_emitter_direction(
-        si, _pair(pixels, draws, ON_LAMP), False, si.is_valid()
+        si, pair(pixels, draws, ON_LAMP), False, si.is_valid()
     )
 
     def answer(surface: Any, si: Any, toward: Any) -> Any:
@@ -333,7 +234,7 @@ def _begun(scene: Any, pixels: Any, ray: Any, fresh: tuple[Any, Any]) -> Paths:
 
 def _ray(sensor: Any, pixels: Any, size: tuple[int, int], draws: Draws) -> Any:
     """Return a ray through every pixel. This is not recorded: not every lens can be."""
-    place, lens = _pair(pixels, draws, ON_LAMP), _pair(pixels, draws, ALONG)
+    place, lens = pair(pixels, draws, ON_LAMP), pair(pixels, draws, ALONG)
     column, row = pixels % size[0], pixels // size[0]
     film = mi.Point2f((mi.Float(column) + place.x) / size[0], (mi.Float(row) + place.y) / size[1])
     ray, _ = sensor.sample_ray(0.0, 0.5, film, lens)
@@ -353,7 +254,7 @@ def _shaded(
     What lamps do for the first surface is found by looks, and is left out here.
     """
     si = paths.met()
-    lamp, arriving = scene.sample_emitter_direction(si, _pair(paths.pixel, draws, ON_LAMP), False)
+    lamp, arriving = scene.sample_emitter_direction(si, pair(paths.pixel, draws, ON_LAMP), False)
 
     def answer(surface: Any, si: Any, toward: Any, u: Any, v: Any) -> Any:
         color = surface.eval_diffuse_reflectance(si)
@@ -364,8 +265,8 @@ def _shaded(
         answer,
         si,
         si.to_local(lamp.d),
-        _line(paths.pixel, draws),
-        _pair(paths.pixel, draws, ALONG),
+        line(paths.pixel, draws),
+        pair(paths.pixel, draws, ALONG),
     )
     light = _reached(scene, si, lamp, density, paths.weight * value * arriving, ~first)
     light += dr.select(first, 0.0, _finite(paths.weight * _glow(scene, si, paths)))
@@ -460,50 +361,3 @@ def _glow(scene: Any, si: Any, paths: Paths) -> Any:
     before.p = paths.begin
     density = scene.pdf_emitter_direction(before, seen, glows)
     return _weighed(paths, density) * emitter.eval(si, glows)
-
-
-def _pair(pixel: Any, draws: Draws, i: int) -> Any:
-    """Return the `i`-th pair of numbers that a pixel draws, each pass in a cell of its own.
-
-    Source: Kensler, Correlated Multi-Jittered Sampling, 2013.
-    """
-    columns, rows = draws.grid
-    k: Any = draws.k
-    u, v = _uniform(pixel, draws.key + i)
-    shuffle, across = _hash(pixel, draws.base + (2 * i + 1) * 0x1000193)
-    cell = mi.permute_kensler(k, columns * rows, shuffle)
-    if i == ALONG:
-        cell = dr.select(draws.together, k, cell)
-    column, row = cell // rows, cell % rows
-    down = _hash(pixel, draws.base + (2 * i + 2) * 0x1000193 + row)[0]
-    # Within a column each row has a strip of its own, and within a row each column.
-    x = mi.Float(mi.permute_kensler(row, rows, across + column)) + u
-    y = mi.Float(mi.permute_kensler(column, columns, down)) + v
-    return mi.Point2f((mi.Float(column) + x / rows) / columns, (mi.Float(row) + y / columns) / rows)
-
-
-def _line(pixel: Any, draws: Draws) -> Any:
-    """Return the single number that a pixel draws, each pass in an interval of its own."""
-    count = draws.grid[0] * draws.grid[1]
-    k: Any = draws.k
-    place = mi.permute_kensler(k, count, _hash(pixel, draws.base)[0])
-    return (mi.Float(place) + _uniform(pixel, draws.key + 2)[0]) / count
-
-
-def _uniform(pixel: Any, key: Any) -> tuple[Any, Any]:
-    """Return two numbers in [0, 1) of a pixel, by a hash and without a state."""
-    a, b = _hash(pixel, key)
-    scale = 1.0 / (1 << 24)
-    return mi.Float(a >> 8) * scale, mi.Float(b >> 8) * scale
-
-
-def _hash(pixel: Any, key: Any) -> Any:
-    return mi.sample_tea_32(pixel, key, ROUNDS)
-
-
-def _tiled(width: int, height: int) -> NDArray[np.uint32]:
-    """Return the pixels, square after square."""
-    y, x = np.mgrid[0:height, 0:width]
-    across = -(-width // TILE)
-    place = ((y // TILE) * across + x // TILE) * TILE**2 + (y % TILE) * TILE + x % TILE
-    return np.argsort(place.ravel(), kind="stable").astype(np.uint32)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.simulation.dancers.arms import Arm
-from pipeline.simulation.dancers.carriage import Carriage
+from pipeline.simulation.dancers.carriage import TRUNK, Carriage
 from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, rest_posture
 from pipeline.simulation.dancers.moves import Move, Occasion
@@ -83,6 +83,8 @@ class Dancing:
             if not arm.by_fields:
                 self.moving.targets[arm.all] = self.moving.q[arm.all]
         self.looks_at: int | None = None
+        self._eyes, self._chest = self.moving.place_of(HEAD), self.moving.turned(CHEST)
+        self._trunk = self.moving.targets[: len(TRUNK)]
 
     @property
     def now(self) -> float:
@@ -140,10 +142,8 @@ class Dancing:
     def _control(self, now: float) -> None:
         for arm in self.arms:
             arm.control(now)
-        moving = self.moving
-        hand = None if self.looks_at is None else moving.places[self.looks_at]
-        eyes, R = moving.place_of(HEAD), moving.turned(CHEST)
-        moving.targets[:6] = self.carriage.control(now, self.tick, eyes, R, hand)
+        hand = None if self.looks_at is None else self.moving.places[self.looks_at]
+        self._trunk[:] = self.carriage.control(now, self.tick, self._eyes, self._chest, hand)
 
     def _set_out(self, now: float) -> None:
         """Begin the moves whose time has come."""

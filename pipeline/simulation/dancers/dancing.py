@@ -28,12 +28,14 @@ TICKS = 96
 EARLY = 0.012
 """How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
 
-EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.15
+EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.25
 """How far from its time a touch is taken for the one that was meant [s]; how much of an error is
 made up for the next time, and how much in all [s]."""
 
-PRACTICE = 3
-"""How many bars are practised."""
+ROUNDS, GOOD, CALM = 4, 0.01, 0.025
+"""How often a dance is practised at most; how near to its time every touch is good enough; how
+far from it one of the body may be later on before more is made up for: less than a frame of a
+film [s]."""
 
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
@@ -48,6 +50,11 @@ class Dancing:
         beat: duration of a beat [s].
         dt: that it is advanced by at once [s].
         late: how late its hands come to each place of the bar, as far as it knows [s].
+        calm: how far from its time a touch may be before anything is made up for [s].
+
+    Attributes:
+        late: likewise, as it has learnt by now [s].
+        missed_by: how far from the time it aims at it last touched, by place of the bar [s].
     """
 
     def __init__(
@@ -58,6 +65,7 @@ class Dancing:
         beat: float,
         dt: float,
         late: Mapping[Occasion, float] | None = None,
+        calm: float = 0.0,
     ) -> None:
         self.words, self.goals = words, choreography.goals
         self.torso = tuned(choreography.torso, words.gains)
@@ -73,7 +81,8 @@ class Dancing:
         ]
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
-        self.late = dict(late or {})
+        self.late, self.calm = dict(late or {}), calm
+        self.missed_by: dict[Occasion, float] = {}
         self._meant: list[list[Move]] = [[] for _ in HANDS]
         self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
         self.touching = Touching(self.moving)
@@ -125,9 +134,11 @@ class Dancing:
                     continue
                 late = strike.time - move.land + EARLY
                 if abs(late) < EXPECTED:
+                    self._meant[k].remove(move)
+                    self.missed_by[move.place] = late
+                if self.calm <= abs(late) < EXPECTED:
                     learnt = self.late.get(move.place, 0.0) + LEARNS * late
                     self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
-                    self._meant[k].remove(move)
 
     def missed(self) -> list[float]:
         """Return how far each palm is from where its move goes, 0 where that is no place [m]."""
@@ -204,18 +215,43 @@ def practised(
     beat: float,
     dt: float,
 ) -> Dancing:
-    """Return a dancer about to begin, who has practised if anything is to be on a certain beat.
+    """Return a dancer about to begin, who has practised what is to be on a certain beat.
 
-    A few bars are danced beforehand, to hear how late hands come.
+    It goes through the first bar again and again, or through two where it strikes on beats of
+    the bar, hears how late its hands come, and keeps what came nearest: a hand that grazes its
+    place touches it early, or late, or not at all.
     """
-    late = None
-    if any(goal.words.on is not None for goal in choreography.goals):
-        trial = Dancing(words, choreography, moves, beat, dt)
-        lands = [m.land for rows in moves.values() for m in rows if m.bar < PRACTICE]
-        while trial.now < max(lands, default=0.0):
-            trial.advance()
+    strikes = any(goal.words.on is not None for goal in choreography.goals)
+    touches = any(goal.surface is not None for goal in choreography.goals)
+    if not strikes and not (touches and _is_in_time(words)):
+        return Dancing(words, choreography, moves, beat, dt)
+    late, best = dict[Occasion, float](), dict[Occasion, tuple[float, float]]()
+    for _ in range(ROUNDS):
+        trial = Dancing(words, choreography, moves, beat, dt, late)
+        _go_through(trial, 2 if strikes else 1)
+        for place, error in trial.missed_by.items():
+            found = abs(error), late.get(place, 0.0)
+            best[place] = min(best.get(place, found), found)
         late = trial.late
-    return Dancing(words, choreography, moves, beat, dt, late)
+        if max(map(abs, trial.missed_by.values()), default=0.0) < GOOD:
+            break
+    kept = {place: lead for place, (_, lead) in best.items()}
+    # Later bars are begun with what the first has taught.
+    kept = {(subtask, k, True): lead for (subtask, k, _), lead in kept.items()} | kept
+    return Dancing(words, choreography, moves, beat, dt, kept, 0.0 if strikes else CALM)
+
+
+def _go_through(trial: Dancing, bars: int) -> None:
+    """Let a dancer dance some bars, and go on for a while after the last move of them."""
+    lands = [m.land for rows in trial.moves for m in rows if m.bar < bars]
+    until = max(lands, default=0.0) + EXPECTED
+    while trial.now < until:
+        trial.advance()
+
+
+def _is_in_time(words: Dancer) -> bool:
+    """Tell whether hands are to come on beats."""
+    return words.durations is None or words.tempo_bpm is not None
 
 
 def tuned(torso: Torso, gains: Gains) -> Torso:

@@ -8,7 +8,7 @@ import pytest
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
-from pipeline.spec import Scene, find_scene, load_scene
+from pipeline.spec import Scene, find_scene, load_scene, read_scene
 from tests.simulation.dancing import danced
 
 FRAME = 1.0 / 24.0
@@ -50,6 +50,15 @@ def test_a_pattern_comes_out_on_its_frames(by: str, fps: int, tempo: float) -> N
         blows = [e for e in take.events if e.other == drum and e.cause == "collision"]
         heard = [blow.frame for blow in blows if blow.frame <= scene.n_frames]
         assert heard == asked(scene, drum)
+
+
+def test_a_drummer_who_is_locked_to_the_score_strikes_on_its_beats() -> None:
+    cast = "[{dancer: torso, dance: drumming, tempo_bpm: 60, beat: 3}]"
+    scene = read_scene(f"pronk: 1\nduration: 4\nsound: {{tempo_bpm: 120}}\ncast: {cast}\n")
+    take = simulate(scene)
+    # Half as fast as the score, from its third beat at 1 s on, in eighths.
+    blows = [e.frame for e in take.events if e.other == "high" and e.frame <= scene.n_frames]
+    assert blows == [1 + 24 + 12 * k for k in range(6)]
 
 
 def test_blows_are_contacts_of_hands_with_speed_place_and_material() -> None:

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from audio.words import Sound
 from pipeline.spec.cast import Dancer, Member
-from pipeline.spec.faults import Fault
+from pipeline.spec.faults import Fault, Step
+from pipeline.spec.script import Instruction, Perform
 
 NEAR = 1e-9
 """Tempos whose ratio is as near to a whole number as this go into one another."""
@@ -35,19 +36,28 @@ def beat_at(beat: float, sound: Sound) -> tuple[float, float]:
     return offset + (beat - 1.0) * lasts, lasts
 
 
-def faults_of_beats(cast: Sequence[Member], sound: Sound) -> Iterator[Fault]:
+def faults_of_beats(
+    cast: Sequence[Member], sound: Sound, script: Sequence[Instruction]
+) -> Iterator[Fault]:
     """Find dancers whose tempo does not fit that of the score, and beats before the film."""
     for i, member in enumerate(cast):
         if not isinstance(member, Dancer) or member.beat is None:
             continue
-        own, score = member.tempo_bpm, sound.tempo_bpm
-        if own is not None and not _go_together(own, score):
-            message = (
-                f"it is to be on beat {member.beat:g} of a score at {score:g} beats a minute, and "
-                f"dances at {own:g}; take this away to dance at {score:g}, or make it "
-                f"{0.5 * score:g} or {2 * score:g}"
-            )
-            yield Fault(("cast", i, "tempo_bpm"), message)
+        paths: list[tuple[tuple[Step, ...], float | None]] = [
+            (("cast", i, "tempo_bpm"), member.tempo_bpm)
+        ]
+        for k, one in enumerate(script):
+            if isinstance(one.do, Perform) and one.who == member.name:
+                paths.append((("script", k, "do", "tempo_bpm"), one.do.tempo_bpm))
+        score = sound.tempo_bpm
+        for path, own in paths:
+            if own is not None and not _go_together(own, score):
+                message = (
+                    f"it is to be on beat {member.beat:g} of a score at {score:g} beats a minute, "
+                    f"and dances at {own:g}; take this away to dance at {score:g}, or make it "
+                    f"{0.5 * score:g} or {2 * score:g}"
+                )
+                yield Fault(path, message)
         start, _ = beat_at(member.beat, sound)
         if start < 0.0:
             message = f"beat {member.beat:g} of the score is at {start:.4g} s, before the film"

@@ -102,7 +102,7 @@ class Scene(Words):
         timing = faults_of_timing(given)
         last = None if timing else self.n_frames
         golden = faults_of_golden(self.golden, given, last)
-        beats = faults_of_beats(self.cast, self.sound)
+        beats = faults_of_beats(self.cast, self.sound, self.script)
         refuse([*timing, *faults_of_references(self), *beats, *golden])
         return self
 

@@ -83,10 +83,15 @@ def test_a_dance_that_is_nowhere_gets_the_nearest_name() -> None:
         read_scene("pronk: 1\nduration: 1\ncast: [{dancer: torso, dance: macarana}]\n")
 
 
-def test_scripts_do_not_move_dancers() -> None:
+def test_a_script_finds_dances_in_the_library_and_beside_the_scene(tmp_path: Path) -> None:
     text = "pronk: 1\nduration: 1\ncast: [{dancer: torso, name: a}]\n"
-    with pytest.raises(SceneError, match="'a' is a dancer, which no script moves"):
-        read_scene(text + "script: [{at: 0.5, who: a, do: stop}]\n")
+    script = "script: [{at: 0.5, who: a, do: {dance: NAME, bars: 1}}]\n"
+    for name in ("waving", "applauding"):
+        assert name in read_scene(text + script.replace("NAME", name)).dances
+    with pytest.raises(SceneError, match="no dance is called 'wavin', did you mean 'waving'"):
+        read_scene(text + script.replace("NAME", "wavin"))
+    (tmp_path / "bow.yaml").write_text("pronk: 1\ndance: {subtasks: [{touch: belly}]}\n")
+    assert "bow" in read_scene(text + script.replace("NAME", "bow"), beside=tmp_path).dances
 
 
 def test_a_dance_beside_the_scene_comes_before_the_library(tmp_path: Path) -> None:

@@ -104,6 +104,14 @@ class Arm:
         """Send the joints through postures (7,), in `meets` of which a hand touches [rad]."""
         self.passage = Passage([self.desired(now), *postures], now, land, meets)
 
+    def hold(self, now: float) -> None:
+        """Stay where it is."""
+        if self.by_fields:
+            self.traced = None
+            self.fields.stay(self._hand)
+        else:
+            self.turn((self.desired(now),), now, now)
+
     def desired(self, now: float) -> Array:
         """Return (7,) where the joints are to be now [rad]."""
         q: Array = self.moving.q[self.all].copy()

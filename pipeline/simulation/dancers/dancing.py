@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from pipeline.simulation.dancers.carriage import TRUNK, Carriage
 from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, rest_posture
 from pipeline.simulation.dancers.moves import Move, Occasion
+from pipeline.simulation.dancers.posing import Poses
 from pipeline.simulation.dancers.rehearsal import postures_of, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dancers.touching import Strike, Touching
@@ -37,6 +39,8 @@ ROUNDS, GOOD, CALM = 4, 0.01, 0.025
 far from it one of the body may be later on before more is made up for: less than a frame of a
 film [s]."""
 
+NO_POSES = Poses()
+
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
 
@@ -50,10 +54,14 @@ class Dancing:
         beat: duration of a beat [s].
         dt: that it is advanced by at once [s].
         late: how late its hands come to each place of the bar, as far as it knows [s].
-        calm: how far from its time a touch may be before anything is made up for [s].
+        calm: how far from its time a touch of the body may be before it is made up for [s].
+        poses: that it takes, whatever it dances.
+        hang: side -> number of the subtask that lets the arm hang.
 
     Attributes:
         late: likewise, as it has learnt by now [s].
+        looks_at: number of the spot that it looks at, None for none yet.
+        looks_to: (3,) where it looks instead of at its hand, None for nowhere else [m].
         missed_by: how far from the time it aims at it last touched, by place of the bar [s].
     """
 
@@ -66,6 +74,8 @@ class Dancing:
         dt: float,
         late: Mapping[Occasion, float] | None = None,
         calm: float = 0.0,
+        poses: Poses = NO_POSES,
+        hang: Mapping[str, int] | None = None,
     ) -> None:
         self.words, self.goals = words, choreography.goals
         self.torso = tuned(choreography.torso, words.gains)
@@ -81,6 +91,11 @@ class Dancing:
         ]
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
+        self._hang = hang or {}
+        self._poses = [deque(poses.hands.get(side, ())) for side in HANDS]
+        self._trunk_keys = deque(poses.trunk)
+        self._trunk_posed: dict[str, float] = {}
+        self._posed = [False] * len(HANDS)
         self.late, self.calm = dict(late or {}), calm
         self.missed_by: dict[Occasion, float] = {}
         self._meant: list[list[Move]] = [[] for _ in HANDS]
@@ -92,6 +107,7 @@ class Dancing:
             if not arm.by_fields:
                 self.moving.targets[arm.all] = self.moving.q[arm.all]
         self.looks_at: int | None = None
+        self.looks_to: Array | None = None
         self._eyes, self._chest = self.moving.place_of(HEAD), self.moving.turned(CHEST)
         self._trunk = self.moving.targets[: len(TRUNK)]
 
@@ -136,7 +152,9 @@ class Dancing:
                 if abs(late) < EXPECTED:
                     self._meant[k].remove(move)
                     self.missed_by[move.place] = late
-                if self.calm <= abs(late) < EXPECTED:
+                # Blows on beats of the bar are made better all the time.
+                calm = self.calm if self.goals[move.subtask].words.on is None else 0.0
+                if calm <= abs(late) < EXPECTED:
                     learnt = self.late.get(move.place, 0.0) + LEARNS * late
                     self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
 
@@ -153,7 +171,9 @@ class Dancing:
     def _control(self, now: float) -> None:
         for arm in self.arms:
             arm.control(now)
-        hand = None if self.looks_at is None else self.moving.places[self.looks_at]
+        hand = self.looks_to
+        if hand is None and self.looks_at is not None:
+            hand = self.moving.places[self.looks_at]
         self._trunk[:] = self.carriage.control(now, self.tick, self._eyes, self._chest, hand)
 
     def _set_out(self, now: float) -> None:
@@ -161,9 +181,82 @@ class Dancing:
         for k, arm in enumerate(self.arms):
             rows, i = self.moves[k], self._next[k]
             while i < len(rows) and rows[i].begin <= now + 1e-9:
-                self._begin(arm, rows[i], now)
+                if not self._posed[k]:
+                    self._begin(arm, rows[i], now)
                 i += 1
             self._next[k] = i
+            poses = self._poses[k]
+            while poses and poses[0].begin <= now + 1e-9:
+                one = poses.popleft()
+                if one.subtask is None:
+                    self.release(arm.side, one.land)
+                else:
+                    self.hold_at(arm.side, one.subtask, one.land)
+        while self._trunk_keys and self._trunk_keys[0][0] <= now + 1e-9:
+            angles = self._trunk_keys.popleft()[1]
+            if angles is None:
+                self.carriage.given.update(dict.fromkeys(self._trunk_posed, 0.0))
+                self._trunk_posed.clear()
+            else:
+                self._trunk_posed.update(angles)
+                self.carriage.given.update(angles)
+
+    def change(self, moves: Mapping[str, Sequence[Move]], beat: float, start: float) -> None:
+        """Dance something else from now on; no moves at all to stand still.
+
+        Args:
+            moves: of each hand, in the order of time.
+            beat: duration of a beat [s].
+            start: of the first [s].
+        """
+        for k, side in enumerate(HANDS):
+            self.moves[k] = [*self.moves[k][: self._next[k]], *moves.get(side, ())]
+        sways = any(moves.values())
+        self.carriage.sways(math.radians(self.words.sway_deg) if sways else 0.0, beat, start)
+
+    def freeze(self) -> None:
+        """Keep still, hands where they are."""
+        self.change({}, self.carriage.beat, self.now)
+        for arm in self.arms:
+            arm.hold(self.now)
+
+    def hang(self, land: float) -> None:
+        """Let the arms hang that are not posed, by `land` [s]; hold trunk and head upright."""
+        self.change({}, self.carriage.beat, self.now)
+        posed = self._trunk_posed
+        self.carriage.given.update({joint: posed.get(joint, 0.0) for joint in TRUNK})
+        for k, arm in enumerate(self.arms):
+            # What is not over is not gone back to either.
+            self.moves[k], self._next[k] = [], 0
+            if not self._posed[k]:
+                self._lower(arm, land)
+
+    def look(self, place: Array | None) -> None:
+        """Look at a place (3,) from now on [m]; None for where its hand goes, if it does so."""
+        self.looks_to = place
+        self.carriage.gaze = self.words.gaze or place is not None
+
+    def hold_at(self, side: str, subtask: int, land: float) -> None:
+        """Hold a hand as a subtask says, from `land` on [s], instead of dancing with it."""
+        k = HANDS.index(side)
+        self._posed[k] = True
+        self._begin(self.arms[k], Move(subtask, 0, self.now, land), self.now)
+
+    def release(self, side: str, land: float) -> None:
+        """Let a hand go back to what it did, to be there by `land` [s]."""
+        k = HANDS.index(side)
+        if not self._posed[k]:
+            return
+        self._posed[k] = False
+        done = self.moves[k][: self._next[k]]
+        if not done:
+            self._lower(self.arms[k], land)
+            return
+        again = replace(done[-1], begin=self.now, land=max(done[-1].land, land))
+        self._begin(self.arms[k], again, self.now)
+
+    def _lower(self, arm: Arm, land: float) -> None:
+        self._begin(arm, Move(self._hang[arm.side], 0, self.now, land), self.now)
 
     def _begin(self, arm: Arm, move: Move, now: float) -> None:
         goal = self.goals[move.subtask]
@@ -173,7 +266,7 @@ class Dancing:
         by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
         arm.drive(by_fields)
         self.looks_at = arm.palm
-        self.carriage.given.update(goal.trunk)
+        self.carriage.given.update(goal.trunk | self._trunk_posed)
         if by_fields:
             if goal.is_for_fields:
                 arm.pull(goal, now, land)
@@ -215,16 +308,30 @@ def practised(
     beat: float,
     dt: float,
 ) -> Dancing:
-    """Return a dancer about to begin, who has practised what is to be on a certain beat.
+    """Return a dancer about to begin, who has practised what is to be on a certain beat."""
+    late = lateness(words, choreography, moves, beat, dt)
+    return Dancing(words, choreography, moves, beat, dt, late, CALM if late else 0.0)
+
+
+def lateness(
+    words: Dancer,
+    choreography: Choreography,
+    moves: Mapping[str, Sequence[Move]],
+    beat: float,
+    dt: float,
+) -> dict[Occasion, float]:
+    """Return how late the hands of a dancer come, as it finds by practice [s].
 
     It goes through the first bar again and again, or through two where it strikes on beats of
     the bar, hears how late its hands come, and keeps what came nearest: a hand that grazes its
     place touches it early, or late, or not at all.
     """
-    strikes = any(goal.words.on is not None for goal in choreography.goals)
-    touches = any(goal.surface is not None for goal in choreography.goals)
+    numbers = {move.subtask for rows in moves.values() for move in rows}
+    goals = [choreography.goals[number] for number in sorted(numbers)]
+    strikes = any(goal.words.on is not None for goal in goals)
+    touches = any(goal.surface is not None for goal in goals)
     if not strikes and not (touches and _is_in_time(words)):
-        return Dancing(words, choreography, moves, beat, dt)
+        return {}
     late, best = dict[Occasion, float](), dict[Occasion, tuple[float, float]]()
     for _ in range(ROUNDS):
         trial = Dancing(words, choreography, moves, beat, dt, late)
@@ -237,8 +344,7 @@ def practised(
             break
     kept = {place: lead for place, (_, lead) in best.items()}
     # Later bars are begun with what the first has taught.
-    kept = {(subtask, k, True): lead for (subtask, k, _), lead in kept.items()} | kept
-    return Dancing(words, choreography, moves, beat, dt, kept, 0.0 if strikes else CALM)
+    return {(subtask, k, True): lead for (subtask, k, _), lead in kept.items()} | kept
 
 
 def _go_through(trial: Dancing, bars: int) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -231,7 +233,7 @@ def test_it_looks_at_a_place_and_at_its_hand_again() -> None:
 def test_who_is_told_nothing_dances_as_ever() -> None:
     plain, told_late = told(), told("{at: 5.5, who: ada, do: stop}")
     apart = go(plain, 5.0) - go(told_late, 5.0)
-    np.testing.assert_allclose(apart, 0.0, atol=1e-9)
+    np.testing.assert_array_equal(apart, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -292,15 +294,71 @@ def test_two_dances_of_one_dancer_have_no_different_drums_of_one_name() -> None:
         Simulation(read_scene(text.replace("SCRIPT", "\n".join(lines))))
 
 
-def test_it_is_directed_from_outside() -> None:
-    scene = read_scene(SCENE.format(duration=6, words="gaze: true", script="  []", more=""))
+def test_what_is_told_from_outside_goes_the_same_way_when_it_is_written_down() -> None:
+    told_so = [(1.0, {"dance": "out", "bars": 1}), (3.5, "freeze"), (4.0, "dance"), (5.0, "stop")]
+    text = SCENE.format(duration=6, words="start: 0", script="SCRIPT", more="")
+    scene = read_scene(text.replace("SCRIPT", "  []"))
     one = Simulation(scene, directed=True)
-    go(one, 1.0)
-    one.tell(instruction_of({"who": "ada", "do": {"dance": "out"}}, scene, 1.0))
-    assert near(go(one, 2.2)[0], (0.35, 1.4, 0.5))
-    reach = instruction_of({"who": "ada", "do": {"reach": [0.4, 1.3, 0.2]}}, scene, 2.2)
-    with pytest.raises(SceneError, match="only for places that its scene's script names"):
-        one.tell(reach)
+    for at, do in told_so:
+        go(one, at)
+        one.tell(instruction_of({"who": "ada", "do": do}, scene, at))
+    lines = [f"  - {{at: {at}, who: ada, do: {json.dumps(do)}}}" for at, do in told_so]
+    other = Simulation(read_scene(text.replace("SCRIPT", "\n".join(lines))))
+    for simulation in (one, other):
+        while not simulation.finished:
+            simulation.step()
+    np.testing.assert_array_equal(one.take().positions, other.take().positions)
+
+
+def test_what_it_has_to_know_from_the_begin_is_refused_from_outside() -> None:
+    scene = read_scene(SCENE.format(duration=6, words="start: 0", script="  []", more=""))
+    one = Simulation(scene, directed=True)
+    for do, message in (
+        ({"reach": [0.4, 1.3, 0.2]}, "only for places that its scene's script names"),
+        ({"dance": "drum"}, "the drums of 'drum' stand before it only if its script names it"),
+    ):
+        with pytest.raises(SceneError, match=message):
+            one.tell(instruction_of({"who": "ada", "do": do}, scene, 0.0))
+    one.tell(instruction_of({"who": "ada", "do": {"dance": "out"}}, scene, 0.0))
+    assert near(go(one, 1.1)[0], (0.35, 1.4, 0.5))
+
+
+def test_a_wait_within_some_bars_goes_on_with_them_and_then_back() -> None:
+    one = told(
+        "{at: 0.5, who: ada, do: {dance: out, bars: 1}}",
+        "{at: 1.0, who: ada, do: {wait: 0.5}}",
+        duration=8,
+    )
+    assert near(go(one, 2.55)[0], (0.35, 1.4, 0.5))
+    assert near(go(one, 4.55)[0], (0.42, 1.5, 0.3))
+
+
+@pytest.mark.nightly
+@BOTH
+@pytest.mark.parametrize("seed", range(4))
+def test_whatever_is_told_it_stays_whole(by: str, seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    said = [
+        *("dance", "stop", "freeze", "let_go", "{wait: 0.4}", "{dance: out}", "{look: ahead}"),
+        *("{dance: drum, bars: 1}", "{dance: up, tempo_bpm: 150}", "{look_at: [2, 1, 2]}"),
+        *("{reach: [0.4, 1.5, 0.3]}", "{reach: [0.3, 1.2, 0.0], hand: both}", "{let_go: both}"),
+    ]
+    times = np.sort(chance.uniform(0, 8, 24)).round(2)
+    script = [f"{{at: {at}, who: ada, do: {said[chance.integers(len(said))]}}}" for at in times]
+    words = (
+        f"controller: {by}, sway_deg: 4, pose: [{{at: 3, limb: arm_l, reach: [0.4, 1.2, -0.2]}}]"
+    )
+    one, deepest = told(*script, words=words, duration=9), 0.0
+    limits = ada(one).torso.linkage.hinges
+    while not one.finished:
+        one.step()
+        moving = ada(one).moving
+        assert np.isfinite(moving.q).all()
+        assert np.abs(moving.v).max() < 40
+        for angle, hinge in zip(moving.q, limits, strict=True):
+            assert hinge.lower - 0.1 < angle < hinge.upper + 0.1
+        deepest = max([deepest, *(touch.depth for touch in moving.touches())])
+    assert deepest < 0.02
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from pipeline.simulation.dancers.build import is_child, proportions_of
 from pipeline.simulation.dancers.dancing import CALM, Dancing, lateness
 from pipeline.simulation.dancers.looks import Look, inventory_of, links_of_frames
 from pipeline.simulation.dancers.posing import Place
-from pipeline.simulation.dancers.programme import Programme, Wish
+from pipeline.simulation.dancers.programme import Programme
 from pipeline.simulation.dancers.repertoire import SIDES, repertoire_of
 from pipeline.simulation.dancers.telling import Directed
 from pipeline.simulation.dancers.touching import Strike
@@ -30,9 +30,6 @@ from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum
 from pipeline.spec.script import Instruction, Perform, Reach
-
-PAUSE = 0.5
-"""How long a dancer stands before it practises what it may be told later [s]."""
 
 
 class Dancers:
@@ -56,8 +53,8 @@ class Dancers:
             repertoire = repertoire_of(member, who, dances, world.script, world.directed, own, path)
             until = float(clock.time_of(clock.last_step))
             programme = Programme(member, repertoire, until, path)
-            dancing = _ready(member, programme, world)
-            self.directed.append(Directed(dancing, programme, own))
+            dancing = _ready(member, programme, clock.dt)
+            self.directed.append(Directed(dancing, programme, own, clock.dt))
             self.looks.append(_look(member, who, repertoire.drums, world.seed))
         self.dancing = [one.dancing for one in self.directed]
         torsos = [one.torso for one in self.dancing]
@@ -73,14 +70,20 @@ class Dancers:
             one.tell(orders.get(member.name, ()))
 
     def prepare(self, instruction: Instruction, where: str) -> None:
-        """Refuse from outside what dancers have to know from the begin: where they reach."""
+        """Refuse from outside what dancers have to know from the begin: places and drums."""
         do = instruction.do
         for member, one in zip(self.members, self.directed, strict=True):
-            told = one.programme.repertoire.told
-            if instruction.who == member.name and isinstance(do, Reach):
-                if any((do.reach, side) not in told for side in SIDES[do.hand]):
-                    message = "a dancer reaches only for places that its scene's script names"
-                    raise SceneError([Problem(f"{where}.do.reach", message)])
+            known = one.programme.repertoire
+            if instruction.who != member.name:
+                continue
+            if isinstance(do, Reach) and any(
+                (do.reach, side) not in known.told for side in SIDES[do.hand]
+            ):
+                message = "a dancer reaches only for places that its scene's script names"
+                raise SceneError([Problem(f"{where}.do.reach", message)])
+            if isinstance(do, Perform) and do.dance not in known.dances:
+                message = f"the drums of '{do.dance}' stand before it only if its script names it"
+                raise SceneError([Problem(f"{where}.do.dance", message)])
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
@@ -158,30 +161,18 @@ class Dancers:
         )
 
 
-def _ready(member: Dancer, programme: Programme, world: World) -> Dancing:
-    """Return a dancer about to begin, who has practised all that the script has it dance."""
-    repertoire, plan, dt = programme.repertoire, programme.plan, world.clock.dt
+def _ready(member: Dancer, programme: Programme, dt: float) -> Dancing:
+    """Return a dancer about to begin, who has practised what it dances."""
+    repertoire, plan = programme.repertoire, programme.plan
     choreography = repertoire.choreography
-    wishes = {
-        Wish(one.do.dance, one.do.tempo_bpm): None
-        for one in world.script
-        if one.who == member.name and isinstance(one.do, Perform)
-    }
     late = lateness(member, choreography, plan.moves, plan.beat, dt)
-    for wish in wishes:
-        other = programme.planned(wish, PAUSE)
-        more = lateness(_in_time(member), choreography, other.moves, other.beat, dt)
-        late = more | late
-    calm = CALM if late else 0.0
     poses, hang = repertoire.poses, repertoire.hang
     return Dancing(
-        member, choreography, plan.moves, plan.beat, dt, late, calm, poses=poses, hang=hang
+        *(member, choreography, plan.moves, plan.beat, dt, late),
+        calm=CALM if late else 0.0,
+        poses=poses,
+        hang=hang,
     )
-
-
-def _in_time(member: Dancer) -> Dancer:
-    """Return the words of a dancer as it dances what it is told: on beats."""
-    return member.model_copy(update={"durations": None})
 
 
 def _own(R: Array, p: Array, place: Place) -> Place:

@@ -214,6 +214,11 @@ class Dancing:
         sways = any(moves.values())
         self.carriage.sways(math.radians(self.words.sway_deg) if sways else 0.0, beat, start)
 
+    def hears(self, late: Mapping[Occasion, float]) -> None:
+        """Take in what practice has taught: how late hands come [s]."""
+        self.late.update(late)
+        self.calm = CALM if self.late else 0.0
+
     def freeze(self) -> None:
         """Keep still, hands where they are."""
         self.change({}, self.carriage.beat, self.now)

@@ -76,6 +76,7 @@ class Programme:
         self.plan = self._planned(self.own, member.start)
         self._after = STILL
         self._goes_back = self._is_over = False
+        self._paused: tuple[Wish, Wish, bool] | None = None
 
     def over(self, now: float) -> bool:
         """Tell, once, whether the bars of what it dances are over."""
@@ -95,8 +96,23 @@ class Programme:
         goes_back = wish.bars is not None and not wish.is_own
         if goes_back and not self._goes_back:
             self._after = STILL if self._is_over else self.plan.wish
-        self._goes_back, self._is_over = goes_back, False
+        self._goes_back, self._is_over, self._paused = goes_back, False, None
         self.plan = self.planned(wish, now)
+        return self.plan
+
+    def pause(self, now: float) -> None:
+        """Stand still, to go on later with what it dances now."""
+        paused = self.plan.wish, self._after, self._goes_back
+        self.change(STILL, now)
+        self._paused = paused
+
+    def resume(self, now: float) -> Plan | None:
+        """Go on after a pause, unless something else was told meanwhile."""
+        if self._paused is None:
+            return None
+        wish, after, goes_back = self._paused
+        self.change(wish, now)
+        self._after, self._goes_back = after, goes_back
         return self.plan
 
     def planned(self, wish: Wish, now: float) -> Plan:

@@ -23,7 +23,7 @@ from pipeline.simulation.dancers.torso import ARM, HANDS, WRIST
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
-from pipeline.spec.script import Instruction, Perform, Reach
+from pipeline.spec.script import Do, Instruction, Perform, Reach
 
 SIDES: Mapping[str, tuple[Hand, ...]] = {"right": ("r",), "left": ("l",), "both": ("r", "l")}
 """Hands, by what the script calls them."""
@@ -68,7 +68,7 @@ def repertoire_of(
         who: the person.
         dances: of the scene, by name.
         script: of the scene.
-        directed: whether more may be asked from outside; any of the scene's dances then.
+        directed: whether more may be asked from outside.
         own: from a place in the world to where that is as the dancer stands [m].
         path: of the dancer in the scene, for messages.
 
@@ -76,21 +76,17 @@ def repertoire_of(
         SceneError: a place is out of reach, or two dances have different drums of one name.
     """
     asked = {i: one.do for i, one in enumerate(script) if one.who == member.name}
-    names = [member.dance, *(do.dance for do in asked.values() if isinstance(do, Perform))]
-    known = {name: dances[name] for name in [*names, *(dances if directed else ())]}
+    known = _known(member, dances, asked.values(), bool(asked) or directed)
     drums = _drums(known)
     parts, first = list[Part](), dict[str, int]()
     for name, dance in known.items():
         first[name] = len(parts)
         parts += parts_of(dance, name)
     told, hang = dict[tuple[Place, str], int](), dict[str, int]()
-    for i, do in asked.items():
-        if isinstance(do, Reach) and not isinstance(do.reach, str):
-            said = f"script[{i}].do.reach"
-            for side in SIDES[do.hand]:
-                told[do.reach, side] = len(parts)
-                words = Subtask.model_construct(hand=side, reach=own(do.reach))
-                parts.append(Part(said, words, still=True, said=said))
+    for (place, side), said in sorted(_reaches(asked).items()):
+        told[place, side] = len(parts)
+        words = Subtask.model_construct(hand=side, reach=own(place))
+        parts.append(Part(said, words, still=True, said=said))
     poses, posed = poses_of(member.pose, who, own, len(parts), f"{path}.pose")
     parts += posed
     if asked or directed or member.pose:
@@ -104,6 +100,30 @@ def repertoire_of(
         member.compensate_gravity,
     )
     return Repertoire(known, first, drums, hang, told, poses, choreography)
+
+
+def _known(
+    member: Dancer, dances: Mapping[str, Dance], asked: Iterable[Do], may: bool
+) -> dict[str, Dance]:
+    """Return the dances that a dancer may dance, its own first.
+
+    Drums stand before it from the begin: only for dances that its script names. All others of
+    the scene are learnt by whoever may be told anything, in one order whoever tells it when, so
+    that what is told from outside goes the same way when it is written into the scene.
+    """
+    named = {do.dance for do in asked if isinstance(do, Perform)}
+    others = sorted(name for name in dances if may and (name in named or not dances[name].drums))
+    return {name: dances[name] for name in dict.fromkeys([member.dance, *others])}
+
+
+def _reaches(asked: Mapping[int, Do]) -> dict[tuple[Place, Hand], str]:
+    """Return the places that hands are told to reach, with the path of what says so first."""
+    found = dict[tuple[Place, Hand], str]()
+    for i, do in asked.items():
+        if isinstance(do, Reach) and not isinstance(do.reach, str):
+            for side in SIDES[do.hand]:
+                found.setdefault((do.reach, side), f"script[{i}].do.reach")
+    return found
 
 
 def _drums(dances: Mapping[str, Dance]) -> dict[str, Drum]:

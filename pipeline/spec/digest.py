@@ -34,7 +34,7 @@ def simulation_key(scene: Scene) -> str:
     Names of materials are in it, for parts carry them; how the materials look is not.
     """
     # What no scene had when takes were first kept is left out where there is none of it.
-    later = ["dances"] if scene.dances else []
+    later = [part for part in ("dances", "moods") if getattr(scene, part)]
     if any(member.beat is not None for _, member in scene.dancers):
         later.append("beats")
     return scene_digest(scene, (*SIMULATED, *later))

@@ -30,11 +30,11 @@ TICKS = 96
 EARLY = 0.012
 """How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
 
-EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.25
+EXPECTED, LEARNS, MOST_LATE = 0.2, 0.9, 0.25
 """How far from its time a touch is taken for the one that was meant [s]; how much of an error is
 made up for the next time, and how much in all [s]."""
 
-ROUNDS, GOOD, CALM = 4, 0.01, 0.025
+ROUNDS, GOOD, CALM = 5, 0.012, 0.025
 """How often a dance is practised at most; how near to its time every touch is good enough; how
 far from it one of the body may be later on before more is made up for: less than a frame of a
 film [s]."""
@@ -329,7 +329,7 @@ def lateness(
 
     It goes through the first bar again and again, or through two where it strikes on beats of
     the bar, hears how late its hands come, and keeps what came nearest: a hand that grazes its
-    place touches it early, or late, or not at all.
+    place touches it early or late and hardly ever in between.
     """
     numbers = {move.subtask for rows in moves.values() for move in rows}
     goals = [choreography.goals[number] for number in sorted(numbers)]
@@ -337,19 +337,35 @@ def lateness(
     touches = any(goal.surface is not None for goal in goals)
     if not strikes and not (touches and _is_in_time(words)):
         return {}
-    late, best = dict[Occasion, float](), dict[Occasion, tuple[float, float]]()
+    late, tried = dict[Occasion, float](), dict[Occasion, list[tuple[float, float]]]()
     for _ in range(ROUNDS):
         trial = Dancing(words, choreography, moves, beat, dt, late)
         _go_through(trial, 2 if strikes else 1)
         for place, error in trial.missed_by.items():
-            found = abs(error), late.get(place, 0.0)
-            best[place] = min(best.get(place, found), found)
-        late = trial.late
+            tried.setdefault(place, []).append((late.get(place, 0.0), error))
         if max(map(abs, trial.missed_by.values()), default=0.0) < GOOD:
             break
-    kept = {place: lead for place, (_, lead) in best.items()}
+        late = {place: _next(tried.get(place, ()), learnt) for place, learnt in trial.late.items()}
+    kept = {
+        place: min(rows, key=lambda row: (abs(row[1]), row))[0] for place, rows in tried.items()
+    }
     # Later bars are begun with what the first has taught.
     return {(subtask, k, True): lead for (subtask, k, _), lead in kept.items()} | kept
+
+
+def _next(tried: Sequence[tuple[float, float]], learnt: float) -> float:
+    """Return how much earlier to aim next: between what was too little and what too much.
+
+    Args:
+        tried: how much earlier it was aimed, and how late the hand came then [s].
+        learnt: what follows from the last time alone [s].
+    """
+    late = max((row for row in tried if row[1] >= 0.0), default=None)
+    early = min((row for row in tried if row[1] < 0.0), default=None)
+    if late is None or early is None or late[0] >= early[0]:
+        return learnt
+    (low, over), (high, under) = late, early
+    return low + (high - low) * over / (over - under)
 
 
 def _go_through(trial: Dancing, bars: int) -> None:

@@ -254,7 +254,7 @@ class When(Words):
     touch: tuple[Name, Name] | None = Field(
         None,
         description="Two who begin to touch one another: a character and another, a prop, a "
-        "creature, or a body that collides with all.",
+        "creature, a dancer, or a body that collides with all.",
     )
     hug: tuple[Name, Name] | None = Field(
         None,

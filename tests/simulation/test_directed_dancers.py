@@ -141,6 +141,39 @@ def test_a_touch_of_two_others_makes_it_dance() -> None:
     assert near(go(one, 6.0)[1], (0.35, 1.4, -0.5))
 
 
+@pytest.mark.slow
+def test_characters_run_into_a_dancer_who_feels_that() -> None:
+    text = SCENE.format(duration=4, words="start: 0, bars: 1", script="SCRIPT", more="")
+    others = (
+        "  - {name: ball, character: ball, at: [1.2, 1.0, 0.02], velocity: [-2.5, 1, 0]}\n"
+        "  - {name: kid, character: child, at: [-1.4, 0]}\n"
+    )
+    script = (
+        "  - {when: {touch: [ball, ada]}, who: ada, do: {dance: out}}\n"
+        "  - {at: 0.1, who: kid, do: {go_to: [2, 0]}}\n"
+    )
+    text = text.replace("script:\n", f"{others}script:\n").replace("SCRIPT", script)
+    one = Simulation(read_scene(text))
+    met = None
+    while not one.finished:
+        one.step()
+        if met is None and any({h.who, h.other} == {"ball", "ada"} for h in one.happened):
+            met = ada(one).now
+    assert met is not None
+    assert 0.3 < met < 0.6
+    assert near(go(one, 4.0)[1], (0.35, 1.4, -0.5))
+    take = one.take()
+    names = [node.name for node in take.nodes]
+    # The ball bounces off, and the child does not walk through the dancer.
+    ball, kid = (take.positions[:, names.index(name)] for name in (ball_node(names), "kid.pelvis"))
+    assert ball[-1, 0] > 0.5
+    assert kid[:, 0].max() < -0.15
+
+
+def ball_node(names: list[str]) -> str:
+    return next(name for name in names if name.startswith("ball"))
+
+
 @BOTH
 def test_a_dance_that_is_told_strikes_on_its_beats(by: str) -> None:
     one = told("{at: 1.5, who: ada, do: {dance: drum}}", words=f"controller: {by}", duration=5)

@@ -88,7 +88,8 @@ def faults_of_posing(keys: Sequence[PoseKey], hangs: bool) -> Iterator[Fault]:
 def _faults_of_limbs(key: PoseKey, path: Path) -> Iterator[Fault]:
     """Find what a dancer's arms are asked for that they cannot do, and limbs that it has not."""
     for word in ("aim", "turn_deg", "body", "priority", "weight", "ease"):
-        if word in key.model_fields_set:
+        # What is written out in full has the ordinary values as well.
+        if getattr(key, word) != PoseKey.model_fields[word].default:
             message = "of a dancer give reach or joints, or release; take this away"
             yield Fault((*path, word), message, at_key=True)
     for word in ("limb", "node"):

@@ -11,7 +11,7 @@ from pipeline.errors import SceneError
 from pipeline.simulation.dancers.dancers import Dancers
 from pipeline.simulation.dancers.dancing import Dancing
 from pipeline.simulation.simulate import Simulation
-from pipeline.spec import read_scene
+from pipeline.spec import dump, read_scene
 from pipeline.spec.telling import instruction_of
 
 SCENE = """pronk: 1
@@ -306,6 +306,18 @@ def test_what_a_dancer_cannot_be_told_is_said(script, words, path, message) -> N
     assert len(caught.value.problems) == 1, caught.value
     assert path in str(caught.value)
     assert message in str(caught.value)
+
+
+def test_what_is_told_and_posed_is_written_out_and_read_again() -> None:
+    text = SCENE.format(
+        duration=4,
+        words="beat: 2, pose: [{at: 1, limb: arm_r, reach: [0.4, 1.2, 0.2]}, "
+        "{at: 2, joints: {elbow_l_flexion_deg: 40}}, {at: 3, release: arm_r}]",
+        script="  - {at: 1, who: ada, do: {dance: out, bars: 1}}\n  - {at: 3, who: ada, do: stop}",
+        more="sound: {tempo_bpm: 60}",
+    )
+    scene = read_scene(text)
+    assert read_scene(dump(scene)) == scene
 
 
 def test_others_do_not_dance() -> None:

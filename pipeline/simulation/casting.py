@@ -52,8 +52,7 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         # MuJoCo is loaded by those alone who need it.
         from pipeline.simulation.dancers.dancers import Dancers
 
-        cast = [(i, member, scene.dances[member.dance]) for i, member in scene.dancers]
-        troupes.append(Dancers(cast, world))
+        troupes.append(Dancers(scene.dancers, scene.dances, world))
     meeting = [
         (i, member)
         for i, member in enumerate(scene.cast)

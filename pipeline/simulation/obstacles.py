@@ -1,6 +1,7 @@
 """Obstacles: the solids that troupes show one another.
 
-Every visible part that follows one node is a solid: the convex hull of what is seen of it.
+Every visible part that follows one node is a solid: the convex hull of what is seen of it. Who is
+seen as a skin over many nodes gives solids of its own.
 How fast it moves follows from its node's poses. Those who show solids push and are not
 pushed, but for bodies that meet whatever there is, which say what they weigh.
 """
@@ -9,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,9 +30,11 @@ def obstacles_of(inventories: Sequence[Inventory]) -> list[Obstacle]:
     """Return the solids of troupes, whose nodes stand in the take in this order."""
     found, first = list[Obstacle](), 0
     for inventory in inventories:
+        found += [replace(one, node=first + one.node) for one in inventory.solids]
+        given = {first + one.node for one in inventory.solids}
         for part in inventory.parts:
             obstacle = _obstacle(inventory, part, inventory.meshes[part.mesh], first)
-            if obstacle is not None:
+            if obstacle is not None and obstacle.node not in given:
                 found.append(obstacle)
         first += len(inventory.nodes)
     return found

@@ -41,7 +41,7 @@ from pipeline.simulation.troupe import (
     World,
     Yields,
 )
-from pipeline.spec.cast import Creature, Group, Prop
+from pipeline.spec.cast import Creature, Dancer, Group, Prop
 from pipeline.spec.scene import VERSION, Scene
 from pipeline.spec.script import Instruction
 
@@ -141,7 +141,7 @@ class Simulation:
         one = next((t for t in self.troupes if isinstance(t, Bumps)), None)
         if one is None:
             return None
-        hard = {m.name for m in scene.cast if isinstance(m, Creature | Prop)}
+        hard = {m.name for m in scene.cast if isinstance(m, Creature | Dancer | Prop)}
         # What they carry goes where they go.
         _, carried = split(self.bonds, self._nodes_of(one))
         borne = {int(node) for bond in carried for node in bond.nodes}

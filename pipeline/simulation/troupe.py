@@ -60,6 +60,7 @@ class Inventory:
         parts: what is seen.
         scaled: its nodes that have a scale.
         looks: meshes that are seen in place of others; the looks of parts are their numbers.
+        solids: that others run into in place of what is seen of the same nodes.
     """
 
     nodes: tuple[Node, ...]
@@ -68,6 +69,7 @@ class Inventory:
     parts: tuple[Part, ...]
     scaled: tuple[int, ...] = ()
     looks: tuple[Mesh, ...] = ()
+    solids: tuple[Obstacle, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,9 @@ WRONG = "wrong"
 
 SEATS = ("box", "bench")
 
+FELT = ("character", "prop", "figure", "dancer")
+"""What characters meet, by the block that says what it is."""
+
 WHOM: Mapping[str, tuple[Sequence[str], str]] = {
     "hug": (JOINTED, "a child, an adult or a ragdoll"),
     "grapple": (JOINTED, "a child, an adult or a ragdoll"),
@@ -98,7 +101,7 @@ def faults_of_touch(pair: object, path: Path, cast: Mapping[str, object]) -> Ite
 
 def _is_felt(member: object) -> bool:
     """Say whether characters meet this member of the cast."""
-    if any(_get(member, word) is not None for word in ("character", "prop", "figure")):
+    if any(_get(member, word) is not None for word in FELT):
         return True
     return bool(_get(_get(member, "body"), "collide") == "all")
 

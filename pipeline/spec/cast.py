@@ -11,6 +11,7 @@ from pipeline.spec.behaviour import Behaviour, Traits
 from pipeline.spec.body import BodyWords
 from pipeline.spec.character import HANDS, PEOPLE, Kind
 from pipeline.spec.dancer import BuildOrName, DancerWords
+from pipeline.spec.dancer_orders import faults_of_posing
 from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.group import Fire, GroupWords
@@ -294,6 +295,16 @@ class Dancer(Performer, DancerWords):
     at: tuple[Coordinate, Coordinate] = Field(
         (0.0, 0.0), description="Where it stands, [x, z] on the ground [m]."
     )
+    pose: Annotated[tuple[PoseKey, ...], Field(max_length=MOST_KEYS)] = Field(
+        (),
+        description="Where hands and joints are to be at certain times, instead of dancing with "
+        "that arm until it is released; waist and neck are released as trunk.",
+    )
+
+    @model_validator(mode="after")
+    def _can_be_posed(self) -> Self:
+        refuse([*faults_of_posing(self.pose, self.parent is not None)])
+        return self
 
     @property
     def called(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -12,11 +13,14 @@ from pydantic import Field
 from pipeline.errors import Problem
 from pipeline.spec.checking import check
 from pipeline.spec.dance import Dance
+from pipeline.spec.faults import Step
 from pipeline.spec.files import read_file
 from pipeline.spec.nearest import hint
 from pipeline.spec.shipped import SUFFIX, library, names_in
 from pipeline.spec.tree import Leaf, Place, Row, Table, Tree
 from pipeline.spec.values import NAME_PATTERN, Words
+
+Steps = tuple[Step, ...]
 
 DANCES = "dances"
 """Folder of dances beside a scene and in the library."""
@@ -52,15 +56,12 @@ class DanceSearch:
         if not isinstance(cast, Row) or not (dances is None or isinstance(dances, Table)):
             return scene
         held = dances or Table(scene.place, {})
-        for i, member in enumerate(cast.items):
-            if not isinstance(member, Table) or "dancer" not in member.entries:
-                continue
-            named = member.get("dance") or Leaf(member.place, ORDINARY)
+        for path, named in _named(cast, scene.get("script")):
             if not (isinstance(named, Leaf) and isinstance(named.value, str)):
                 continue
             name = named.value
             if name not in held.entries and re.fullmatch(NAME_PATTERN, name):
-                found = self._find(name) or self._not_found(i, name, named.place, held)
+                found = self._find(name) or self._not_found(path, name, named.place, held)
                 held = held.having(name, found.place, found)
         return scene.having("dances", held.place, held) if held.entries else scene
 
@@ -83,13 +84,24 @@ class DanceSearch:
             return _STAND_IN if problems or dance is None else dance
         return None
 
-    def _not_found(self, i: int, name: str, place: Place, held: Table) -> Tree:
+    def _not_found(self, path: Steps, name: str, place: Place, held: Table) -> Tree:
         known = {*held.entries, *names_in(library() / DANCES)}
         if self.beside is not None:
             known |= {*names_in(self.beside / DANCES)}
         message = f"no dance is called '{name}', {hint(name, known)}"
-        self.problems.append(place.problem(("cast", i, "dance"), message))
+        self.problems.append(place.problem(path, message))
         return _STAND_IN
+
+
+def _named(cast: Row, script: Tree | None) -> Iterator[tuple[Steps, Tree]]:
+    """Yield the names of dances that dancers dance from the begin, and are told to, with paths."""
+    for i, member in enumerate(cast.items):
+        if isinstance(member, Table) and "dancer" in member.entries:
+            yield ("cast", i, "dance"), member.get("dance") or Leaf(member.place, ORDINARY)
+    for i, one in enumerate(script.items if isinstance(script, Row) else ()):
+        do = one.get("do") if isinstance(one, Table) else None
+        if isinstance(do, Table) and (dance := do.get("dance")) is not None:
+            yield ("script", i, "do", "dance"), dance
 
 
 _NOWHERE = Place("")

@@ -107,6 +107,12 @@ class DancerWords(Words):
     start: Annotated[Number, Field(ge=0, le=1e6)] = Field(
         0.5, description="When the first beat is [s]."
     )
+    beat: Annotated[Number, Field(ge=1, le=1e6)] | None = Field(
+        None,
+        description="The beat of the score, from 1, that its first beat falls on, instead of "
+        "start: it is then locked to the score, and has the tempo of sound.tempo_bpm, or one that "
+        "goes into it or that it goes into.",
+    )
     sway_deg: Annotated[Number, Field(ge=0, le=15)] = Field(
         0.0, description="How far its waist sways to and fro with the beat [degrees]."
     )
@@ -126,7 +132,11 @@ class DancerWords(Words):
     )
 
     @model_validator(mode="after")
-    def _one_controller(self) -> Self:
+    def _fits_by_itself(self) -> Self:
+        # A scene that is written out in full has the ordinary start as well.
+        if self.beat is not None and self.start != type(self).model_fields["start"].default:
+            message = "beat says when it begins; take one of the two away"
+            refuse([Fault(("start",), message, at_key=True)])
         if self.combine == "winner" and self.controller == "joint-torque":
             refuse([Fault(("combine",), "joint torques are no fields; take it away", at_key=True)])
         return self

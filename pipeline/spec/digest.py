@@ -8,6 +8,7 @@ from collections.abc import Collection
 from typing import Any
 
 from pipeline.spec.body_files import cast_simulated
+from pipeline.spec.in_time import beat_at
 from pipeline.spec.scene import Scene
 from pipeline.spec.terrain import simulated
 
@@ -33,7 +34,9 @@ def simulation_key(scene: Scene) -> str:
     Names of materials are in it, for parts carry them; how the materials look is not.
     """
     # What no scene had when takes were first kept is left out where there is none of it.
-    later = ("dances",) if scene.dances else ()
+    later = [part for part in ("dances", "moods") if getattr(scene, part)]
+    if any(member.beat is not None for _, member in scene.dancers):
+        later.append("beats")
     return scene_digest(scene, (*SIMULATED, *later))
 
 
@@ -43,8 +46,8 @@ def scene_digest(scene: Scene, parts: Collection[str]) -> str:
     Args:
         scene: any scene.
         parts: names of its fields. `frames` stands for the number of frames however it was
-            given, `rate` for frames a second, `detect` for that of its sound; of `figures` only
-            those of the cast count.
+            given, `rate` for frames a second, `detect` for that of its sound, `beats` for the first
+            beat of its score and how long each lasts; of `figures` only those of the cast count.
 
     Raises:
         KeyError: a part is no field of a scene.
@@ -61,6 +64,8 @@ def _part(scene: Scene, part: str) -> Any:
         return scene.n_frames
     if part == "detect":
         return scene.sound.detect.model_dump(mode="json")
+    if part == "beats":
+        return beat_at(1.0, scene.sound)
     if part not in Scene.model_fields:
         raise KeyError(part)
     words = scene.model_dump(mode="json", include={part})[part]

@@ -21,6 +21,7 @@ from pipeline.spec.acting import (
     faults_of_touch,
 )
 from pipeline.spec.cast import called, names_of
+from pipeline.spec.dancer_orders import DANCERS_ALONE, faults_of_orders
 from pipeline.spec.detect import Detect
 from pipeline.spec.faults import MOST_FAULTS, Fault, Step
 from pipeline.spec.group import DIRECTED
@@ -38,7 +39,7 @@ CAUSES = tuple(Detect.model_fields)
 JUMPS = ("hop_over", "jump")
 """What is jumped at once."""
 
-UNMOVED = ("prop", "body", "dancer")
+UNMOVED = ("prop", "body")
 """What follows no script."""
 
 HOPPING = ("hop", "stop", *JUMPS, "go_to", "turn_deg", "speed", "wait", "look_at", "look")
@@ -209,7 +210,12 @@ def _scripted(scene: object) -> Iterator[Fault]:
                 message = f"nobody in the cast is called '{name}', {hint(name, names)}"
                 yield Fault(("script", i, *place), message)
             elif isinstance(name, str):
-                yield from _asked(name, instruction, ("script", i), place, members)
+                if _thing(members[name]) != "dancer":
+                    yield from _asked(name, instruction, ("script", i), place, members)
+                elif place == ("who",):
+                    do, hangs = _get(instruction, "do"), _get(members[name], "parent") is not None
+                    known = _keys(_get(scene, "dances"))
+                    yield from faults_of_orders(name, do, ("script", i, "do"), known, hangs)
 
 
 def _asked(
@@ -248,6 +254,9 @@ def _told(member: object, name: str, instruction: object, path: Place) -> Iterat
     word = do if isinstance(do, str) else next((w for w in FORMS if _get(do, w) is not None), None)
     if word in PEOPLE_ALONE:
         message = f"'{name}' is a creature; only a child or an adult can be told to {word}"
+        yield Fault(path if word == do else (*path, word), message, at_key=word != do)
+    elif word in DANCERS_ALONE:
+        message = f"'{name}' is a creature; only a dancer can be told to {word}"
         yield Fault(path if word == do else (*path, word), message, at_key=word != do)
     elif word in JUMPS and _get(member, "pose"):
         yield Fault(path, f"'{name}' is posed, and who is posed does not jump; take pose away")

@@ -13,6 +13,7 @@ from pipeline.spec.detect import SceneSound
 from pipeline.spec.faults import fault, refuse
 from pipeline.spec.figure import Figure
 from pipeline.spec.golden import Golden, faults_of_golden
+from pipeline.spec.in_time import faults_of_beats, in_time
 from pipeline.spec.mood import MOODS, Mood
 from pipeline.spec.places import Places
 from pipeline.spec.rate import Rate, rate_of
@@ -100,7 +101,9 @@ class Scene(Words):
         given = {word: getattr(self, word) for word in self.model_fields_set}
         timing = faults_of_timing(given)
         last = None if timing else self.n_frames
-        refuse([*timing, *faults_of_references(self), *faults_of_golden(self.golden, given, last)])
+        golden = faults_of_golden(self.golden, given, last)
+        beats = faults_of_beats(self.cast, self.sound, self.script)
+        refuse([*timing, *faults_of_references(self), *beats, *golden])
         return self
 
     @property
@@ -120,8 +123,12 @@ class Scene(Words):
 
     @property
     def dancers(self) -> list[tuple[int, Dancer]]:
-        """Its dancers, with their places in the cast."""
-        return [(i, member) for i, member in enumerate(self.cast) if isinstance(member, Dancer)]
+        """Its dancers, with their places in the cast, in time with its score if they are to be."""
+        return [
+            (i, in_time(member, self.sound))
+            for i, member in enumerate(self.cast)
+            if isinstance(member, Dancer)
+        ]
 
     @property
     def all_moods(self) -> dict[str, Mood]:

@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Angle, Time
 from pipeline.spec.mood import MoodMix
-from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Target, Words
+from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Target, Whole, Words
 from pipeline.spec.walk import GAIT, Gait, Manner
 
 
@@ -154,9 +154,23 @@ class SetUrges(Words):
     )
 
 
-Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go"]
+class Perform(Words):
+    """Dance something from now on, or so many bars of it."""
+
+    dance: Name = Field(
+        description="What: a dance of this scene, of a file beside it or of the library."
+    )
+    bars: Annotated[Whole, Field(ge=1, le=100_000)] | None = Field(
+        None, description="How often; then it goes on with what it did before."
+    )
+    tempo_bpm: Annotated[Number, Field(ge=10, le=480)] | None = Field(
+        None, description="Beats a minute; the dancer's own, or else the dance's, if left out."
+    )
+
+
+Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go", "dance"]
 """Stop here; walk, or hop, straight on; sit down on the ground, stand up; keep quite still until
-something else is told; let go with both hands."""
+something else is told; let go with both hands; go on with one's own dance."""
 
 FORMS: Mapping[str, type[Words]] = {
     "gait": ChangeGait,
@@ -176,6 +190,7 @@ FORMS: Mapping[str, type[Words]] = {
     "grapple": Grapple,
     "sit": SitOn,
     "urge": SetUrges,
+    "dance": Perform,
 }
 """What can be done, by the key that says it."""
 
@@ -206,7 +221,8 @@ Do = Annotated[
     | Annotated[Hug, Tag("Hug")]
     | Annotated[Grapple, Tag("Grapple")]
     | Annotated[SitOn, Tag("SitOn")]
-    | Annotated[SetUrges, Tag("SetUrges")],
+    | Annotated[SetUrges, Tag("SetUrges")]
+    | Annotated[Perform, Tag("Perform")],
     Discriminator(_form),
 ]
 
@@ -238,7 +254,7 @@ class When(Words):
     touch: tuple[Name, Name] | None = Field(
         None,
         description="Two who begin to touch one another: a character and another, a prop, a "
-        "creature, or a body that collides with all.",
+        "creature, a dancer, or a body that collides with all.",
     )
     hug: tuple[Name, Name] | None = Field(
         None,
@@ -267,7 +283,7 @@ class Instruction(Words):
     do: Do = Field(
         description="stop, walk, hop, or go_to, turn_deg, speed, gait, mood, look_at, look, wait, "
         "hop_over or jump; characters also sit, stand, freeze, reach, grab, let_go, hug, grapple "
-        "or urge."
+        "or urge; dancers dance, stop, freeze, wait, reach, let_go, look_at and look."
     )
 
     @model_validator(mode="after")

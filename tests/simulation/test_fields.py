@@ -107,7 +107,7 @@ def test_weights_of_fields_stay_between_none_and_all_whatever_the_hand_does() ->
         fields.go([0, 1, 2, 3], 0.0, 1.0, places)
         low, high = np.minimum(places.min(axis=0), 0.0), np.maximum(places.max(axis=0), 0.0)
         for now in np.arange(0.0, 2.5, 0.01):
-            fields.desired(chance.uniform(-1, 1, 3), float(now), places)
+            fields.desired(tuple(chance.uniform(-1, 1, 3).tolist()), float(now), places)
             assert (np.array(fields.point) >= low - 1e-12).all()
             assert (np.array(fields.point) <= high + 1e-12).all()
         np.testing.assert_allclose(fields.point, places[3], atol=1e-12)

@@ -61,6 +61,13 @@ def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
         (GOOD, "durations: 2, tempo_bpm: 100", "cast[0].tempo_bpm", "is to take 2 s, and its"),
         (GOOD, "combine: winner", "cast[0].combine", "joint torques are no fields"),
         (GOOD, "tempo_bpm: 5", "cast[0].tempo_bpm", "10"),
+        (GOOD, "beat: 3, start: 1", "cast[0].start", "beat says when it begins"),
+        (GOOD, "beat: 0", "cast[0].beat", "1"),
+        (
+            *(GOOD, "beat: 3, tempo_bpm: 100", "cast[0].tempo_bpm"),
+            "of a score at 120 beats a minute, and dances at 100; take this away to dance at 120, "
+            "or make it 60 or 240",
+        ),
         (GOOD, "controller: magic", "cast[0].controller", "force-field"),
     ],
 )
@@ -76,10 +83,15 @@ def test_a_dance_that_is_nowhere_gets_the_nearest_name() -> None:
         read_scene("pronk: 1\nduration: 1\ncast: [{dancer: torso, dance: macarana}]\n")
 
 
-def test_scripts_do_not_move_dancers() -> None:
+def test_a_script_finds_dances_in_the_library_and_beside_the_scene(tmp_path: Path) -> None:
     text = "pronk: 1\nduration: 1\ncast: [{dancer: torso, name: a}]\n"
-    with pytest.raises(SceneError, match="'a' is a dancer, which no script moves"):
-        read_scene(text + "script: [{at: 0.5, who: a, do: stop}]\n")
+    script = "script: [{at: 0.5, who: a, do: {dance: NAME, bars: 1}}]\n"
+    for name in ("waving", "applauding"):
+        assert name in read_scene(text + script.replace("NAME", name)).dances
+    with pytest.raises(SceneError, match="no dance is called 'wavin', did you mean 'waving'"):
+        read_scene(text + script.replace("NAME", "wavin"))
+    (tmp_path / "bow.yaml").write_text("pronk: 1\ndance: {subtasks: [{touch: belly}]}\n")
+    assert "bow" in read_scene(text + script.replace("NAME", "bow"), beside=tmp_path).dances
 
 
 def test_a_dance_beside_the_scene_comes_before_the_library(tmp_path: Path) -> None:
@@ -130,3 +142,51 @@ def test_durations_follow_one_another() -> None:
     assert [m.land - m.begin for m in rows] == pytest.approx(
         [time for time in dance.durations["force"] if time]
     )
+
+
+LOCKED = """pronk: 1
+duration: 20
+sound: {sound}
+cast:
+  - {{dancer: torso, dance: drumming, {words}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("sound", "words", "start", "tempo"),
+    [
+        ("{tempo_bpm: 90}", "beat: 1", 0.0, 90),
+        ("{tempo_bpm: 90}", "beat: 5", 4 * 60 / 90, 90),
+        ("{tempo_bpm: 90, quantise: {offset: 0.25}}", "beat: 2.5", 0.25 + 1.0, 90),
+        ("{tempo_bpm: 120}", "beat: 3, tempo_bpm: 60", 1.0, 60),
+        ("{tempo_bpm: 60}", "beat: 2, tempo_bpm: 180", 1.0, 180),
+    ],
+)
+def test_a_dance_is_locked_to_a_beat_of_the_score(sound, words, start, tempo) -> None:
+    scene = read_scene(LOCKED.format(sound=sound, words=words))
+    member, dance = scene.dancers[0][1], scene.dances["drumming"]
+    assert member.start == pytest.approx(start)
+    moves = moves_of(member, dance, 20.0, "cast[0]")
+    # The right hand plays eighths, each of them on half a beat of the dance.
+    eighths = [(m.land - start) * tempo / 30 for m in moves["r"]]
+    assert eighths == pytest.approx([round(one) for one in eighths])
+    # Of the faster of the two every half beat is on half a beat from where the score's begin.
+    first = next(m.land for m in moves["r"] if m.bar == 1)
+    offset = scene.sound.quantise.offset if scene.sound.quantise else 0.0
+    halves = (first - offset) * max(scene.sound.tempo_bpm, tempo) / 30
+    assert halves == pytest.approx(round(halves))
+
+
+def test_a_beat_before_the_film_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"beat 1 of the score is at -0\.5 s, before the film"):
+        read_scene(LOCKED.format(sound="{quantise: {offset: -0.5}}", words="beat: 1"))
+
+
+def test_only_locked_dances_are_simulated_again_when_the_score_has_another_tempo() -> None:
+    keys = [
+        simulation_key(read_scene(LOCKED.format(sound=f"{{tempo_bpm: {tempo}}}", words=words)))
+        for words in ("start: 1", "beat: 3")
+        for tempo in (90, 120)
+    ]
+    assert keys[0] == keys[1]
+    assert keys[2] != keys[3]

@@ -128,6 +128,7 @@ def test_what_the_simulation_does_not_read_leaves_its_key(change):
         {"figures": {"bug": {**WORDS["figures"]["bug"], "radius": 0.2}}},
         {"cast": [*WORDS["cast"][:1], {"figure": "bug", "heading_deg": -30}]},
         {"cast": WORDS["cast"][:1]},
+        {"moods": {"odd": {"cycle": 0.8}}},
     ],
 )
 def test_what_the_simulation_reads_changes_its_key(change):

@@ -50,7 +50,13 @@ class Arm:
         arm, wrist = torso.arm(side), torso.wrist(side)
         self.own, self.wrist = arm, wrist
         self.all = slice(arm.start, wrist.stop)
-        self.fields = Fields(moving.places[self.palm], rate, winner)
+        # Views, made once: there are some hundred controls a second.
+        self._hand, self._q, self._push = moving.places[self.palm], moving.q[arm], moving.push[arm]
+        self._targets, self._velocity = moving.targets[self.all], moving.velocities[self.number]
+        self._before_wrist = wrist.start - arm.start
+        self._wrist_targets = moving.targets[wrist]
+        self._jacobian = moving.jacobian(self.number)[:, arm]
+        self.fields = Fields(self._hand, rate, winner)
         self.by_fields = False
         self.ease: list[float] = moving.q[arm].tolist()
         self._written: Passage | None = None
@@ -98,6 +104,14 @@ class Arm:
         """Send the joints through postures (7,), in `meets` of which a hand touches [rad]."""
         self.passage = Passage([self.desired(now), *postures], now, land, meets)
 
+    def hold(self, now: float) -> None:
+        """Stay where it is."""
+        if self.by_fields:
+            self.traced = None
+            self.fields.stay(self._hand)
+        else:
+            self.turn((self.desired(now),), now, now)
+
     def desired(self, now: float) -> Array:
         """Return (7,) where the joints are to be now [rad]."""
         q: Array = self.moving.q[self.all].copy()
@@ -107,42 +121,42 @@ class Arm:
         """Write what the arm is to do from now on."""
         if self.by_fields:
             self._pull(now)
-            first = self.wrist.start - self.all.start
-            self._servo(now, first)
-        else:
-            self._servo(now, 0)
-
-    def _servo(self, now: float, first: int) -> None:
-        """Let servos follow the passage: what leads the angles makes them follow the speeds too."""
         passage = self.passage
-        if passage is None or passage is self._written:
-            return
+        if passage is not None and passage is not self._written:
+            self._servo(now, passage)
+
+    def _servo(self, now: float, passage: Passage) -> None:
+        """Let servos follow the passage: what leads the angles makes them follow the speeds too."""
         q, speed = passage.at(now)
         if passage.is_over(now):
             self._written = passage
         else:
             q = q + self.lead * speed
-        self.moving.targets[self.all.start + first : self.all.stop] = q[first:]
+        if self.by_fields:
+            self._wrist_targets[:] = q[self._before_wrist :]
+        else:
+            self._targets[:] = q
 
     def _pull(self, now: float) -> None:
         moving, fields = self.moving, self.fields
-        hand = moving.places[self.palm]
+        hand = as_point(self._hand)
         if self.traced is not None:
             point, speed = (as_point(value) for value in self.traced.at(now))
             fields.point = point
-            velocity = desired_velocity(point, as_point(hand), fields.rate, speed)
+            velocity = desired_velocity(point, hand, fields.rate, speed)
         else:
             velocity = fields.desired(hand, now, moving.places)
-        moving.velocities[self.number] = velocity
+        self._velocity[:] = velocity
         self._controls += 1
         if self._controls % SELDOM and self.traced is None and fields.is_there(now - SETTLES):
             return
-        free = _free(moving.jacobian(self.number)[:, self.own].tolist())
+        moving.jacobian(self.number)
+        free = _free(self._jacobian.tolist())
         torque = 0.0
-        for f, wanted, angle in zip(free, self.ease, moving.q[self.own].tolist(), strict=True):
+        for f, wanted, angle in zip(free, self.ease, self._q.tolist(), strict=True):
             torque += f * EASE * (wanted - angle)
         torque = min(max(torque, -MOST_EASE), MOST_EASE)
-        moving.push[self.own] = [torque * f for f in free]
+        self._push[:] = [torque * f for f in free]
 
     def turn_wrist(self, angles: Array, now: float, land: float) -> None:
         """Turn the wrist to angles (3,) while a field pulls the hand [rad]."""

@@ -42,6 +42,10 @@ class Carriage:
         self._now = [0.0] * len(TRUNK)
         self._soon = [0.0] * len(TRUNK)
 
+    def sways(self, sway: float, beat: float, start: float) -> None:
+        """Sway with another beat from now on; arguments as at first."""
+        self.sway, self.beat, self.start = sway, beat, start
+
     def control(
         self, now: float, h: float, eyes: Array, R: Array, hand: Array | None
     ) -> list[float]:

@@ -6,16 +6,20 @@ Source: Matarić, Zordan and Mason 1998.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dancers.build import is_child, proportions_of
-from pipeline.simulation.dancers.dancing import Dancing, practised
-from pipeline.simulation.dancers.goals import choreography_of
+from pipeline.simulation.dancers.dancing import CALM, Dancing, lateness
 from pipeline.simulation.dancers.looks import Look, inventory_of, links_of_frames
-from pipeline.simulation.dancers.moves import beat_of, moves_of
+from pipeline.simulation.dancers.posing import Place
+from pipeline.simulation.dancers.programme import Programme
+from pipeline.simulation.dancers.repertoire import SIDES, repertoire_of
+from pipeline.simulation.dancers.telling import Directed
 from pipeline.simulation.dancers.touching import Strike
 from pipeline.simulation.people.clothes import clothes_of
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
@@ -24,7 +28,8 @@ from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Dancer
-from pipeline.spec.dance import Dance
+from pipeline.spec.dance import Dance, Drum
+from pipeline.spec.script import Instruction, Perform, Reach
 
 
 class Dancers:
@@ -34,36 +39,59 @@ class Dancers:
         SceneError: a place is out of reach, or tempo and durations contradict one another.
     """
 
-    def __init__(self, cast: Sequence[tuple[int, Dancer, Dance]], world: World) -> None:
+    def __init__(
+        self, cast: Sequence[tuple[int, Dancer]], dances: Mapping[str, Dance], world: World
+    ) -> None:
         self.world, clock = world, world.clock
-        self.members = [member for _, member, _ in cast]
-        until = float(clock.time_of(clock.last_step))
-        self.looks, self.dancing = list[Look](), list[Dancing]()
-        for i, member, dance in cast:
-            who = proportions_of(member)
-            path = f"cast[{i}]"
-            moves = moves_of(member, dance, until, path)
-            held = member.compensate_gravity
-            choreography = choreography_of(who, dance, member.dance, held)
-            beat = beat_of(member, dance)
-            self.dancing.append(practised(member, choreography, moves, beat, clock.dt))
-            self.looks.append(_look(member, who, dance, world.seed))
-        torsos = [one.torso for one in self.dancing]
-        self.inventory = inventory_of(self.looks, torsos, clock.rows)
+        self.members = [member for _, member in cast]
         self.R_WB = [heading(math.radians(member.heading_deg)) for member in self.members]
         self.p_WB = [_place(member, world) for member in self.members]
+        self.looks, self.directed = list[Look](), list[Directed]()
+        for k, (i, member) in enumerate(cast):
+            own = partial(_own, self.R_WB[k], self.p_WB[k])
+            who, path = proportions_of(member), f"cast[{i}]"
+            repertoire = repertoire_of(member, who, dances, world.script, world.directed, own, path)
+            until = float(clock.time_of(clock.last_step))
+            programme = Programme(member, repertoire, until, path)
+            dancing = _ready(member, programme, clock.dt)
+            self.directed.append(Directed(dancing, programme, own, clock.dt))
+            self.looks.append(_look(member, who, repertoire.drums, world.seed))
+        self.dancing = [one.dancing for one in self.directed]
+        torsos = [one.torso for one in self.dancing]
+        self.inventory = inventory_of(self.looks, torsos, clock.rows)
         self._links = links_of_frames()
         self._rows: list[tuple[Array, Array, Array]] = []
         self._step, self._strikes = 0, list[tuple[int, Strike]]()
+        self._arrived = list[str]()
 
     def read(self, orders: Orders) -> None:
-        """Take in nothing: dancers follow their dance."""
+        """Take in what the script asks of dancers from this step on."""
+        for member, one in zip(self.members, self.directed, strict=True):
+            one.tell(orders.get(member.name, ()))
+
+    def prepare(self, instruction: Instruction, where: str) -> None:
+        """Refuse from outside what dancers have to know from the begin: places and drums."""
+        do = instruction.do
+        for member, one in zip(self.members, self.directed, strict=True):
+            known = one.programme.repertoire
+            if instruction.who != member.name:
+                continue
+            if isinstance(do, Reach) and any(
+                (do.reach, side) not in known.told for side in SIDES[do.hand]
+            ):
+                message = "a dancer reaches only for places that its scene's script names"
+                raise SceneError([Problem(f"{where}.do.reach", message)])
+            if isinstance(do, Perform) and do.dance not in known.dances:
+                message = f"the drums of '{do.dance}' stand before it only if its script names it"
+                raise SceneError([Problem(f"{where}.do.dance", message)])
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         self._step = step
-        for k, one in enumerate(self.dancing):
-            self._strikes += [(k, strike) for strike in one.advance()]
+        for k, one in enumerate(self.directed):
+            self._strikes += [(k, strike) for strike in one.dancing.advance()]
+            if one.go_on():
+                self._arrived.append(self.members[k].name)
 
     def keep(self) -> None:
         """Keep the present state as the next row."""
@@ -87,10 +115,12 @@ class Dancers:
         self._rows.clear()
 
     def facts(self) -> Facts:
-        """Return what hands have touched in the last step."""
+        """Return what hands have touched in the last step, and who has danced its bars."""
         contacts = tuple(self._contact(k, strike) for k, strike in self._strikes)
+        arrived = tuple(self._arrived)
         self._strikes.clear()
-        return Facts(contacts)
+        self._arrived.clear()
+        return Facts(contacts, arrived=arrived)
 
     def _frames(self, k: int) -> tuple[Array, Array]:
         """Return rotations (15, 3, 3) and places (15, 3) of a person's frames where it stands."""
@@ -131,11 +161,30 @@ class Dancers:
         )
 
 
-def _look(member: Dancer, who: Proportions, dance: Dance, seed: int) -> Look:
+def _ready(member: Dancer, programme: Programme, dt: float) -> Dancing:
+    """Return a dancer about to begin, who has practised what it dances."""
+    repertoire, plan = programme.repertoire, programme.plan
+    choreography = repertoire.choreography
+    late = lateness(member, choreography, plan.moves, plan.beat, dt)
+    poses, hang = repertoire.poses, repertoire.hang
+    return Dancing(
+        *(member, choreography, plan.moves, plan.beat, dt, late),
+        calm=CALM if late else 0.0,
+        poses=poses,
+        hang=hang,
+    )
+
+
+def _own(R: Array, p: Array, place: Place) -> Place:
+    """Return where a place in the world is as a dancer stands, turned by R (3, 3) at p (3,)."""
+    return _three((R.T * (np.array(place) - p)).sum(axis=1))
+
+
+def _look(member: Dancer, who: Proportions, drums: Mapping[str, Drum], seed: int) -> Look:
     clothes = clothes_of(member.name, seed, is_child(member))
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
-    return Look(member.name, who, clothes, dict(dance.drums))
+    return Look(member.name, who, clothes, dict(drums))
 
 
 def _place(member: Dancer, world: World) -> Array:

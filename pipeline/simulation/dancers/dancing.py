@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from pipeline.simulation.dancers.arms import Arm
-from pipeline.simulation.dancers.carriage import Carriage
+from pipeline.simulation.dancers.carriage import TRUNK, Carriage
 from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, rest_posture
 from pipeline.simulation.dancers.moves import Move, Occasion
+from pipeline.simulation.dancers.posing import Poses
 from pipeline.simulation.dancers.rehearsal import postures_of, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dancers.touching import Strike, Touching
@@ -28,12 +30,16 @@ TICKS = 96
 EARLY = 0.012
 """How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
 
-EXPECTED, LEARNS, MOST_LATE = 0.2, 0.7, 0.15
+EXPECTED, LEARNS, MOST_LATE = 0.2, 0.9, 0.25
 """How far from its time a touch is taken for the one that was meant [s]; how much of an error is
 made up for the next time, and how much in all [s]."""
 
-PRACTICE = 3
-"""How many bars are practised."""
+ROUNDS, GOOD, CALM = 5, 0.012, 0.025
+"""How often a dance is practised at most; how near to its time every touch is good enough; how
+far from it one of the body may be later on before more is made up for: less than a frame of a
+film [s]."""
+
+NO_POSES = Poses()
 
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
@@ -48,6 +54,15 @@ class Dancing:
         beat: duration of a beat [s].
         dt: that it is advanced by at once [s].
         late: how late its hands come to each place of the bar, as far as it knows [s].
+        calm: how far from its time a touch of the body may be before it is made up for [s].
+        poses: that it takes, whatever it dances.
+        hang: side -> number of the subtask that lets the arm hang.
+
+    Attributes:
+        late: likewise, as it has learnt by now [s].
+        looks_at: number of the spot that it looks at, None for none yet.
+        looks_to: (3,) where it looks instead of at its hand, None for nowhere else [m].
+        missed_by: how far from the time it aims at it last touched, by place of the bar [s].
     """
 
     def __init__(
@@ -58,6 +73,9 @@ class Dancing:
         beat: float,
         dt: float,
         late: Mapping[Occasion, float] | None = None,
+        calm: float = 0.0,
+        poses: Poses = NO_POSES,
+        hang: Mapping[str, int] | None = None,
     ) -> None:
         self.words, self.goals = words, choreography.goals
         self.torso = tuned(choreography.torso, words.gains)
@@ -73,7 +91,13 @@ class Dancing:
         ]
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
-        self.late = dict(late or {})
+        self._hang = hang or {}
+        self._poses = [deque(poses.hands.get(side, ())) for side in HANDS]
+        self._trunk_keys = deque(poses.trunk)
+        self._trunk_posed: dict[str, float] = {}
+        self._posed = [False] * len(HANDS)
+        self.late, self.calm = dict(late or {}), calm
+        self.missed_by: dict[Occasion, float] = {}
         self._meant: list[list[Move]] = [[] for _ in HANDS]
         self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
         self.touching = Touching(self.moving)
@@ -83,6 +107,9 @@ class Dancing:
             if not arm.by_fields:
                 self.moving.targets[arm.all] = self.moving.q[arm.all]
         self.looks_at: int | None = None
+        self.looks_to: Array | None = None
+        self._eyes, self._chest = self.moving.place_of(HEAD), self.moving.turned(CHEST)
+        self._trunk = self.moving.targets[: len(TRUNK)]
 
     @property
     def now(self) -> float:
@@ -123,9 +150,13 @@ class Dancing:
                     continue
                 late = strike.time - move.land + EARLY
                 if abs(late) < EXPECTED:
+                    self._meant[k].remove(move)
+                    self.missed_by[move.place] = late
+                # Blows on beats of the bar are made better all the time.
+                calm = self.calm if self.goals[move.subtask].words.on is None else 0.0
+                if calm <= abs(late) < EXPECTED:
                     learnt = self.late.get(move.place, 0.0) + LEARNS * late
                     self.late[move.place] = min(max(learnt, -MOST_LATE), MOST_LATE)
-                    self._meant[k].remove(move)
 
     def missed(self) -> list[float]:
         """Return how far each palm is from where its move goes, 0 where that is no place [m]."""
@@ -140,19 +171,97 @@ class Dancing:
     def _control(self, now: float) -> None:
         for arm in self.arms:
             arm.control(now)
-        moving = self.moving
-        hand = None if self.looks_at is None else moving.places[self.looks_at]
-        eyes, R = moving.place_of(HEAD), moving.turned(CHEST)
-        moving.targets[:6] = self.carriage.control(now, self.tick, eyes, R, hand)
+        hand = self.looks_to
+        if hand is None and self.looks_at is not None:
+            hand = self.moving.places[self.looks_at]
+        self._trunk[:] = self.carriage.control(now, self.tick, self._eyes, self._chest, hand)
 
     def _set_out(self, now: float) -> None:
         """Begin the moves whose time has come."""
         for k, arm in enumerate(self.arms):
             rows, i = self.moves[k], self._next[k]
             while i < len(rows) and rows[i].begin <= now + 1e-9:
-                self._begin(arm, rows[i], now)
+                if not self._posed[k]:
+                    self._begin(arm, rows[i], now)
                 i += 1
             self._next[k] = i
+            poses = self._poses[k]
+            while poses and poses[0].begin <= now + 1e-9:
+                one = poses.popleft()
+                if one.subtask is None:
+                    self.release(arm.side, one.land)
+                else:
+                    self.hold_at(arm.side, one.subtask, one.land)
+        while self._trunk_keys and self._trunk_keys[0][0] <= now + 1e-9:
+            angles = self._trunk_keys.popleft()[1]
+            if angles is None:
+                self.carriage.given.update(dict.fromkeys(self._trunk_posed, 0.0))
+                self._trunk_posed.clear()
+            else:
+                self._trunk_posed.update(angles)
+                self.carriage.given.update(angles)
+
+    def change(self, moves: Mapping[str, Sequence[Move]], beat: float, start: float) -> None:
+        """Dance something else from now on; no moves at all to stand still.
+
+        Args:
+            moves: of each hand, in the order of time.
+            beat: duration of a beat [s].
+            start: of the first [s].
+        """
+        for k, side in enumerate(HANDS):
+            self.moves[k] = [*self.moves[k][: self._next[k]], *moves.get(side, ())]
+        sways = any(moves.values())
+        self.carriage.sways(math.radians(self.words.sway_deg) if sways else 0.0, beat, start)
+
+    def hears(self, late: Mapping[Occasion, float]) -> None:
+        """Take in what practice has taught: how late hands come [s]."""
+        self.late.update(late)
+        self.calm = CALM if self.late else 0.0
+
+    def freeze(self) -> None:
+        """Keep still, hands where they are."""
+        self.change({}, self.carriage.beat, self.now)
+        for arm in self.arms:
+            arm.hold(self.now)
+
+    def hang(self, land: float) -> None:
+        """Let the arms hang that are not posed, by `land` [s]; hold trunk and head upright."""
+        self.change({}, self.carriage.beat, self.now)
+        posed = self._trunk_posed
+        self.carriage.given.update({joint: posed.get(joint, 0.0) for joint in TRUNK})
+        for k, arm in enumerate(self.arms):
+            # What is not over is not gone back to either.
+            self.moves[k], self._next[k] = [], 0
+            if not self._posed[k]:
+                self._lower(arm, land)
+
+    def look(self, place: Array | None) -> None:
+        """Look at a place (3,) from now on [m]; None for where its hand goes, if it does so."""
+        self.looks_to = place
+        self.carriage.gaze = self.words.gaze or place is not None
+
+    def hold_at(self, side: str, subtask: int, land: float) -> None:
+        """Hold a hand as a subtask says, from `land` on [s], instead of dancing with it."""
+        k = HANDS.index(side)
+        self._posed[k] = True
+        self._begin(self.arms[k], Move(subtask, 0, self.now, land), self.now)
+
+    def release(self, side: str, land: float) -> None:
+        """Let a hand go back to what it did, to be there by `land` [s]."""
+        k = HANDS.index(side)
+        if not self._posed[k]:
+            return
+        self._posed[k] = False
+        done = self.moves[k][: self._next[k]]
+        if not done:
+            self._lower(self.arms[k], land)
+            return
+        again = replace(done[-1], begin=self.now, land=max(done[-1].land, land))
+        self._begin(self.arms[k], again, self.now)
+
+    def _lower(self, arm: Arm, land: float) -> None:
+        self._begin(arm, Move(self._hang[arm.side], 0, self.now, land), self.now)
 
     def _begin(self, arm: Arm, move: Move, now: float) -> None:
         goal = self.goals[move.subtask]
@@ -162,7 +271,7 @@ class Dancing:
         by_fields = self._controller(arm.side, goal.words.controller) == "force-field"
         arm.drive(by_fields)
         self.looks_at = arm.palm
-        self.carriage.given.update(goal.trunk)
+        self.carriage.given.update(goal.trunk | self._trunk_posed)
         if by_fields:
             if goal.is_for_fields:
                 arm.pull(goal, now, land)
@@ -204,18 +313,72 @@ def practised(
     beat: float,
     dt: float,
 ) -> Dancing:
-    """Return a dancer about to begin, who has practised if anything is to be on a certain beat.
+    """Return a dancer about to begin, who has practised what is to be on a certain beat."""
+    late = lateness(words, choreography, moves, beat, dt)
+    return Dancing(words, choreography, moves, beat, dt, late, CALM if late else 0.0)
 
-    A few bars are danced beforehand, to hear how late hands come.
+
+def lateness(
+    words: Dancer,
+    choreography: Choreography,
+    moves: Mapping[str, Sequence[Move]],
+    beat: float,
+    dt: float,
+) -> dict[Occasion, float]:
+    """Return how late the hands of a dancer come, as it finds by practice [s].
+
+    It goes through the first bar again and again, or through two where it strikes on beats of
+    the bar, hears how late its hands come, and keeps what came nearest: a hand that grazes its
+    place touches it early or late and hardly ever in between.
     """
-    late = None
-    if any(goal.words.on is not None for goal in choreography.goals):
-        trial = Dancing(words, choreography, moves, beat, dt)
-        lands = [m.land for rows in moves.values() for m in rows if m.bar < PRACTICE]
-        while trial.now < max(lands, default=0.0):
-            trial.advance()
-        late = trial.late
-    return Dancing(words, choreography, moves, beat, dt, late)
+    numbers = {move.subtask for rows in moves.values() for move in rows}
+    goals = [choreography.goals[number] for number in sorted(numbers)]
+    strikes = any(goal.words.on is not None for goal in goals)
+    touches = any(goal.surface is not None for goal in goals)
+    if not strikes and not (touches and _is_in_time(words)):
+        return {}
+    late, tried = dict[Occasion, float](), dict[Occasion, list[tuple[float, float]]]()
+    for _ in range(ROUNDS):
+        trial = Dancing(words, choreography, moves, beat, dt, late)
+        _go_through(trial, 2 if strikes else 1)
+        for place, error in trial.missed_by.items():
+            tried.setdefault(place, []).append((late.get(place, 0.0), error))
+        if max(map(abs, trial.missed_by.values()), default=0.0) < GOOD:
+            break
+        late = {place: _next(tried.get(place, ()), learnt) for place, learnt in trial.late.items()}
+    kept = {
+        place: min(rows, key=lambda row: (abs(row[1]), row))[0] for place, rows in tried.items()
+    }
+    # Later bars are begun with what the first has taught.
+    return {(subtask, k, True): lead for (subtask, k, _), lead in kept.items()} | kept
+
+
+def _next(tried: Sequence[tuple[float, float]], learnt: float) -> float:
+    """Return how much earlier to aim next: between what was too little and what too much.
+
+    Args:
+        tried: how much earlier it was aimed, and how late the hand came then [s].
+        learnt: what follows from the last time alone [s].
+    """
+    late = max((row for row in tried if row[1] >= 0.0), default=None)
+    early = min((row for row in tried if row[1] < 0.0), default=None)
+    if late is None or early is None or late[0] >= early[0]:
+        return learnt
+    (low, over), (high, under) = late, early
+    return low + (high - low) * over / (over - under)
+
+
+def _go_through(trial: Dancing, bars: int) -> None:
+    """Let a dancer dance some bars, and go on for a while after the last move of them."""
+    lands = [m.land for rows in trial.moves for m in rows if m.bar < bars]
+    until = max(lands, default=0.0) + EXPECTED
+    while trial.now < until:
+        trial.advance()
+
+
+def _is_in_time(words: Dancer) -> bool:
+    """Tell whether hands are to come on beats."""
+    return words.durations is None or words.tempo_bpm is not None
 
 
 def tuned(torso: Torso, gains: Gains) -> Torso:

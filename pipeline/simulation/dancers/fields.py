@@ -129,12 +129,13 @@ class Fields:
         self.spots: list[int] = []
         self.legs: list[Leg] = []
         self.land = self.press = 0.0
+        self._over = math.inf
         self.stay(anchor)
 
     def stay(self, anchor: Array) -> None:
         """Stay at a place (3,) [m]."""
         self.point = self.anchor = as_point(anchor)
-        self.spots, self.legs = [], []
+        self.spots, self.legs, self._over = [], [], math.inf
 
     def go(
         self, spots: Sequence[int], now: float, land: float, places: Array, press: float = 0.0
@@ -150,19 +151,16 @@ class Fields:
         """
         self.anchor = self.point
         self.spots, self.land, self.legs = list(spots), land, []
-        self.press = press
+        self.press, self._over = press, math.inf
         self._begin(now, places)
 
     def is_there(self, now: float) -> bool:
         """Tell whether the point has come to its last place."""
-        if not self.legs or len(self.legs) < len(self.spots):
-            return False
-        return all(now >= leg.begin + leg.time for leg in self.legs)
+        return now >= self._over
 
-    def desired(self, hand: Array, now: float, places: Array) -> Point:
-        """Return the velocity that the `hand` (3,) is to have [m/s]."""
-        x = as_point(hand)
-        if self.is_there(now):
+    def desired(self, x: Point, now: float, places: Array) -> Point:
+        """Return the velocity that the hand at `x` is to have [m/s]."""
+        if now >= self._over:
             self.point = as_point(places[self.spots[-1]])
             return desired_velocity(self.point, x, self.rate)
         if len(self.legs) < len(self.spots):
@@ -211,6 +209,8 @@ class Fields:
             under = min(self.press / max(math.dist(*ways), self.press), MOST_UNDER)
             time /= phase_of(1.0 - under)
         self.legs.append(Leg(self.spots[done], now, time))
+        if len(self.legs) == len(self.spots):
+            self._over = max(leg.begin + leg.time for leg in self.legs)
 
 
 def as_point(place: Array) -> Point:

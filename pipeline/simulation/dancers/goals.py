@@ -8,7 +8,7 @@ kinematics. What turns a hand alone is nothing to a field.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +35,7 @@ from pipeline.simulation.dynamics.linkage import Disc, Spot
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
-from pipeline.spec.dance import Dance, Subtask, Where
+from pipeline.spec.dance import Dance, Drum, Hand, Subtask, Where
 
 CHEST = LINKS.index("chest")
 
@@ -83,9 +83,27 @@ class Goal:
         return bool(self.spots)
 
 
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A subtask of a dance, or of what a dancer is posed in or told.
+
+    Attributes:
+        path: in the scene, for messages.
+        words: it.
+        still: whether its places are of where the dancer stands, and in metres; those of dances
+            go along with the chest, in proportion.
+        said: the path of its place instead, where that is none of its own words.
+    """
+
+    path: str
+    words: Subtask
+    still: bool = False
+    said: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Choreography:
-    """A dance on one person.
+    """What a dancer does, on one person.
 
     Attributes:
         torso: with all places.
@@ -110,31 +128,66 @@ def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool
     Raises:
         SceneError: a place is out of reach.
     """
+    ready = Ready(f"dances.{name}", dance.ready)
+    return choreographed(who, parts_of(dance, name), dance.drums, ready, compensated)
+
+
+def parts_of(dance: Dance, name: str) -> list[Part]:
+    """Return the subtasks of a dance, with their paths."""
+    return [Part(f"dances.{name}.subtasks[{i}]", one) for i, one in enumerate(dance.subtasks)]
+
+
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """Where hands are at first: the path of what says so, and side -> place."""
+
+    path: str
+    places: Mapping[Hand, Where]
+
+
+def choreographed(
+    who: Proportions,
+    parts: Sequence[Part],
+    drums: Mapping[str, Drum],
+    ready: Ready,
+    compensated: bool,
+) -> Choreography:
+    """Return subtasks on one person.
+
+    Args:
+        who: the person.
+        parts: the subtasks, numbered as they stand here.
+        drums: that stand before it, by name.
+        ready: where its hands are at first.
+        compensated: whether the arms' weight is.
+
+    Raises:
+        SceneError: a place is out of reach.
+    """
     surfaces = body_places(who)
-    surfaces |= {drum: drum_place(who, words) for drum, words in dance.drums.items()}
+    surfaces |= {drum: drum_place(who, words) for drum, words in drums.items()}
     plain = Moving(torso_of(who).linkage, 1e-3)
     spots, rows, problems = list[Spot](), list[list[str]](), list[Problem]()
-    for i, one in enumerate(dance.subtasks):
-        own = list(_spots(who, one, i, surfaces, plain))
+    for i, part in enumerate(parts):
+        own = list(_spots(who, part, i, surfaces, plain))
         rows.append([spot.name for spot, _ in own])
-        path = f"dances.{name}.subtasks[{i}]"
-        problems += _too_far(who, one.hand, own, path)
+        problems += _too_far(who, part.words.hand, own, part.path, part.said)
         spots += [spot for spot, _ in own]
-    for side, place in dance.ready.items():
+    for side, place in ready.places.items():
         spots.append(_spot(who, f"ready.{side}", place, surfaces))
-        problems += _too_far(who, side, [(spots[-1], f"ready.{side}")], f"dances.{name}")
+        problems += _too_far(who, side, [(spots[-1], f"ready.{side}")], ready.path)
     if problems:
         raise SceneError(problems)
     discs = tuple(
         Disc(drum, np.array(w.at) - [0.0, 0.5 * w.height, 0.0], w.radius, w.height)
-        for drum, w in dance.drums.items()
+        for drum, w in drums.items()
     )
     torso = torso_of(who, tuple(spots), discs, compensated)
     goals = tuple(
-        _goal(who, one, tuple(torso.spot(spot) for spot in row), surfaces)
-        for one, row in zip(dance.subtasks, rows, strict=True)
+        _goal(who, part.words, tuple(torso.spot(spot) for spot in row), surfaces)
+        for part, row in zip(parts, rows, strict=True)
     )
-    return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in dance.ready})
+    return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in ready.places})
 
 
 def rest_posture() -> Array:
@@ -166,9 +219,13 @@ def _goal(
 
 
 def _spots(
-    who: Proportions, one: Subtask, i: int, surfaces: dict[str, Surface], plain: Moving
+    who: Proportions, part: Part, i: int, surfaces: dict[str, Surface], plain: Moving
 ) -> Iterator[tuple[Spot, str]]:
     """Yield the places of a subtask and the words that they are said in."""
+    one = part.words
+    if part.still and one.reach is not None:
+        yield Spot(f"{i}.reach", -1, np.array(one.reach)), "reach"
+        return
     for k, place in enumerate(one.via):
         yield _spot(who, f"{i}.via.{k}", place, surfaces), f"via[{k}]"
     if one.touch is not None:
@@ -208,7 +265,7 @@ def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
 
 
 def _too_far(
-    who: Proportions, side: str, own: list[tuple[Spot, str]], path: str
+    who: Proportions, side: str, own: list[tuple[Spot, str]], path: str, said: str = ""
 ) -> Iterator[Problem]:
     shoulder = who.rest()[JOINTS.index(f"shoulder_{side}")]
     length = (who.upper_arm + who.forearm + PALM * who.hand) * who.height
@@ -219,4 +276,4 @@ def _too_far(
                 f"is {away:.2f} m from the shoulder, and the arm reaches {length:.2f} m; "
                 "bring it nearer"
             )
-            yield Problem(f"{path}.{word}", message)
+            yield Problem(said or f"{path}.{word}", message)

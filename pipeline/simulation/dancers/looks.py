@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.dancers.torso import LINKS, Torso
+from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
+from pipeline.simulation.dynamics.linkage import Capsule
 from pipeline.simulation.figures.solids import Solid, lofted
+from pipeline.simulation.obstacles import directions
 from pipeline.simulation.people.clothes import Clothes
 from pipeline.simulation.people.flesh import dressed, worn
 from pipeline.simulation.people.frames import FRAMES, frame_origins
-from pipeline.simulation.people.proportions import Proportions
+from pipeline.simulation.people.proportions import JOINTS, Proportions
+from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
@@ -20,6 +23,12 @@ from pipeline.spec.dance import Drum
 
 AROUND, RIM = 48, 0.006
 """Sides of a drum, and how much its rims are rounded [m]."""
+
+CORNERS = 20
+"""Corners of each end of a limb, as others run into it."""
+
+SHIN = 0.028
+"""Radius of a leg below the knee, in heights."""
 
 FIXED = "pelvis"
 """The link that frames go with which no link moves: the legs stand still."""
@@ -60,7 +69,7 @@ def links_of_frames() -> list[int]:
 def inventory_of(looks: Sequence[Look], torsos: Sequence[Torso], rows: int) -> Inventory:
     """Return what dancers add to a take."""
     nodes, channels = list[Node](), list[Channel]()
-    meshes, parts = list[Mesh](), list[Part]()
+    meshes, parts, solids = list[Mesh](), list[Part](), list[Obstacle]()
     for look, torso in zip(looks, torsos, strict=True):
         first, rest = len(nodes), look.rest().tolist()
         for name, place in zip((*FRAMES, *look.drums), rest, strict=True):
@@ -76,7 +85,29 @@ def inventory_of(looks: Sequence[Look], torsos: Sequence[Torso], rows: int) -> I
             parts.append(Part(whole, look.name, len(meshes) - 1, drum.material, size, (0, rows)))
         channels += [Channel(f"{look.name}.{joint}", "rad") for joint in torso.names]
         channels += [Channel(f"{look.name}.{joint}.torque", "N m") for joint in torso.names]
-    return Inventory(tuple(nodes), tuple(channels), tuple(meshes), tuple(parts))
+        solids += _solids(look, torso, first)
+    return Inventory(
+        tuple(nodes), tuple(channels), tuple(meshes), tuple(parts), solids=tuple(solids)
+    )
+
+
+def _solids(look: Look, torso: Torso, first: int) -> list[Obstacle]:
+    """Return what others run into: the solids of a torso, and its legs below the knees."""
+    who, h = look.proportions, look.proportions.height
+    rest, found = dict(zip(JOINTS, who.rest(), strict=True)), list[Obstacle]()
+    rows = [(link.name, link.place, solid) for link in torso.linkage.links for solid in link.solids]
+    for side in HANDS:
+        ends = np.stack([rest[f"knee_{side}"], rest[f"foot_{side}"]])
+        shin = Capsule(f"shin_{side}", ends, SHIN * h)
+        rows.append((FIXED, torso.linkage.links[0].place, shin))
+    around = directions(CORNERS)
+    for name, place, solid in rows:
+        corners = (solid.ends[:, None, :] + solid.radius * around).reshape(-1, 3) - place
+        node, whole = first + FRAMES.index(name), f"{look.name}.{solid.name}"
+        bare = solid.name.startswith(("head", "neck", "forearm", "hand", "shin"))
+        material = look.clothes.skin if bare else look.clothes.shirt
+        found.append(Obstacle(node, whole, look.name, material, corners))
+    return found
 
 
 def _drum_mesh(drum: Drum, node: int) -> Mesh:

@@ -113,7 +113,7 @@ def _by_beats(
             break
         landings += [
             (first + on * beat, i, k, bar)
-            for i, k, on in _onsets(dance)
+            for i, k, on in onsets_of(dance)
             if times is None or times[i] is not None
         ]
         bar += 1
@@ -134,7 +134,7 @@ def _by_beats(
     return moves
 
 
-def _onsets(dance: Dance) -> list[tuple[int, int, float]]:
+def onsets_of(dance: Dance) -> list[tuple[int, int, float]]:
     """Return subtasks, which of their beats it is, and when that is, in beats from the begin."""
     found, now = list[tuple[int, int, float]](), 0.0
     for i, one in enumerate(dance.subtasks):

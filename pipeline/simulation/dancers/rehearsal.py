@@ -9,7 +9,9 @@ that the field had there, over their stiffness.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -43,8 +45,9 @@ class Rehearsed:
     meets: Array | None = None
 
 
+@lru_cache(maxsize=4)
 def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
-    """Return the postures of every subtask."""
+    """Return the postures of every subtask; who practises asks for the same several times."""
     torso = choreography.torso
     moving = Moving(torso.linkage, STEP)
     arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
@@ -68,7 +71,8 @@ def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
     return tuple(found)
 
 
-def ready_postures(choreography: Choreography) -> dict[str, Array]:
+@lru_cache(maxsize=4)
+def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
     """Return the postures (7,) in which hands are ready, by side; hands go there past all drums."""
     if not choreography.ready:
         return {}

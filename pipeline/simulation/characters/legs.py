@@ -26,6 +26,10 @@ STRETCHED = 0.995
 OUTWARD = 0.06
 """How far knees go outward as they bend, as a tangent; more for one who sits."""
 
+SQUATS = 0.8
+"""How much more when somebody crouches, for arms that reach down between the knees: those that
+come down on them are led outside, and hooked there."""
+
 KNOCKED = 0.1
 """How far inward knees point at most [rad], however the foot is turned: they would strike one
 another."""
@@ -52,7 +56,7 @@ def hold_legs(person: Record) -> None:
         pole = cross(right, minus(ankle, hip))
         side = 1.0 if k == 1 else -1.0
         size = person.thigh + person.shin
-        out = side * (OUTWARD + 0.25 * person.seated + 0.6 * person.crouch) * size
+        out = side * (OUTWARD + 0.25 * person.seated + SQUATS * person.crouch) * size
         knee = bent(hip, ankle, person.thigh, person.shin, plus(pole, times(out, right)))
         put(person.wanted, KNEE + k, knee)
         put(person.wanted, FOOT + k, ankle)

@@ -44,12 +44,12 @@ class Encounters:
         self.still = still
         self.troupe, self.recorder, self.yields = troupe, recorder, yields
         taken = {id(one) for one in troupe.surround([*fixed, *yielding])}
-        self._nodes = [one.node for one in fixed if id(one) in taken]
+        self.nodes = np.array([one.node for one in fixed if id(one) in taken], dtype=np.int64)
         # Which of those that yield are felt; they come after the others.
         self._which = np.array([id(one) in taken for one in yielding], dtype=bool)
         clock = recorder.clock
         row = clock.dt * (clock.steps // clock.samples)
-        self._motion = Pushers(len(self._nodes), row)
+        self._motion = Pushers(len(self.nodes), row)
         self._row = -1
 
     def feel(self, row: int) -> None:
@@ -57,7 +57,7 @@ class Encounters:
         if row == self._row or (self.still and self._row >= 0):
             return
         first, self._row = self._row < 0, row
-        recorder, nodes = self.recorder, self._nodes
+        recorder, nodes = self.recorder, self.nodes
         here = Pushed(recorder.positions[row, nodes], matrix(recorder.quaternions[row, nodes]))
         if first:
             self._motion.put(here)
@@ -81,8 +81,8 @@ class Encounters:
         impulses, twists = self.troupe.pushed()
         count = len(self._which)
         pushed, twisted = np.zeros((count, 3)), np.zeros((count, 3))
-        pushed[self._which] = impulses[len(self._nodes) :]
-        twisted[self._which] = twists[len(self._nodes) :]
+        pushed[self._which] = impulses[len(self.nodes) :]
+        twisted[self._which] = twists[len(self.nodes) :]
         self.yields.push(pushed, twisted)
 
 

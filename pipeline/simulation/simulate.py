@@ -255,7 +255,7 @@ class Simulation:
             if troupe not in self._behind:
                 self._write_own(troupe, own, which)
         self.recorder.attached(which, self._late)
-        if self._encounters is not None:
+        if self._encounters is not None and len(self._encounters.nodes):
             self.recorder.show(which, self._encounters.nodes)
 
     def _write_own(self, troupe: Troupe, rows: Rows, which: slice) -> None:

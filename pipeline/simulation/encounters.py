@@ -44,12 +44,12 @@ class Encounters:
         self.still = still
         self.troupe, self.recorder, self.yields = troupe, recorder, yields
         taken = {id(one) for one in troupe.surround([*fixed, *yielding])}
-        self._nodes = [one.node for one in fixed if id(one) in taken]
+        self.nodes = np.array([one.node for one in fixed if id(one) in taken], dtype=np.int64)
         # Which of those that yield are felt; they come after the others.
         self._which = np.array([id(one) in taken for one in yielding], dtype=bool)
         clock = recorder.clock
         row = clock.dt * (clock.steps // clock.samples)
-        self._motion = Pushers(len(self._nodes), row)
+        self._motion = Pushers(len(self.nodes), row)
         self._row = -1
 
     def feel(self, row: int) -> None:
@@ -57,7 +57,10 @@ class Encounters:
         if row == self._row or (self.still and self._row >= 0):
             return
         first, self._row = self._row < 0, row
-        recorder, nodes = self.recorder, self._nodes
+        recorder, nodes = self.recorder, self.nodes
+        if self.yields is not None and not len(nodes):
+            self.troupe.feel(_some(self.yields.motion(), self._which))
+            return
         here = Pushed(recorder.positions[row, nodes], matrix(recorder.quaternions[row, nodes]))
         if first:
             self._motion.put(here)
@@ -71,7 +74,7 @@ class Encounters:
             np.ones(len(nodes), dtype=bool),
         )
         if self.yields is not None:
-            motion = _joined(motion, self.yields.motion(), self._which)
+            motion = _joined(motion, _some(self.yields.motion(), self._which))
         self.troupe.feel(motion)
 
     def push(self) -> None:
@@ -81,8 +84,8 @@ class Encounters:
         impulses, twists = self.troupe.pushed()
         count = len(self._which)
         pushed, twisted = np.zeros((count, 3)), np.zeros((count, 3))
-        pushed[self._which] = impulses[len(self._nodes) :]
-        twisted[self._which] = twists[len(self._nodes) :]
+        pushed[self._which] = impulses[len(self.nodes) :]
+        twisted[self._which] = twists[len(self.nodes) :]
         self.yields.push(pushed, twisted)
 
 
@@ -111,13 +114,21 @@ def encounters_of(
     return Encounters(troupe, recorder, fixed, yielding, yields, still)
 
 
-def _joined(one: Motion, other: Motion, which: NDArray[np.bool_]) -> Motion:
-    """Return the motion of some solids and of those of others that count."""
+def _some(one: Motion, which: NDArray[np.bool_]) -> Motion:
+    """Return the motion of those solids that count."""
     return Motion(
-        np.concatenate([one.p, other.p[which]]),
-        np.concatenate([one.R, other.R[which]]),
-        np.concatenate([one.v, other.v[which]]),
-        np.concatenate([one.w, other.w[which]]),
-        np.concatenate([one.here, other.here[which]]),
-        np.concatenate([one.borne, other.borne[which]]),
+        *(one.p[which], one.R[which], one.v[which], one.w[which]),
+        *(one.here[which], one.borne[which]),
+    )
+
+
+def _joined(one: Motion, other: Motion) -> Motion:
+    """Return the motion of some solids and of others."""
+    return Motion(
+        np.concatenate([one.p, other.p]),
+        np.concatenate([one.R, other.R]),
+        np.concatenate([one.v, other.v]),
+        np.concatenate([one.w, other.w]),
+        np.concatenate([one.here, other.here]),
+        np.concatenate([one.borne, other.borne]),
     )

@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.simulation.attaching import Bond
 from pipeline.simulation.clock import Clock
@@ -57,6 +58,7 @@ class Recorder:
         self.values = reel((rows, len(self.channels)), float)
         self.scales = reel((rows, len(self.scaled), 3), float)
         self._R = np.zeros((0, nodes, 3, 3))
+        self._first = 0
         self.contacts: list[Contact] = []
         self.events: list[SoundEvent] = []
         self._notes: dict[tuple[str, str], Note] = {}
@@ -76,22 +78,44 @@ class Recorder:
         """Matrices (K, J, 3, 3) of the nodes in all rows, worked out anew."""
         return matrix(self.quaternions)
 
-    def rows(self, which: slice) -> list[Rows]:
-        """Return each troupe's slice of the rows `which`, to be written into."""
-        count = which.stop - which.start
-        if len(self._R) < count:
-            self._R = np.zeros((count, *self._R.shape[1:]))
-        self._R[:] = 0.0
+    def rows(self, which: slice, first: int = -1) -> list[Rows]:
+        """Return each troupe's slice of the rows `which`, to be written into.
+
+        Args:
+            which: the rows.
+            first: of those that are kept together with them, which may be written one after the
+                other; of `which` unless told.
+        """
+        if first < 0:
+            self._first = which.start
+            self._R[:] = 0.0
+        elif first != self._first:
+            self._first = first
+            self._R[:] = 0.0
+        room = which.stop - self._first
+        if len(self._R) < room:
+            more = np.zeros((room - len(self._R), *self._R.shape[1:]))
+            self._R = np.concatenate([self._R, more])
+        R = self._turned(which)
         return [
             Rows(
                 self.positions[which, nodes],
-                self._R[:count, nodes],
+                R[:, nodes],
                 self.alive[which, nodes],
                 self.values[which, channels],
                 self.scales[which, scales],
             )
             for nodes, channels, scales in self._slices
         ]
+
+    def _turned(self, which: slice) -> Array:
+        """Return the rotations (n, J, 3, 3) of rows that are not kept yet."""
+        R: Array = self._R[which.start - self._first : which.stop - self._first]
+        return R
+
+    def show(self, which: slice, nodes: NDArray[np.int64]) -> None:
+        """Let nodes be seen in rows that are not kept yet, but in which they are in the world."""
+        self.quaternions[which, nodes] = quaternion(self._turned(which)[:, nodes])
 
     def attached(self, which: slice, bonds: Iterable[Bond]) -> tuple[Array, Array]:
         """Bring all nodes of the rows `which` into the world, all troupes having written theirs.
@@ -103,7 +127,7 @@ class Recorder:
         Returns:
             Rotations (n, J, 3, 3) and positions (n, J, 3) [m], which may still be written into.
         """
-        R, p = self._R[: which.stop - which.start], self.positions[which]
+        R, p = self._turned(which), self.positions[which]
         for bond in bonds:
             bond.apply(R, p, which.start)
         return R, p
@@ -114,7 +138,7 @@ class Recorder:
         Returns:
             The first row with a pose that is not finite, and its node; None if all are.
         """
-        R, p = self._R[: which.stop - which.start], self.positions[which]
+        R, p = self._turned(which), self.positions[which]
         if not (np.isfinite(p).all() and np.isfinite(R).all()):
             row, node = np.argwhere(~np.isfinite(p.sum(axis=-1) + R.sum(axis=(-1, -2))))[0]
             return which.start + int(row), self.nodes[int(node)].name

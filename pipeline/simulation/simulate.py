@@ -36,6 +36,7 @@ from pipeline.simulation.troupe import (
     Follows,
     Meets,
     Prepares,
+    Rows,
     Sees,
     Troupe,
     World,
@@ -115,9 +116,11 @@ class Simulation:
             self._at_once = min(self._at_once, ROWS_BEFORE_BODIES)
             self._early, self._late = split(self.bonds, self._nodes_of(self.colliders))
         self._encounters = self._who_bumps(scene)
+        self._behind: list[Troupe] = []
         if self._encounters is not None and not self._encounters.still:
             # They are felt where they were one step ago.
-            self._at_once = 1
+            self._behind = self._who_is_not_felt(self._encounters)
+            self._at_once = self._at_once if self._behind else 1
         try:
             self._keep()
         except SceneError as error:
@@ -151,6 +154,16 @@ class Simulation:
         moving = {m.name for m in scene.cast if not (isinstance(m, Prop) and _stands(m))}
         still = yields is None and moving.isdisjoint(o.performer for o in fixed)
         return encounters_of(one, self.recorder, fixed, yields, first, still)
+
+    def _who_is_not_felt(self, encounters: Encounters) -> list[Troupe]:
+        """Return those whose rows may be written by the dozen while others are felt in each.
+
+        They are none if somebody hangs on them.
+        """
+        bumps = encounters.troupe
+        if split(self.bonds, self._nodes_of(bumps))[1]:
+            return []
+        return [bumps, *self._groups]
 
     def _nodes_of(self, troupe: Troupe) -> range:
         before = self.troupes[: self.troupes.index(troupe)]
@@ -223,6 +236,8 @@ class Simulation:
         for troupe in self.troupes:
             troupe.keep()
         self._kept += 1
+        if self._behind:
+            self._write_felt(slice(self._kept - 1, self._kept))
         begins = self._kept == 1 and (self.colliders or self._encounters) is not None
         if begins or self._kept - self._written == self._at_once or self.finished:
             self._write_kept()
@@ -233,17 +248,33 @@ class Simulation:
             self._write(slice(self._written, self._kept))
             self._written = self._kept
 
+    def _write_felt(self, which: slice) -> None:
+        """Write a row of those who are felt in it; that of the others is kept."""
+        rows = self.recorder.rows(which, self._written)
+        for troupe, own in zip(self.troupes, rows, strict=True):
+            if troupe not in self._behind:
+                self._write_own(troupe, own, which)
+        self.recorder.attached(which, self._late)
+        if self._encounters is not None and len(self._encounters.nodes):
+            self.recorder.show(which, self._encounters.nodes)
+
+    def _write_own(self, troupe: Troupe, rows: Rows, which: slice) -> None:
+        """Write the rows of one troupe, those before it having written theirs."""
+        if troupe is self.colliders:
+            R, p = self.recorder.attached(which, self._early)
+            if self._encounters is not None:
+                self._encounters.push()
+            for k, row in enumerate(range(which.start, which.stop)):
+                step = row * self.world.clock.steps // self.world.clock.samples
+                self.colliders.meet(step, p[k], R[k])
+        troupe.write(rows)
+
     def _write(self, which: slice) -> None:
-        for troupe, rows in zip(self.troupes, self.recorder.rows(which), strict=True):
-            if troupe is self.colliders:
-                R, p = self.recorder.attached(which, self._early)
-                if self._encounters is not None:
-                    self._encounters.push()
-                for k, row in enumerate(range(which.start, which.stop)):
-                    step = row * self.world.clock.steps // self.world.clock.samples
-                    self.colliders.meet(step, p[k], R[k])
-            troupe.write(rows)
-        R, p = self.recorder.attached(which, self._late)
+        first = self._written if self._behind else -1
+        for troupe, rows in zip(self.troupes, self.recorder.rows(which, first), strict=True):
+            if troupe in self._behind or not self._behind:
+                self._write_own(troupe, rows, which)
+        R, p = self.recorder.attached(which, () if self._behind else self._late)
         for groups in self._groups:
             # Nobody depends on them, so they see everybody in place.
             contacts = groups.follow(R, p)

@@ -8,7 +8,7 @@ Links are rows of balls.
 from __future__ import annotations
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
-from pipeline.simulation.characters.resting import WAKES, strike
+from pipeline.simulation.characters.resting import WAKES, rouse
 from pipeline.simulation.characters.touching import borne, rub, rubbed, sense
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import (
@@ -26,6 +26,9 @@ APART = 0.08
 
 MOST = 8
 """Of them along a link."""
+
+GOLDEN, HALVINGS = 0.6180339887498949, 10
+"""The golden section, and how often a link is cut by it: to one part in 120."""
 
 DEEP = 0.02
 """How deep two boxes are in one another that are moved apart as wholes [m]."""
@@ -65,6 +68,42 @@ def meet_box(
             continue
         for k in range(parts + 1):
             _meet(nodes, links, one, other, box, (n, k / parts), h, slack, moment, log)
+        if one.edge == 0.0:
+            # An edge between two balls is met where the link is nearest to it.
+            t = _nearest(nodes, link, box)
+            _meet(nodes, links, one, other, box, (n, t), h, slack, moment, log)
+
+
+@compiled
+def _nearest(nodes: Records, link: Record, box: Box) -> float:
+    """Return where on a link, from 0 to 1, it is nearest to a box, or deepest in it.
+
+    The gap to what is convex is convex along a line: its least is between any two places of
+    which that between them is nearer.
+
+    Source: Kiefer 1953 (search by the golden section).
+    """
+    p, q = triple(nodes[link.ends[0]].p), triple(nodes[link.ends[1]].p)
+    low, high = 0.0, 1.0
+    a, b = 1.0 - GOLDEN, GOLDEN
+    gap_a, gap_b = _gap(box, p, q, a), _gap(box, p, q, b)
+    for _ in range(HALVINGS):
+        if gap_a < gap_b:
+            high, b, gap_b = b, a, gap_a
+            a = high - GOLDEN * (high - low)
+            gap_a = _gap(box, p, q, a)
+        else:
+            low, a, gap_a = a, b, gap_b
+            b = low + GOLDEN * (high - low)
+            gap_b = _gap(box, p, q, b)
+    return 0.5 * (low + high)
+
+
+@inlined
+def _gap(box: Box, p: Vector, q: Vector, t: float) -> float:
+    """Return how far a place between p and q is from a box [m]."""
+    _, _, gap = nearest_of_box(box, plus(times(1.0 - t, p), times(t, q)))
+    return gap
 
 
 @compiled
@@ -230,18 +269,20 @@ def _meet(
         corner = nodes[first + k]
         went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.before))))
     nearer = -dot(went, normal)
-    if nearer > WAKES * h:
-        strike(nodes, one, other)
+    rouse(nodes, one, other, depth, nearer / h)
     rub(i, one, nearer / h)
     rub(j, one, nearer / h)
     near, far = (i, i) if t == 0.0 else (i, j)
-    light = borne(near, far, normal[1])
-    weight = light * ((1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give)
-    firm = borne(nodes[first + heaviest(weights)], nodes[first + heaviest(weights)], -normal[1])
+    own = (1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give
+    others = 0.0
     for k in range(8):
-        weight += firm * weights[k] ** 2 * nodes[first + k].give
+        others += weights[k] ** 2 * nodes[first + k].give
         if weights[k] > 0.1:
             rub(nodes[first + k], other, nearer / h)
+    most = nodes[first + heaviest(weights)]
+    light = borne(near, far, normal[1], own, others)
+    firm = borne(most, most, -normal[1], others, own)
+    weight = light * own + firm * others
     if weight == 0.0:
         return
     _feel(links, n, other, max(nearer, 0.0) / h, weight, (at, normal), moment, log)

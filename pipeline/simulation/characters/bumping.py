@@ -258,9 +258,12 @@ def _meet(
         rub(i, owner, nearer / pace.h)
         rub(j, owner, nearer / pace.h)
     near, far = (i, i) if t == 0.0 else (i, j)
-    light = borne(near, far, normal[1])
-    own = light * ((1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give)
-    weight = own + gives(solid, arm, normal)
+    own, against = i.give, gives(solid, arm, normal)
+    if t > 0.0:
+        own = (1.0 - t) ** 2 * own + t * t * j.give
+    light = borne(near, far, normal[1], own, against)
+    own *= light
+    weight = own + against
     if weight == 0.0:
         return
     hard = max(nearer, 0.0) / pace.h, weight
@@ -342,12 +345,14 @@ def _meet_corner(
         _stir(nodes, owner, solid, depth, nearer / pace.h)
     owner.deep = max(owner.deep, depth)
     most = nodes[first + heaviest(weights)]
-    light, own = borne(most, most, normal[1]), 0.0
+    own, against = 0.0, gives(solid, arm, normal)
     for k in range(8):
-        own += light * weights[k] ** 2 * nodes[first + k].give
+        own += weights[k] ** 2 * nodes[first + k].give
         if weights[k] > 0.1 and _speed(solid) < STIRS:
             rub(nodes[first + k], owner, nearer / pace.h)
-    weight = own + gives(solid, arm, normal)
+    light = borne(most, most, normal[1], own, against)
+    own *= light
+    weight = own + against
     if weight == 0.0:
         return
     n = owner.links[0]

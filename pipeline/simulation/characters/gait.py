@@ -46,9 +46,10 @@ ROLL = 0.55
 HEEL = math.radians(48.0)
 """How far a foot turns about its ball until it leaves the ground, at most."""
 
-BESIDE = 0.9
-"""How far beside the other foot one comes down at least, on its own side, in halves of hips: who
-set one before the other, stepping aside, would catch one leg with the other."""
+BESIDE = 1.16
+"""How far beside the other foot one comes down at least, on its own side, and passes it, in halves
+of hips: who set one before the other, stepping aside, would catch one leg with the other. That is
+as near as the shins can be, and as the feet of those who walk are."""
 
 SETTLES = 16.0
 """How quickly a foot in the air goes by a change of mind [1/s]."""
@@ -184,6 +185,9 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.left[k] = person.ankles[k]
     person.yaw_left[k] = person.yaw[k]
     person.pitch_left[k] = person.pitch[k]
+    person.way_left[k] = person.heading
+    other = row(person.stood, 1 - k) if person.doing[1 - k] == STANCE else row(person.land, 1 - k)
+    person.pivot[k, 0], person.pivot[k, 1] = other[0], other[2]
     person.arch[k] = 0.0
     _aim(person, k, 1.0, 1.0, frame, vertices)
 
@@ -203,7 +207,9 @@ def _aim(person: Record, k: int, left: float, share: float, frame: Record, verti
     """
     rate, stance = pace_of(person)
     time = left * (1.0 - stance) / rate
-    heading = person.heading + person.turning * time
+    # For the weight is not on it alone before the other one leaves the ground.
+    shared = max(stance - 0.5, 0.0) / rate
+    heading = person.heading + person.turning * (time + shared)
     while_gaining = (1.0 - math.exp(-GAIN * time)) / GAIN
     vx = person.going[0] + person.gaining[0] * while_gaining
     vz = person.going[1] + person.gaining[1] * while_gaining
@@ -260,6 +266,36 @@ def reached(u: float) -> float:
 
 
 @compiled
+def _round(person: Record, k: int, end: Vector, s: float) -> tuple[float, float]:
+    """Return where a foot is on its way round the other leg, a part s of it done.
+
+    Seen by the pelvis, which turns over the other foot meanwhile, its way is straight; where it
+    would lead through that leg, or past it on the wrong side, it bends outward.
+    """
+    at_x, at_z, from_heading = person.pivot[k, 0], person.pivot[k, 1], person.way_left[k]
+    turn = wrapped(person.yaw_land[k] - from_heading)
+    a, b = _seen(person.left[k, 0] - at_x, person.left[k, 2] - at_z, from_heading)
+    c, d = _seen(end[0] - at_x, end[2] - at_z, from_heading + turn)
+    x, z = a + s * (c - a), b + s * (d - b)
+    side = 1.0 if k == 1 else -1.0
+    room = BESIDE * person.hips
+    near = max(1.0 - 0.25 * (x / room) ** 2, 0.0)
+    # At its begin it may be anywhere.
+    more = max(room * near * near - side * z, 0.0) * eased(4.0 * s)
+    z += side * more
+    heading = from_heading + s * turn
+    cos, sin = math.cos(heading), math.sin(heading)
+    return at_x + x * cos + z * sin, at_z - x * sin + z * cos
+
+
+@compiled
+def _seen(x: float, z: float, heading: float) -> tuple[float, float]:
+    """Return how far ahead and to the right a place is for one who looks along a heading."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    return x * cos - z * sin, x * sin + z * cos
+
+
+@compiled
 def _swing(
     person: Record, k: int, pace: tuple[float, float, float], frame: Record, vertices: Array
 ) -> None:
@@ -289,8 +325,8 @@ def _swing(
     land = row(person.land, k)
     slope = incline(frame, vertices, land, person.yaw_land[k])
     end = plus(land, on_ground(person, person.yaw_land[k], toes, slope))
-    for c in range(3):
-        person.ankles[k, c] = (1.0 - s) * person.left[k, c] + s * end[c]
+    person.ankles[k, 0], person.ankles[k, 2] = _round(person, k, end, s)
+    person.ankles[k, 1] = (1.0 - s) * person.left[k, 1] + s * end[1]
     # Level at both ends: a foot that falls to the ground bumps, and one that is torn off it jerks.
     person.ankles[k, 1] += 16.0 * person.arch[k] * (u * (1.0 - u)) ** 2
     person.yaw[k] = person.yaw_left[k] + s * wrapped(person.yaw_land[k] - person.yaw_left[k])

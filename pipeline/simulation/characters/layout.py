@@ -121,6 +121,9 @@ OWNER = np.dtype(
         ("glides", "?"),
         # How deep something was found in it, or it in something, in this sub-step [m].
         ("deep", "f8"),
+        # Whether its own links are deep in one another, and for how long [s].
+        ("knotted", "?"),
+        ("tangled", "f8"),
         # Whether it is gone through now.
         ("busy", "?"),
         # Whom its arms are put around, or NOBODY.

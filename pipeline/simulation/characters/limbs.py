@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 
+from pipeline.simulation.characters.touching import BORNE
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
@@ -34,6 +35,9 @@ TINY = 1e-9
 
 SHORT = 0.996
 """Part of its length that a link may be pressed to."""
+
+LIFTS = 1.5e-3
+"""How far a joint that would be pressed into the ground lifts its limb instead, each time [m]."""
 
 BACK = 0.05
 """Cosine below which a turn has no shortest way."""
@@ -201,13 +205,17 @@ def _push(nodes: Records, limb: Record, way: Vector) -> None:
 def _swing(nodes: Records, limb: Record, way: Vector) -> None:
     """Move the joint by `way` against root and tip, which take on half each."""
     root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
-    weight = joint.give + 0.25 * (root.give + tip.give)
-    if weight == 0.0:
-        return
-    share = 1.0 / weight
-    _move(joint, times(share * joint.give, way))
-    _move(root, times(-0.5 * share * root.give, way))
-    _move(tip, times(-0.5 * share * tip.give, way))
+    size = length(way)
+    lifted = min(LIFTS / size, 1.0) if way[1] < 0.0 and joint.grounded > 0.0 else 0.0
+    for k in range(2):
+        # What lies on the ground is borne by it: root and tip rise instead, but not at a jerk.
+        a = joint.give * (BORNE if k == 1 else 1.0)
+        weight = a + 0.25 * (root.give + tip.give)
+        share = (lifted if k == 1 else 1.0 - lifted) / weight if weight > 0.0 else 0.0
+        if share > 0.0:
+            _move(joint, times(share * a, way))
+            _move(root, times(-0.5 * share * root.give, way))
+            _move(tip, times(-0.5 * share * tip.give, way))
 
 
 @inlined

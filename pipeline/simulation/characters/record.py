@@ -77,6 +77,10 @@ PERSON = np.dtype(
         ("pitch", "f8", 2),
         ("pitch_left", "f8", 2),
         ("ankles", "f8", (2, 3)),
+        # Of each that swings: where the pelvis looked when it left the ground, and where the other
+        # foot was to stand, x and z, round which it goes [rad], [m].
+        ("way_left", "f8", 2),
+        ("pivot", "f8", (2, 2)),
         # Since it was last asked [s]; how often feet came down since then, the last time of each,
         # and with what speed [m/s].
         ("since", "f8"),

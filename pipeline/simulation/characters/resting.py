@@ -30,6 +30,10 @@ TIRED = 8
 """How often somebody has been watched and has not gone far when its tremor wakes nobody: in a pile
 each would keep the others awake for ever."""
 
+UNTANGLES = 2.0
+"""Time for which links of one character that are in one another are parted [s]: where its joints
+hold them there they are thrown back as fast as they part, and it would never lie still."""
+
 DEEP, WEDGED = 0.004, 40
 """How deep somebody lies in another who is given time to come out [m], and how often it is watched
 for that."""
@@ -44,6 +48,10 @@ def look_who_rests(
         owner = owners[c]
         if not owner.asleep:
             owner.speed = _speed(nodes, owner) / h
+            # Those who act bring their arms out of themselves.
+            longer = dt if owner.knotted and not owner.acts else -dt
+            owner.tangled = min(max(owner.tangled + longer, 0.0), UNTANGLES)
+            owner.knotted = False
             owner.watched += dt
             if owner.watched >= WATCH and not owner.acts:
                 _watch(nodes, links, owner)
@@ -62,6 +70,23 @@ def strike(nodes: Records, one: Record, other: Record) -> None:
     if (one.asleep or other.acts) and other.drowsy < TIRED:
         wake(nodes, one)
     if (other.asleep or one.acts) and one.drowsy < TIRED:
+        wake(nodes, other)
+
+
+@inlined
+def rouse(nodes: Records, one: Record, other: Record, depth: float, speed: float) -> None:
+    """Wake those of two who touch whom that wakes: a blow at a speed [m/s], or a depth [m].
+
+    Who has lain deep in somebody asleep for long wakes that one, for both to make room; who fell
+    asleep in spite of it does not wake the other again.
+    """
+    if speed > WAKES:
+        strike(nodes, one, other)
+    if depth <= DEEP:
+        return
+    if one.asleep and one.drowsy < WEDGED and not other.asleep and other.drowsy >= TIRED:
+        wake(nodes, one)
+    elif other.asleep and other.drowsy < WEDGED and not one.asleep and one.drowsy >= TIRED:
         wake(nodes, other)
 
 

@@ -17,7 +17,7 @@ import math
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
 from pipeline.simulation.characters.layout import NOBODY, TERRAIN
-from pipeline.simulation.characters.resting import WAKES, strike
+from pipeline.simulation.characters.resting import UNTANGLES, rouse
 from pipeline.simulation.characters.segments import closest
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
@@ -38,8 +38,11 @@ LEAST_BOUNCE = 0.25
 """Speed of approach below which nothing bounces [m/s]."""
 
 BORNE, STEEP = 0.02, 0.3
-"""Part of its lightness that is left of what is pressed on the ground, and the cosine of the
-least angle to the level at which it is."""
+"""Part of its lightness, or of that of what presses, if that is less, which is left of what is
+pressed on the ground, and the cosine of the least angle to the level at which it is."""
+
+KNOT = 0.003
+"""How deep links of one character are in one another that tire of parting [m]."""
 
 SPARE = 0.1
 """Part of its length that a link may be longer than it should."""
@@ -111,20 +114,21 @@ def meet(
             return
     slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
     nearer = -dot(slip, n)
-    if nearer > WAKES * h:
-        strike(nodes, one, other)
-    light_a = borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1])
-    light_b = borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1])
-    w_a = light_a * _lightness(nodes, a, s, boxes)
-    w_b = light_b * _lightness(nodes, b, t, boxes)
+    depth = reach - apart
+    rouse(nodes, one, other, depth, nearer / h)
+    w_a, w_b = _lightness(nodes, a, s, boxes), _lightness(nodes, b, t, boxes)
+    light_a = borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1], w_a, w_b)
+    light_b = borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1], w_b, w_a)
+    w_a, w_b = light_a * w_a, light_b * w_b
     if w_a + w_b == 0.0:
         return
     share = 1.0 / (w_a + w_b)
     if a.owner != b.owner:
         _feel(links, pair, (place, n), max(nearer, 0.0) / h, share, moment, log)
-    depth = reach - apart
     one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
     stopped = min(depth, max(nearer, 0.0))
+    if a.owner == b.owner:
+        slack = _untangled(one, depth, slack)
     parted = min(depth - stopped, slack)
     move = plus(times(stopped, n), rubbed(slip, n, 0.5 * (one.friction + other.friction) * stopped))
     back = 0.0
@@ -141,6 +145,14 @@ def meet(
     if a.owner != b.owner:
         _rub(nodes, a, one, nearer / h)
         _rub(nodes, b, other, nearer / h)
+
+
+@inlined
+def _untangled(owner: Record, depth: float, slack: float) -> float:
+    """Return how far two links of one character may part that are so deep in one another [m]."""
+    owner.knotted = owner.knotted or depth > KNOT
+    left: float = slack * max(1.0 - owner.tangled / UNTANGLES, 0.0)
+    return left
 
 
 @inlined
@@ -190,13 +202,22 @@ def grow_old(links: Records, h: float) -> None:
 
 
 @inlined
-def borne(one: Record, other: Record, up: float) -> float:
+def borne(one: Record, other: Record, up: float, own: float, against: float) -> float:
     """Return how much is left of the lightness of what is pushed by a move so far up.
 
     What lies on the ground is borne by it: something heavy would press it in, and it bear
-    nothing.
+    nothing, however light it is.
+
+    Args:
+        one: the node at the begin of what is pushed.
+        other: the node at its end.
+        up: how far up the move goes, of its length.
+        own: inverse mass of what is pushed [1/kg].
+        against: that of what pushes, 0 of what nothing moves [1/kg].
     """
-    return BORNE if up < -STEEP and one.grounded + other.grounded > 0.0 else 1.0
+    if up >= -STEEP or one.grounded + other.grounded == 0.0:
+        return 1.0
+    return BORNE * against / own if 0.0 < against < own else BORNE
 
 
 @inlined

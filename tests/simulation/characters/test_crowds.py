@@ -12,6 +12,10 @@ from .yards import DT, depth, least_bend, lengths_off, pile, random_crowd
 pytestmark = pytest.mark.slow
 
 FEW, SOME, ALL = range(8), range(8, 100), range(100, 1000)
+ONCE_FAILED = (145, 349, 748, 769, 777, 229, 347)
+"""An edge between the balls of a limb; knotted legs; a light foot below a bench; a knee pressed
+into the ground by its own hip; a shin between those of somebody asleep."""
+
 LONGEST = 40.0
 """In which all lie still: balls roll for long [s]."""
 
@@ -44,7 +48,7 @@ def holds(seed: int) -> None:
     assert (crowd.nodes["radius"] - crowd.p[:, 1]).max() < 0.005
 
 
-@pytest.mark.parametrize("seed", FEW)
+@pytest.mark.parametrize("seed", [*FEW, *ONCE_FAILED])
 def test_nothing_explodes(seed: int) -> None:
     holds(seed)
 

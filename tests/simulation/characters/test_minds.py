@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.simulation.characters.behaviours.leisure import Stroll
 from pipeline.simulation.characters.behaviours.registry import MAKERS, kind_of
 from pipeline.simulation.characters.mind.anxiety import FAR, SAFE, SOOTHES, exposed, felt
 from pipeline.simulation.characters.mind.glances import Glances
@@ -148,6 +149,47 @@ def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
         pass
     assert characters.persons[0].at[0] < -0.25
     assert abs(characters.persons[0].heading) < 0.3
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_who_is_hurt_does_not_step_back_into_what_stands_there(seed: int) -> None:
+    cast = "- {name: one, character: child, traits: {}, behaviours: [{wander: 0}]}\n"
+    cast += "- {name: two, character: child, at: [0.8, 0]}\n"
+    cast += "- {name: carousel, character: merry-go-round, at: [-1.9, 0]}"
+    made = simulation(cast, 1.5, f"seed: {seed}")
+    characters = troupe(made)
+    made.step()
+    minds = characters.minds
+    assert minds is not None
+    minds.minds[0].hurt(2.0, 1, 0.01)
+    nearest = math.inf
+    for _ in steps(made):
+        x, z = characters.persons[0].at
+        nearest = min(nearest, math.hypot(x + 1.9, z))
+    assert nearest > 1.5
+    # Away from who has hurt it, all the same.
+    assert math.hypot(x - 0.8, z) > 1.2
+
+
+def test_nobody_strolls_to_where_something_stands() -> None:
+    cast = "- {name: one, character: child, at: [3, 0], behaviours: [{wander: 3.5}]}\n"
+    cast += "- {name: carousel, character: merry-go-round, at: [0.9, 0]}"
+    made = simulation(cast, 1.0)
+    characters = troupe(made)
+    made.step()
+    minds = characters.minds
+    assert minds is not None
+    mind = minds.minds[0]
+    stroll = mind.behaviours["wander"]
+    assert isinstance(stroll, Stroll)
+    room = mind.around.radius[1] + mind.slim
+    for _ in range(60):
+        stroll.end(mind)
+        mind.now += 20.0
+        stroll.motor(mind)
+        mind.now += 20.0
+        stroll.motor(mind)
+        assert math.dist(stroll.goal, (0.9, 0.0)) > room
 
 
 @pytest.mark.slow

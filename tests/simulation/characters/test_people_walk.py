@@ -18,7 +18,7 @@ from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
 
 from .acting import STEPS, Play, play_scene, spells, walk, walk_words
-from .yards import least_bend
+from .yards import least_bend, legs_depth
 
 pytestmark = pytest.mark.slow
 
@@ -89,6 +89,43 @@ def test_knees_bend_forward_and_elbows_back(kind: str, speed: float, terrain: st
         up = np.cross(np.stack([np.sin(heading), 0 * heading, np.cos(heading)], axis=1), along)
         assert ((off * up).sum(axis=1) > -1e-3).all()
         assert ((off * ahead).sum(axis=1) > -0.02).all()
+
+
+def corners(kind: str, speed: float, turn_deg: float, legs: int = 4) -> str:
+    """Return the scene of one who is sent on around sharp corners before it has got there."""
+    far, heading, x, z = 1.2 * speed, 0.0, 0.0, 0.0
+    words = f"duration: {1.2 * legs + 2.0}\ncast: [{{name: a, character: {kind}, at: [0, 0]}}]\n"
+    words += f"script:\n  - {{at: 0, who: a, do: {{speed: {speed}}}}}\n"
+    for k in range(legs):
+        x, z = x + far * math.cos(heading), z - far * math.sin(heading)
+        words += f"  - {{at: {1.176 * k:.3f}, who: a, do: {{go_to: [{x:.3f}, {z:.3f}]}}}}\n"
+        heading += math.radians(turn_deg if k % 2 == 0 else -turn_deg)
+    return words
+
+
+HAIRPIN = pytest.mark.xfail(
+    strict=True, reason="who is carried on sideways over a hairpin leans one leg over the other"
+)
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed", "turn_deg"),
+    [
+        ("adult", 1.3, 60.0),
+        ("adult", 1.3, 180.0),
+        ("child", 1.7, 60.0),
+        ("child", 1.0, 180.0),
+        pytest.param("adult", 1.3, 140.0, marks=HAIRPIN),
+    ],
+)
+def test_legs_go_round_one_another_in_zigzags(kind: str, speed: float, turn_deg: float) -> None:
+    deep: list[float] = []
+
+    def look(troupe: Characters, _: int) -> None:
+        deep.append(legs_depth(troupe.crowd.nodes, troupe.crowd.links))
+
+    play_scene(corners(kind, speed, turn_deg), look)
+    assert max(deep) < 0.008
 
 
 def test_no_joint_is_ever_reversed() -> None:

@@ -414,7 +414,27 @@ def test_what_stands_is_felt_once_and_rows_are_written_by_the_dozen() -> None:
         while not simulation.finished:
             simulation.step()
     assert np.array_equal(once.take().positions, always.take().positions)
-    moving = Simulation(
-        read_scene(words + "\n- {prop: {shape: ball}, at: [3, 3], spin_deg: [0, 9, 0]}")
+
+
+def test_what_moves_is_felt_in_every_row_and_rows_are_written_by_the_dozen() -> None:
+    words = (
+        "pronk: 1\nduration: 1.5\ncast:\n- {name: doll, character: ragdoll, at: [0, 0.7, 0]}\n"
+        "- {name: bob, character: child, at: [-1, 0]}\n"
+        "- {name: table, prop: {shape: box, size: [1, 0.5, 1]}, at: [0, 0], spin_deg: [0, 40, 0]}\n"
+        "- {name: cup, prop: {shape: ball, radius: 0.1}, at: [0.3, 0.6, 0], parent: table}\n"
+        "- {name: rock, body: {shape: sphere, radius: 0.1, collide: all}, at: [-2, 0.8, 0],"
+        " velocity: [4, 1, 0]}\n"
+        "- {name: fly, prop: {shape: ball, radius: 0.03}, at: [0, 0.2, 0], parent: rock}"
     )
-    assert moving._at_once == 1
+    often, seldom = Simulation(read_scene(words)), Simulation(read_scene(words))
+    assert seldom._at_once > 4
+    often._at_once = 1
+    for simulation in (often, seldom):
+        while not simulation.finished:
+            simulation.step()
+    one, other = often.take(), seldom.take()
+    for name in ("positions", "rotations", "alive", "values", "scales"):
+        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+    assert [repr(c) for c in one.contacts] == [repr(c) for c in other.contacts]
+    assert [repr(e) for e in one.events] == [repr(e) for e in other.events]
+    assert one.contacts

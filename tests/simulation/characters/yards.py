@@ -13,12 +13,12 @@ from pipeline.simulation.characters.layout import Crowd, Plan, crowd_of
 from pipeline.simulation.characters.limbs import bend
 from pipeline.simulation.characters.making import RAGDOLL
 from pipeline.simulation.characters.neighbours import Room, room_for
-from pipeline.simulation.characters.person import person
+from pipeline.simulation.characters.person import LINK_NAMES, person
 from pipeline.simulation.characters.record import PERSON
 from pipeline.simulation.characters.segments import closest
 from pipeline.simulation.characters.stepping import advance
 from pipeline.simulation.characters.things import ball, box
-from pipeline.simulation.dynamics.compiled import Records, entry
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
 from pipeline.simulation.dynamics.grid import Grid, grid_of
 from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.people.proportions import ADULT, CHILD
@@ -26,6 +26,8 @@ from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.terrain.heightfield import HeightField
 
 DT, COUNT = 1.0 / 96.0, 3
+LEFT_LEG = (LINK_NAMES.index("thigh_l"), LINK_NAMES.index("shin_l"))
+RIGHT_LEG = (LINK_NAMES.index("thigh_r"), LINK_NAMES.index("shin_r"))
 FLAT = grid_of(HeightField(np.zeros((3, 3)), (60.0, 60.0)))
 
 
@@ -158,15 +160,31 @@ def depth(nodes: Records, links: Records) -> float:
     for a in range(len(links)):
         for b in range(a + 1, len(links)):
             one, other = links[a], links[b]
-            if one.girth == 0.0 or other.girth == 0.0 or one.owner == other.owner:
-                continue
-            p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
-            r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
-            u = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
-            v = (s[0] - r[0], s[1] - r[1], s[2] - r[2])
-            t, w = closest((p[0], p[1], p[2]), u, (r[0], r[1], r[2]), v)
-            squared = 0.0
-            for k in range(3):
-                squared += (p[k] + t * u[k] - r[k] - w * v[k]) ** 2
-            deepest = max(deepest, one.girth + other.girth - math.sqrt(squared))
+            if one.girth > 0.0 and other.girth > 0.0 and one.owner != other.owner:
+                deepest = max(deepest, overlap(nodes, one, other))
     return deepest
+
+
+@entry
+def legs_depth(nodes: Records, links: Records) -> float:
+    """Return how deep the legs of the first person are in one another [m], less than 0 if apart."""
+    deepest = -9.0
+    for a in LEFT_LEG:
+        for b in RIGHT_LEG:
+            deepest = max(deepest, overlap(nodes, links[a], links[b]))
+    return deepest
+
+
+@compiled
+def overlap(nodes: Records, one: Record, other: Record) -> float:
+    """Return how deep two links are in one another [m], less than 0 if they are apart."""
+    p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
+    r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
+    u = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
+    v = (s[0] - r[0], s[1] - r[1], s[2] - r[2])
+    t, w = closest((p[0], p[1], p[2]), u, (r[0], r[1], r[2]), v)
+    squared = 0.0
+    for k in range(3):
+        squared += (p[k] + t * u[k] - r[k] - w * v[k]) ** 2
+    off: float = one.girth + other.girth - math.sqrt(squared)
+    return off

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.motor import Motor
-from pipeline.simulation.characters.behaviours.route import Route
+from pipeline.simulation.characters.behaviours.route import WITHIN, Route, are_free
 from pipeline.simulation.characters.layout import Numbers
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Approach
@@ -148,6 +148,25 @@ def _in_the_way(mind: Mind, target: int) -> Numbers:
     if target >= 0:
         mask[target] = False
     return np.flatnonzero(mask)
+
+
+def has_room(mind: Mind, place: Array) -> bool:
+    """Tell whether there is room for somebody at a place (2,), as far as it remembers."""
+    which = _in_the_way(mind, -1)
+    off = mind.memory.places[which][:, [0, 2]] - place
+    reaches = mind.around.radius[which] + mind.slim
+    return bool(((off * off).sum(axis=1) > reaches**2).all())
+
+
+def leads_free(mind: Mind, place: Array) -> bool:
+    """Tell whether nothing stands on the straight way to a place (2,), nor there.
+
+    Whoever is in the circle around something may go out of that, and not farther in.
+    """
+    which = _in_the_way(mind, -1)
+    middles, away = mind.memory.places[which][:, [0, 2]], mind.memory.away[which]
+    reaches = np.minimum(mind.around.radius[which] + mind.slim, WITHIN * away)
+    return bool(are_free(mind.at, place[None], middles, reaches)[0])
 
 
 def _obstacles(mind: Mind, which: Numbers, to: Array, size: float) -> tuple[Array, Array, Array]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.simulation.characters.behaviours.approach import steer
+from pipeline.simulation.characters.behaviours.approach import has_room, steer
 from pipeline.simulation.characters.behaviours.motor import Motor
 from pipeline.spec.behaviour import SitDown, Wander
 
@@ -22,6 +22,9 @@ STANDS = (0.8, 3.0)
 
 THERE = 0.4
 """How near a place is near enough [m]."""
+
+CHOICES = 6
+"""How many places it thinks of at most, until nothing stands where it would go to."""
 
 GIVES_UP = 12.0
 """After so long it goes elsewhere [s]."""
@@ -53,11 +56,14 @@ class Stroll:
         return steer(mind, self.goal, THERE, pace=mind.stroll + 0.5 * (mind.pace - mind.stroll))
 
     def _choose(self, mind: Mind) -> None:
-        angle = 2.0 * math.pi * float(mind.rng.random())
-        reach = self.words.wander * math.sqrt(float(mind.rng.random()))
-        self.goal = self.home + reach * np.array([math.cos(angle), math.sin(angle)])
         around = mind.around
-        self.goal = np.clip(self.goal, around.low + 1.0, around.high - 1.0)
+        for _ in range(CHOICES):
+            angle = 2.0 * math.pi * float(mind.rng.random())
+            reach = self.words.wander * math.sqrt(float(mind.rng.random()))
+            self.goal = self.home + reach * np.array([math.cos(angle), math.sin(angle)])
+            self.goal = np.clip(self.goal, around.low + 1.0, around.high - 1.0)
+            if has_room(mind, self.goal):
+                break
         self.stands, self.until = 0.0, mind.now + GIVES_UP
 
     def end(self, mind: Mind) -> None:

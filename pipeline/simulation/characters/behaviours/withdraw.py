@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pipeline.simulation.characters.behaviours.approach import leads_free
 from pipeline.simulation.characters.behaviours.motor import Motor
+from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
@@ -20,6 +22,9 @@ LASTS = 0.8
 
 STEPS_BACK = 1.4
 """How far away the place is that it goes to [m]."""
+
+ASIDE = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
+"""By how much it steps back aside from straight away, where something stands there."""
 
 FAST = 0.55
 """How fast, as a part of √(g l)."""
@@ -52,14 +57,23 @@ class Withdraw:
         size = math.hypot(to[0], to[1])
         if size < 1e-6:
             to, size = np.array([math.cos(heading), -math.sin(heading)]), 1.0
-        around = mind.around
-        goal = np.clip(mind.at - STEPS_BACK * to / size, around.low + 0.5, around.high - 0.5)
+        away = math.atan2(-to[1], -to[0])
+        goals = [self._place(mind, away + turn) for turn in ASIDE]
+        free = [goal for goal in goals if leads_free(mind, goal)]
+        goal = free[0] if free else goals[0]
         return Motor(
             goal=(float(goal[0]), float(goal[1])),
             pace=FAST * mind.root,
             facing=math.atan2(-to[1], to[0]),
             target=by,
         )
+
+    @staticmethod
+    def _place(mind: Mind, way: float) -> Array:
+        around = mind.around
+        goal = mind.at + STEPS_BACK * np.array([math.cos(way), math.sin(way)])
+        result: Array = np.clip(goal, around.low + 0.5, around.high - 0.5)
+        return result
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""

@@ -10,6 +10,7 @@ from pipeline.simulation.people.frames import (
     NOD,
     ORIGINS,
     PARENTS,
+    closed,
     frame_origins,
     frames_of,
 )
@@ -156,3 +157,18 @@ def test_soles_lie_on_the_ground_as_far_as_ankles_let_them() -> None:
     R, _ = frames_of(lying)
     shin = R[FRAMES.index("shin_r")]
     assert np.degrees(np.arccos((shin[:, 1] * R[foot, :, 1]).sum())) < 20
+
+
+def test_hands_around_somebody_bend_inward_and_others_go_on_straight() -> None:
+    rest = np.stack([ADULT.rest()] * 2)
+    R, _ = frames_of(rest)
+    forearms = R[:, [FRAMES.index("forearm_l"), FRAMES.index("forearm_r")]]
+    chest = R[:, FRAMES.index("chest")]
+    share = np.array([[0.0, 0.0], [1.0, 0.4]])
+    hands = closed(forearms, chest, share)
+    np.testing.assert_allclose(hands[0], forearms[0], atol=1e-12)
+    np.testing.assert_allclose(hands @ hands.swapaxes(-1, -2), np.eye(3) + 0 * hands, atol=1e-12)
+    inward = np.stack([chest[..., 2], -chest[..., 2]], axis=1)
+    turned = ((-hands[..., 1]) * inward).sum(axis=-1) - ((-forearms[..., 1]) * inward).sum(axis=-1)
+    assert (turned[1] > [0.6, 0.3]).all()
+    assert turned[1, 0] > turned[1, 1]

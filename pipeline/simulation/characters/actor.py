@@ -13,6 +13,7 @@ from pipeline.simulation.characters.layout import NOBODY, Crowd
 from pipeline.simulation.characters.record import (
     HAND,
     HEAD,
+    HUGGING,
     PELVIS,
     PLACED,
     SHOULDERS,
@@ -167,6 +168,11 @@ class Actor:
     def put_hand(self, k: int, place: Array) -> None:
         """Send a hand to a place."""
         self.me.arm[k] = PLACED
+        self.me.arm_at[k] = place
+
+    def put_round(self, k: int, place: Array) -> None:
+        """Send a hand to a place behind somebody."""
+        self.me.arm[k] = HUGGING
         self.me.arm_at[k] = place
 
     def hold(self, k: int, node: int) -> None:

@@ -16,14 +16,17 @@ from pipeline.simulation.characters.making import proportions_of
 from pipeline.simulation.characters.things import axes_of, directions_of
 from pipeline.simulation.people.clothes import clothes_of
 from pipeline.simulation.people.flesh import dressed, worn
-from pipeline.simulation.people.frames import FRAMES, PARENTS, frame_origins, frames_of
+from pipeline.simulation.people.frames import FRAMES, PARENTS, closed, frame_origins, frames_of
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
 from pipeline.spec.cast import Character
 
-FEET = [FRAMES.index("foot_l"), FRAMES.index("foot_r")]
+FEET, HANDS, FOREARMS = (
+    [FRAMES.index(f"{name}_l"), FRAMES.index(f"{name}_r")] for name in ("foot", "hand", "forearm")
+)
+CHEST = FRAMES.index("chest")
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +64,9 @@ class Appearance:
     joints: Numbers
     things: tuple[Thing, ...]
 
-    def pose(self, p: Array, spins: Array, gaze: Array, feet: Array) -> tuple[Array, Array]:
+    def pose(
+        self, p: Array, spins: Array, gaze: Array, feet: Array, clasp: Array
+    ) -> tuple[Array, Array]:
         """Return rotations (K, J, 3, 3) and places (K, J, 3) of all frames.
 
         Args:
@@ -69,6 +74,7 @@ class Appearance:
             spins: (K, T, 3, 3) rotations of things; those of balls count.
             gaze: (K, A, 3) where those look who hold themselves, a direction.
             feet: (K, A, 2, 3, 3) rotations of their feet, which nodes do not say.
+            clasp: (K, A, 2) how far their hands close around somebody, 0 to 1.
         """
         count = len(self.inventory.nodes)
         R = np.empty((len(p), count, 3, 3))
@@ -80,7 +86,10 @@ class Appearance:
                 if len(some):
                     posed = frames_of(p[:, self.joints[some]], looks)
                     R[:, which[some]], places[:, which[some]] = posed
-            R[:, which[self.acting][:, FEET]] = feet
+            acting = which[self.acting]
+            forearms, chests = R[:, acting[:, FOREARMS]], R[:, acting[:, CHEST]]
+            R[:, acting[:, HANDS]] = closed(forearms, chests, clasp)
+            R[:, acting[:, FEET]] = feet
         for k, thing in enumerate(self.things):
             own = p[:, slice(*thing.nodes)]
             turned = spins[:, k]

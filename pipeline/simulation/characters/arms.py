@@ -18,6 +18,7 @@ from pipeline.simulation.characters.record import (
     ELBOW,
     HAND,
     HIP,
+    HUGGING,
     KNEE,
     LONGEST_ARM,
     OUT,
@@ -52,6 +53,9 @@ BOWS, DEEPEST_BOW, DEEPEST_CROUCH = 0.45, 1.5, 0.66
 """How far shoulders have to come down, in their height, for the deepest bow; the tangent of
 that; and how far hips come down, in their height."""
 
+HANGS = 0.35
+"""How far elbows hang that are aside, as a tangent."""
+
 SWING = math.radians(23.0)
 """How far arms swing to both sides at the speed that people like best."""
 
@@ -65,7 +69,7 @@ def stoop(person: Record, dt: float) -> None:
     arm = person.upper_arm + person.forearm
     height = person.hip_height + person.belly + person.chest
     for k in range(2):
-        if person.arm[k] == PLACED and person.seated == 0.0:
+        if person.arm[k] >= PLACED and person.seated == 0.0:
             low = max(low, person.floor + height - 0.8 * arm - person.arm_at[k, 1])
     bow = min(max(low, person.down) / (BOWS * height), 1.0) * DEEPEST_BOW
     person.bow, person.bow_rate = sprung(person.bow, person.bow_rate, bow, 4.0, dt)
@@ -89,6 +93,13 @@ def hold_arms(person: Record, dt: float) -> None:
         wants = 0.0 if person.arm[k] == SWINGING and person.posture != SITTING else 1.0
         person.told[k], person.told_rate[k] = sprung(
             person.told[k], person.told_rate[k], wants, QUICK, dt
+        )
+        person.wraps[k], person.wraps_rate[k] = sprung(
+            person.wraps[k],
+            person.wraps_rate[k],
+            1.0 if person.arm[k] == HUGGING else 0.0,
+            QUICK,
+            dt,
         )
         for c in range(3):
             person.hand[k, c], person.hand_rate[k, c] = sprung(
@@ -162,6 +173,9 @@ def _bend(person: Record, k: int, shoulder: Vector, hand: Vector, frame: Frame) 
     pole = times(-1.0, cross(frame[2], times(1.0 / length(along), along)))
     pole = plus(pole, plus(times(0.28 * side, frame[2]), times(-0.12, frame[1])))
     pole = plus(pole, times(-0.06, frame[0]))
+    # Round somebody elbows go aside, so that forearms close behind.
+    aside = plus(times(side, frame[2]), times(-HANGS, frame[1]))
+    pole = plus(times(1.0 - person.wraps[k], pole), times(person.wraps[k], aside))
     put(person.wanted, ELBOW + k, bent(shoulder, hand, upper, fore, pole))
     put(person.wanted, HAND + k, hand)
 

@@ -199,7 +199,8 @@ class Characters:
         spins[:, self._balls] = turned
         # Of all rows at once: it is the calls that cost.
         gaze, feet = gaze_of(persons), feet_of(persons, self.world.ground)
-        rows.rotations[:], rows.positions[:] = self._look.pose(p, spins, gaze, feet)
+        posed = self._look.pose(p, spins, gaze, feet, persons["wraps"])
+        rows.rotations[:], rows.positions[:] = posed
         rows.alive[:] = True
         if self._values:
             rows.values[:] = self._values

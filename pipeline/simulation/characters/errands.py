@@ -18,12 +18,19 @@ from pipeline.simulation.characters.record import (
     REACHING,
     SHOULDERS,
     SITTING,
+    SPINE,
     STANDING,
 )
 from pipeline.simulation.spatial import Array
 
 CHEST = 0.075
 """Radius of a chest, in heights."""
+
+LONGEST = 0.95
+"""Of a reach that arms are to go round somebody with."""
+
+FLAT = 0.055
+"""Depth of a back behind the spine, in heights: where hands lie that cannot meet behind it."""
 
 WAIST = 0.085
 """Height of the narrowest place of a trunk above the pelvis, in heights."""
@@ -291,22 +298,29 @@ class Hug:
             side = (1.0 if k == 1 else -1.0) * (0.15 * self.size + 0.03)
             place = start + 0.85 * actor.arm * ahead + side * right
             place[1] = self._level(actor, k)
-            actor.put_hand(k, place)
+            actor.put_round(k, place)
 
     def _close(self, actor: Actor, other: Array) -> None:
         """Bring the hands together behind the other's back."""
         actor.embrace(self.owner)
         ahead = _towards(actor, other)
         right = np.array([-ahead[2], 0.0, ahead[0]])
-        round_it = CHEST * self.size + 0.035 * actor.me.height
+        full = CHEST * self.size + 0.035 * actor.me.height
+        reach = math.sqrt(max(actor.arm**2 - float(actor.me.shoulders) ** 2, 0.0))
         # First past the other's sides, then together.
         shut = min(self.touched / CLOSES, 1.0)
         wide = (1.0 - shut) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * wide
-            place = other + round_it * ahead + side * right
-            place[1] = self._level(actor, k)
-            actor.put_hand(k, place)
+            middle = self._middle(actor, self._level(actor, k))
+            behind = min(full, max(LONGEST * reach - actor.away(middle), FLAT * self.size))
+            actor.put_round(k, middle + behind * ahead + side * right)
+
+    def _middle(self, actor: Actor, level: float) -> Array:
+        """Return the middle (3,) of the other's trunk at a height, however it leans [m]."""
+        spine = actor.stage.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
+        x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
+        return np.array([x, level, z])
 
 
 def _towards(actor: Actor, place: Array) -> Array:

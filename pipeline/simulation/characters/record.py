@@ -26,9 +26,9 @@ COUNT = len(JOINTS)
 STANCE, SWING = 0, 1
 """What a foot does."""
 
-SWINGING, REACHING, HUGGING, PLACED = 0, 1, 2, 3
-"""What an arm does: it swings along, is held out ahead, closes around somebody, or has its hand
-put somewhere, which is told in the frame of the chest or in the world."""
+SWINGING, REACHING, PLACED, HUGGING = 0, 1, 2, 3
+"""What an arm does: it swings along, is held out ahead, has its hand put somewhere in the world,
+or that around somebody, with the elbow aside."""
 
 STANDING, SITTING = 0, 1
 
@@ -113,6 +113,9 @@ PERSON = np.dtype(
         ("told_rate", "f8", 2),
         ("hand", "f8", (2, 3)),
         ("hand_rate", "f8", (2, 3)),
+        # How far the arm goes round somebody, 0 to 1, and the rate.
+        ("wraps", "f8", 2),
+        ("wraps_rate", "f8", 2),
         # How much its muscles are slack after a blow, 0 to 1.
         ("dazed", "f8"),
         # Commands: a place to go to, whether it got there in this step, how near

@@ -63,6 +63,9 @@ GUIDED = 0.5
 NOD = np.radians(50.0)
 """How far a head looks up or down against its neck, at most."""
 
+CLASP = 1.3
+"""How far hands bend inward that lie around somebody, as a tangent across straight forearms."""
+
 LEVEL, LIMP = np.radians(45.0), np.radians(110.0)
 """How far an ankle turns to put a sole down, and at which angle it no longer tries."""
 
@@ -114,6 +117,20 @@ def frames_of(
         R[f"foot_{side}"] = _foot(R[f"shin_{side}"], sole)
     rotations = np.stack([R[name] for name in FRAMES], axis=-3)
     return rotations, joints[..., [JOINTS.index(name) for name in ORIGINS], :]
+
+
+def closed(forearms: Array, chest: Array, share: Array) -> Array:
+    """Return the frames (..., 2, 3, 3) of hands that lie around somebody.
+
+    Args:
+        forearms: (..., 2, 3, 3) frames of the left and the right one, which hands go on straight.
+        chest: (..., 3, 3) frame of the chest.
+        share: (..., 2) how much they bend inward, 0 to 1.
+    """
+    along = -forearms[..., 1]
+    inward = chest[..., None, :, 2] * np.array([[1.0], [-1.0]])
+    bent = normalized(along + CLASP * share[..., None] * inward)
+    return np.stack([_swung(along, bent, forearms[..., k]) for k in range(3)], axis=-1)
 
 
 def _facing(right: Array, up: Array, upright: bool) -> Array:

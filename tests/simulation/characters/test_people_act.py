@@ -80,6 +80,10 @@ def test_two_hug_with_arms_around_one_another() -> None:
         # Around the other: both hands lie behind the middle of the other's chest.
         assert min((hand - back) @ way for hand in hands) > 0.05
         assert min(math.dist(hand, back) for hand in hands) < 0.3
+    # Arms too short to close behind a grown-up end on its back, and not in the air.
+    a, b = (play.joint(who, "pelvis")[row] for who in "ab")
+    way = (a - b) * [1.0, 0.0, 1.0] / np.hypot(*(a - b)[[0, 2]])
+    assert max((play.joint("b", f"hand_{s}")[row] - a) @ way for s in "lr") < 0.11
     # The longer arms meet behind the back of the smaller one, and hold one another.
     hands = [play.joint("a", f"hand_{side}")[row] for side in "lr"]
     assert math.dist(*hands) < 1e-3

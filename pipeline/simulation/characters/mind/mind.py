@@ -151,7 +151,7 @@ class Mind:
     def opens_arms(self, owner: int) -> bool:
         """Tell whether another one holds both arms out for somebody, as far as can be seen."""
         arms = self.arms.get(owner)
-        return arms is not None and int(arms.arm[0]) == PLACED and int(arms.arm[1]) == PLACED
+        return arms is not None and min(int(arms.arm[0]), int(arms.arm[1])) >= PLACED
 
     def hands_apart(self, owner: int) -> float:
         """Return how far apart the hands of another one are [m], as somebody in them feels."""

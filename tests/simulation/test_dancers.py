@@ -10,8 +10,8 @@ from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.people.frames import FRAMES
 from pipeline.simulation.people.proportions import ADULT, CHILD, SEGMENT_MASSES
 from pipeline.simulation.simulate import simulate
-from pipeline.spec import read_scene
-from tests.simulation.dancing import Seen, danced
+from pipeline.spec import find_scene, load_scene, read_scene
+from tests.simulation.dancing import Seen, danced, dancing_of
 
 TEMPI = (60, 80, 103)
 BOTH = ("force-field", "joint-torque")
@@ -146,6 +146,52 @@ def test_energy_and_torques_are_bounded(by: str) -> None:
     for k, hinge in enumerate(seen.dancing.torso.linkage.hinges):
         assert q[:, k].min() > hinge.lower - 0.06
         assert q[:, k].max() < hinge.upper + 0.06
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", BOTH)
+def test_the_energy_of_motion_is_bounded(by: str) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    one = dancing_of(f"controller: {by}, tempo_bpm: 103, start: 1.0")
+    moving, energies = one.moving, []
+    moving.model.opt.enableflags |= int(mujoco.mjtEnableBit.mjENBL_ENERGY)
+    while one.now < 9.0:
+        one.advance()
+        energies.append(moving.data.energy.copy())
+    kinetic, potential = np.array(energies)[:, 1], np.array(energies)[:, 0]
+    # An arm of 3.4 kg whose middle goes at 4 m/s has 27 J; both arms lifted by 0.8 m have 53 J.
+    assert 1.0 < kinetic.max() < 27.0
+    assert np.ptp(potential) < 53.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", BOTH)
+def test_arrivals_are_located_within_the_step(by: str) -> None:
+    words = f"controller: {by}, tempo_bpm: 103, start: 1.0, steps_a_second: "
+    coarse, fine = (
+        danced(f"{words}{steps}", 1.0 + 13.0 * 60.0 / 103, 100.0) for steps in (1000, 2000)
+    )
+    apart = []
+    for move, hand in coarse.moves():
+        if coarse.dancing.goals[move.subtask].surface is None:
+            continue
+        own = [s for s in coarse.strikes if s.hand == f"hand_{'rl'[hand]}"]
+        first = min(own, key=lambda s: abs(s.time - move.land))
+        same = [s.time for s in fine.strikes if (s.hand, s.other) == (first.hand, first.other)]
+        apart.append(min((abs(time - first.time) for time in same), default=np.inf))
+    # A hand that comes down between ribs and belly may be heard on either.
+    assert sorted(apart)[:7] == pytest.approx([0.0] * 7, abs=0.0015)
+
+
+@pytest.mark.slow
+def test_touches_of_the_dance_are_heard_on_the_frames_of_their_beats() -> None:
+    scene = load_scene(find_scene("macarena"), ["duration=9"])
+    take, beat = simulate(scene), 60.0 / 103
+    for name in ("adonis", "hermes"):
+        frames = [event.frame for event in take.events if event.who == name]
+        for subtask in range(5, 13):
+            on = 1.0 + subtask * beat
+            assert min(abs((frame - 1) / 24.0 - on) for frame in frames) < 1.5 / 24.0, subtask
 
 
 @pytest.mark.slow

@@ -7,9 +7,11 @@ import pytest
 
 from pipeline.simulation.dancers.build import proportions_of
 from pipeline.simulation.dancers.dancing import Dancing
+from pipeline.simulation.dancers.torso import LINKS
 from pipeline.simulation.people.proportions import CHILD
 from pipeline.spec import read_scene
 from tests.simulation.dancing import Seen, danced, dancing_of
+from tests.simulation.test_dancers import DEPTH, TOUCHES
 
 TWO = """dances:
   two:
@@ -72,8 +74,8 @@ def test_a_child_dances_it_too(by: str) -> None:
             places = np.array(seen.places)[rows, move.subtask]
             away = np.linalg.norm(np.array(seen.hands)[rows, hand] - places, axis=1).min()
             missed.append(round(float(away), 3))
-    assert max(missed) < 0.05, missed
-    assert max(seen.deepest.values()) < 0.012
+    assert max(missed) < TOUCHES, missed
+    assert max(seen.deepest.values()) < DEPTH
 
 
 def test_gravity_sags_a_dancer_who_is_not_held_up() -> None:
@@ -105,3 +107,25 @@ def test_heads_turn_to_the_hand_that_moves() -> None:
     # The right hand is to the right: a turn about the upright to the left would be positive.
     assert names[0] < -0.1
     assert abs(names[1]) < 0.02
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", ["force-field", "joint-torque"])
+def test_the_gaze_follows_the_hands_through_the_whole_dance(by: str) -> None:
+    one = dancing_of(f"controller: {by}, tempo_bpm: 80, start: 1.0")
+    head, rows = LINKS.index("head"), list[tuple[float, ...]]()
+    while one.now < 10.0:
+        one.advance()
+        if one.looks_at is None:
+            continue
+        R, p = one.moving.poses()
+        face, way = R[head][:, 0], one.moving.places[one.looks_at] - p[head]
+        level = np.hypot(way[0], way[2])
+        turns = np.arctan2(face[2], face[0]), np.arctan2(way[2], way[0])
+        nods = np.arcsin(face[1]), np.arctan2(way[1], level)
+        rows.append((*turns, *nods, way[0]))
+    seen, later = np.array(rows)[:-24], np.array(rows)[24:]
+    # A quarter of a second behind, as long as hands are in front of the head.
+    ahead = seen[:, 4] > 0.1
+    for k in (0, 2):
+        assert np.corrcoef(later[ahead, k], seen[ahead, k + 1])[0, 1] > 0.6

@@ -54,6 +54,32 @@ def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
         ("{hand: r}", "", "subtasks[0]", "has no goal: give touch, reach, trace or joints"),
         ("{joints: {elbow_deg: 3}}", "", "joints.elbow_deg", "did you mean 'elbow_flexion_deg'"),
         ("{reach: [1.2, 1, 0]}", "", "subtasks[0].reach", "is 1.28 m from the shoulder"),
+        ("{trace: [[0.4, 1.2, 0], [2, 1, 0]]}", "", "subtasks[0].trace[1]", "is 2.05 m from"),
+        (
+            "{touch: chest, via: [[0.9, 1.2, 0]]}",
+            "",
+            "subtasks[0].via[0]",
+            "the arm reaches 0.65 m",
+        ),
+        (
+            "{reach: [0, 1.2, 0]}",
+            "",
+            "subtasks[0].reach",
+            "inside the body, 5 cm deep in the ribs",
+        ),
+        (
+            *("{touch: chest, via: [[0.02, 1.62, 0]]}", "", "subtasks[0].via[0]"),
+            "deep in the head; bring it out, or touch a place on the body",
+        ),
+        (
+            *("{joints: {elbow_flexion_deg: 190}}", "", "subtasks[0].joints.elbow_flexion_deg"),
+            "goes from 0 to 150 degrees; 190 is beyond that",
+        ),
+        ("{touch: chest, joints: {waist_bend_deg: -90}}", "", "waist_bend_deg", "from -25 to 25"),
+        (
+            *(GOOD, "pose: [{at: 0.5, joints: {elbow_r_flexion_deg: -40}}]"),
+            *("cast[0].pose[0].joints.elbow_r_flexion_deg", "goes from 0 to 150 degrees"),
+        ),
         ("{touch: chest, on: [6]}", "", "subtasks[0].on[0]", "the bar has beats 1 to 4"),
         ("{touch: chest, beats: 9}", "", "dances.own.bar", "take 9 beats, and a bar has 4"),
         (GOOD, "durations: human", "cast[0].durations", "no durations called 'human'"),

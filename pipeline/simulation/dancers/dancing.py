@@ -39,6 +39,10 @@ ROUNDS, GOOD, CALM = 5, 0.012, 0.025
 far from it one of the body may be later on before more is made up for: less than a frame of a
 film [s]."""
 
+PRACTISED = 1000
+"""Steps a second with which it practises at most: who is simulated with finer steps has learnt
+the same, and goes the same way."""
+
 NO_POSES = Poses()
 
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
@@ -337,6 +341,8 @@ def lateness(
     touches = any(goal.surface is not None for goal in goals)
     if not strikes and not (touches and _is_in_time(words)):
         return {}
+    steps = min(words.steps_a_second, PRACTISED)
+    words = words.model_copy(update={"steps_a_second": steps})
     late, tried = dict[Occasion, float](), dict[Occasion, list[tuple[float, float]]]()
     for _ in range(ROUNDS):
         trial = Dancing(words, choreography, moves, beat, dt, late)

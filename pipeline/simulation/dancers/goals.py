@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
+from pipeline.simulation.dancers.feasible import beyond_limits, inside, too_far
 from pipeline.simulation.dancers.places import (
     Surface,
     body_places,
@@ -25,7 +26,6 @@ from pipeline.simulation.dancers.torso import (
     ARM,
     HAND_RADIUS,
     LINKS,
-    PALM,
     WRIST,
     Torso,
     sided,
@@ -33,7 +33,7 @@ from pipeline.simulation.dancers.torso import (
 )
 from pipeline.simulation.dynamics.linkage import Disc, Spot
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
-from pipeline.simulation.people.proportions import JOINTS, Proportions
+from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask, Where
 
@@ -50,9 +50,6 @@ EASY = {
     "wrist_pronation": 50.0,
 }
 """How arms are held that reach for something, unless a subtask says otherwise [degrees]."""
-
-SPREAD = 0.02
-"""How much farther than its length an arm may be sent, as a part of it: hands press."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +123,7 @@ def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool
         compensated: whether the arms' weight is.
 
     Raises:
-        SceneError: a place is out of reach.
+        SceneError: a place is out of reach or inside the body, or an angle beyond its joint.
     """
     ready = Ready(f"dances.{name}", dance.ready)
     return choreographed(who, parts_of(dance, name), dance.drums, ready, compensated)
@@ -162,7 +159,7 @@ def choreographed(
         compensated: whether the arms' weight is.
 
     Raises:
-        SceneError: a place is out of reach.
+        SceneError: a place is out of reach or inside the body, or an angle beyond its joint.
     """
     surfaces = body_places(who)
     surfaces |= {drum: drum_place(who, words) for drum, words in drums.items()}
@@ -171,11 +168,16 @@ def choreographed(
     for i, part in enumerate(parts):
         own = list(_spots(who, part, i, surfaces, plain))
         rows.append([spot.name for spot, _ in own])
-        problems += _too_far(who, part.words.hand, own, part.path, part.said)
+        problems += too_far(who, part.words.hand, own, part.path, part.said)
+        problems += inside(plain.linkage.links, _positions(part.words, own), part.path, part.said)
+        if not part.still:
+            problems += beyond_limits(part.words.joints, part.path)
         spots += [spot for spot, _ in own]
     for side, place in ready.places.items():
         spots.append(_spot(who, f"ready.{side}", place, surfaces))
-        problems += _too_far(who, side, [(spots[-1], f"ready.{side}")], ready.path)
+        own = [(spots[-1], f"ready.{side}")]
+        problems += too_far(who, side, own, ready.path)
+        problems += inside(plain.linkage.links, own, ready.path)
     if problems:
         raise SceneError(problems)
     discs = tuple(
@@ -251,6 +253,13 @@ def _spot(who: Proportions, name: str, place: Where, surfaces: dict[str, Surface
     return Spot(name, CHEST, in_proportion(who, place))
 
 
+def _positions(one: Subtask, own: Sequence[tuple[Spot, str]]) -> list[tuple[Spot, str]]:
+    """Return those places of a subtask that are said as positions."""
+    named = {"touch", "lift", "joints"}
+    named |= {f"via[{k}]" for k, place in enumerate(one.via) if isinstance(place, str)}
+    return [(spot, word) for spot, word in own if word not in named]
+
+
 def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
     """Return (3,) where the hand is when the joints of its arm are as they are given [m]."""
     names = [hinge.name for hinge in plain.linkage.hinges]
@@ -262,18 +271,3 @@ def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
     spots = [spot.name for spot in plain.linkage.spots]
     place: Array = plain.places[spots.index(f"palm_{one.hand}")].copy()
     return place
-
-
-def _too_far(
-    who: Proportions, side: str, own: list[tuple[Spot, str]], path: str, said: str = ""
-) -> Iterator[Problem]:
-    shoulder = who.rest()[JOINTS.index(f"shoulder_{side}")]
-    length = (who.upper_arm + who.forearm + PALM * who.hand) * who.height
-    for spot, word in own:
-        away = float(np.linalg.norm(spot.place - shoulder))
-        if away > (1.0 + SPREAD) * length and word != "joints":
-            message = (
-                f"is {away:.2f} m from the shoulder, and the arm reaches {length:.2f} m; "
-                "bring it nearer"
-            )
-            yield Problem(said or f"{path}.{word}", message)

@@ -9,6 +9,8 @@ from itertools import groupby
 
 import numpy as np
 
+from pipeline.errors import SceneError
+from pipeline.simulation.dancers.feasible import beyond_limits
 from pipeline.simulation.dancers.goals import Part
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.spec.dance import Hand, Subtask
@@ -66,7 +68,17 @@ def poses_of(
         own: from a place in the world to where that is as the dancer stands [m].
         first: number of the first subtask.
         path: of the pose in the scene, for messages.
+
+    Raises:
+        SceneError: an angle is beyond what its joint does.
     """
+    problems = [
+        problem
+        for k, key in enumerate(keys)
+        for problem in beyond_limits(key.joints or {}, f"{path}[{k}]")
+    ]
+    if problems:
+        raise SceneError(problems)
     parts, hands = list[Part](), dict[str, list[PoseMove]]()
     trunk = list[tuple[float, Mapping[str, float] | None]]()
     order = sorted(range(len(keys)), key=lambda k: keys[k].at)

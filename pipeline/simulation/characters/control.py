@@ -10,7 +10,7 @@ from pipeline.simulation.characters.carriage import halt, lead
 from pipeline.simulation.characters.feeling import feel
 from pipeline.simulation.characters.gait import tread
 from pipeline.simulation.characters.gaze import look
-from pipeline.simulation.characters.halting import hold_back
+from pipeline.simulation.characters.halting import hold_back, slide
 from pipeline.simulation.characters.layout import Crowd
 from pipeline.simulation.characters.legs import hold_legs
 from pipeline.simulation.characters.muscles import pull
@@ -36,6 +36,7 @@ def steer(crowd: Crowd, persons: Records, ground: Grid, solids: Solids, h: float
         else:
             lead(person, nodes, ground, h)
             hold_back(person, owners[person.owner].mass, solids, h)
+            slide(person, nodes, h)
             tread(person, ground.frame, ground.vertices, h)
             sit(person, h)
             look(person, h)

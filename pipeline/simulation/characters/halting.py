@@ -2,7 +2,7 @@
 
 Who comes near a solid of another room goes on no faster towards it than it goes itself, but past
 it as before. What is light is walked into, and pushed; the heavier it is, the more slowly. Feet
-that stand where something has come are moved out of it.
+that stand where something has come are moved out of it, and slide where somebody presses the leg.
 
 What is no higher than an ankle, and what is above the head, nobody minds.
 """
@@ -12,9 +12,10 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.bumping import FAR, gap_of
+from pipeline.simulation.characters.record import FOOT as FEET
 from pipeline.simulation.characters.record import STANCE
 from pipeline.simulation.characters.solids import Solids, velocity_at
-from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import Vector, minus, times, triple
 
 LEVELS = (0.07, 0.28, 0.53, 0.8)
@@ -45,6 +46,18 @@ def hold_back(person: Record, mass: float, solids: Solids, h: float) -> None:
             _slow(person, mass, solids, s)
             if _bars(solid, mass) > 0.0:
                 _clear(person, solids, s, h)
+
+
+@compiled
+def slide(person: Record, nodes: Records, h: float) -> None:
+    """Let feet that stand give way to whoever presses them, for a sub-step of `h` [s]."""
+    for k in range(2):
+        if person.doing[k] == STANCE:
+            pressed = nodes[person.node + FEET + k].pressed
+            far = math.hypot(pressed[0], pressed[2])
+            share = min(SLIDES * h / max(far, 1e-9), 1.0)
+            person.stood[k, 0] += share * pressed[0]
+            person.stood[k, 2] += share * pressed[2]
 
 
 @inlined

@@ -59,6 +59,8 @@ NODE = np.dtype(
         ("air", "f8"),
         ("grounded", "f8"),
         ("rubbed", "f8"),
+        # Of one that is locked: how far what is in its links would have it give way [m].
+        ("pressed", "f8", 3),
         # FREE, LOCKED or LANDING; whose; the link with which it touches the ground.
         ("lock", "i8"),
         ("owner", "i8"),

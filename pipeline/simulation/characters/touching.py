@@ -1,7 +1,8 @@
 """Touching: links that come into one another are moved apart, and know what they touch.
 
 Both nodes of a link are moved by the same: torques are left to the links beside it. Edges of
-boxes are pushed where they touch, for a box is one piece that leans on another. What two
+boxes are pushed where they touch, for a box is one piece that leans on another, and so are links
+of which one end is held, as a shin on the foot that stands: they turn about that end. What two
 came nearer to one another in this sub-step is taken out of their positions alone, and so out
 of their velocities; what they were in one another before is taken out of both positions, so
 that nobody is shot off for having begun inside somebody. All shares go by mass, so momentum
@@ -16,7 +17,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.events import ABOVE, PAUSE, Log, note
-from pipeline.simulation.characters.layout import NOBODY, TERRAIN
+from pipeline.simulation.characters.layout import LOCKED, NOBODY, TERRAIN
 from pipeline.simulation.characters.resting import UNTANGLES, rouse
 from pipeline.simulation.characters.segments import closest
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
@@ -44,11 +45,18 @@ pressed on the ground, and the cosine of the least angle to the level at which i
 KNOT = 0.003
 """How deep links of one character are in one another that tire of parting [m]."""
 
+WEDGED = 0.003
+"""How deep in somebody a link is that stands in the way of being parted by where it is held [m]."""
+
 SPARE = 0.1
 """Part of its length that a link may be longer than it should."""
 
 GENTLE = 0.5
 """Speed of approach below which a touch is one of those that rest on one another [m/s]."""
+
+LEVER = 0.2
+"""How far from an end that is held a link is pushed at least, of its length: the nearer, the
+farther its other end would have to go."""
 
 TINY = 1e-9
 
@@ -116,7 +124,8 @@ def meet(
     nearer = -dot(slip, n)
     depth = reach - apart
     rouse(nodes, one, other, depth, nearer / h)
-    w_a, w_b = _lightness(nodes, a, s, boxes), _lightness(nodes, b, t, boxes)
+    turns_a, turns_b = boxes or _is_hinged(nodes, a), boxes or _is_hinged(nodes, b)
+    w_a, w_b = _lightness(nodes, a, s, turns_a), _lightness(nodes, b, t, turns_b)
     light_a = borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1], w_a, w_b)
     light_b = borne(nodes[b.ends[0]], nodes[b.ends[1]], -n[1], w_b, w_a)
     w_a, w_b = light_a * w_a, light_b * w_b
@@ -136,15 +145,29 @@ def meet(
     if bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
         back = bounciness * nearer + nearer - stopped
     moves = times(share, move), times(share * parted, n), times(share * back, n)
-    if boxes:
-        _turn(nodes, a, s, light_a, moves)
-        _turn(nodes, b, t, -light_b, moves)
-    else:
-        _shift(nodes, a, w_a, moves)
-        _shift(nodes, b, -w_b, moves)
+    _give_way(nodes, a, s, turns_a, (light_a, w_a), moves)
+    _give_way(nodes, b, t, turns_b, (-light_b, -w_b), moves)
     if a.owner != b.owner:
+        _press(nodes, a, depth, n)
+        _press(nodes, b, -depth, n)
         _rub(nodes, a, one, nearer / h)
         _rub(nodes, b, other, nearer / h)
+
+
+@inlined
+def _press(nodes: Records, link: Record, depth: float, n: Vector) -> None:
+    """Let an end that is locked know that the link is so deep in somebody [m], half of it its own.
+
+    A leg that is almost straight moves nowhere beside a foot that stands but with all of its
+    owner.
+    """
+    if abs(depth) <= WEDGED:
+        return
+    for end in range(2):
+        node = nodes[link.ends[end]]
+        if node.lock == LOCKED:
+            for k in range(3):
+                node.pressed[k] = 0.5 * depth * n[k]
 
 
 @inlined
@@ -221,6 +244,13 @@ def borne(one: Record, other: Record, up: float, own: float, against: float) -> 
 
 
 @inlined
+def _is_hinged(nodes: Records, link: Record) -> bool:
+    """Tell whether one end of a link is held, and not the other."""
+    hinged: bool = (nodes[link.ends[0]].give == 0.0) != (nodes[link.ends[1]].give == 0.0)
+    return hinged
+
+
+@inlined
 def _lightness(nodes: Records, link: Record, s: float, there: bool) -> float:
     """Return the inverse mass of a link, of what of it can move.
 
@@ -233,10 +263,10 @@ def _lightness(nodes: Records, link: Record, s: float, there: bool) -> float:
     one: float = nodes[link.ends[0]].give
     other: float = nodes[link.ends[1]].give
     if there:
-        return (1.0 - s) ** 2 * one + s * s * other
-    if link.ends[0] == link.ends[1] or other == 0.0:
+        return max((1.0 - s) ** 2 * one + s * s * other, LEVER * LEVER * max(one, other))
+    if link.ends[0] == link.ends[1] or one + other == 0.0:
         return one
-    return other if one == 0.0 else one * other / (one + other)
+    return one * other / (one + other)
 
 
 @inlined
@@ -277,12 +307,26 @@ def _points_in(one: Record, other: Record, n: Vector) -> bool:
 
 
 @inlined
+def _give_way(
+    nodes: Records,
+    link: Record,
+    s: float,
+    turns: bool,
+    shares: tuple[float, float],
+    moves: Moves,
+) -> None:
+    """Turn or shift a link, by the first or the second share."""
+    if turns:
+        _turn(nodes, link, s, shares[0], moves)
+    else:
+        _shift(nodes, link, shares[1], moves)
+
+
+@inlined
 def _shift(nodes: Records, link: Record, share: float, moves: Moves) -> None:
-    """Move a link as a whole, by a share of what is told."""
+    """Move a link as a whole, by a share of what is told: of none if it is held."""
     for end in range(1 if link.ends[0] == link.ends[1] else 2):
         node = nodes[link.ends[end]]
-        if node.give == 0.0:
-            continue
         for k in range(3):
             node.p[k] += share * (moves[0][k] + moves[1][k])
             node.before[k] += share * (moves[1][k] - moves[2][k])
@@ -293,7 +337,8 @@ def _turn(nodes: Records, link: Record, s: float, share: float, moves: Moves) ->
     """Move a link at a place s on it, by a share of what `_shift` is told.
 
     Edges that were moved as wholes would turn two boxes about one another out of nothing, for
-    ever if one leans on the other.
+    ever if one leans on the other. What is held at one end and pushed beside it would lose most
+    of a push that went by its other end.
     """
     for end in range(2):
         node = nodes[link.ends[end]]

@@ -30,6 +30,8 @@ def integrate(nodes: Records, gravity: float, h: float) -> None:
 @inlined
 def _move(node: Record, gravity: float, h: float) -> None:
     p, before, pull = node.p, node.before, node.acceleration
+    for k in range(3):
+        node.pressed[k] = 0.0
     if node.lock == LOCKED:
         for k in range(3):
             p[k] = before[k] = node.place[k]

@@ -207,3 +207,21 @@ def test_a_merry_go_round_turns_when_it_is_pushed_and_stays_where_it_is() -> Non
     np.testing.assert_array_equal(yard.crowd.p[:2], plan.rest[:2])
     assert np.abs(yard.crowd.p[2:10, 1] - plan.rest[2:10, 1]).max() < 0.005
     assert lengths_off(yard.crowd) < 0.005
+
+
+@pytest.mark.parametrize("beside", [0.03, 0.08])
+def test_what_is_held_at_one_end_is_no_gap_beside_it(beside: float) -> None:
+    """Somebody's shin is a lever about the foot that stands: hard to push near it."""
+    lever, bar = rod(0.4, 0.04, 2.0), rod(0.4, 0.04, 8.0)
+    lever = lever._replace(mass=np.array([np.inf, 1.0]))
+    across = bar.rest[:, [2, 1, 0]] + [-0.2 + beside, 0.0, 0.0]
+    places = [lever.rest + np.array([0.0, 1.0, 0.0]), across + np.array([0.0, 1.083, 0.0])]
+    yard = yard_of([lever, bar], places, gravity=0.0)
+    yard.throw(np.array([[0.0, 0.0, 0.0]] * 2 + [[0.0, -1.0, 0.0]] * 2))
+    deepest, met = 0.0, False
+    for _ in range(12):
+        yard.step()
+        met = met or bool(yard.log.filled[0])
+        deepest = max(deepest, depth(yard.crowd.nodes, yard.crowd.links))
+    assert met
+    assert deepest < 0.0005

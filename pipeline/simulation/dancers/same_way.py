@@ -164,7 +164,7 @@ class _Problem:
         times: (n,) of the samples that are measured [s].
         danced: (n,) s there, as it was danced.
         outer: (n, 3) part of the weighted jerk that samples before and after have.
-        inner: (n, n) weighted jerk of places at the samples.
+        inner: weighted jerk of places at the samples.
         fixed: (n,) s of the control points that the ends decide.
         sums: (n, m) s of a unit of each increment but the last.
         rise: sum of the increments.
@@ -175,7 +175,7 @@ class _Problem:
     times: Array
     danced: Array
     outer: Array
-    inner: Array
+    inner: _Differences
     fixed: Array
     sums: Array
     rise: float
@@ -234,7 +234,7 @@ class _Problem:
             slope = self.path.slope(s)
             jerk = self._jerk(s)
             # One column of coordinates after the other.
-            change = np.concatenate([self.inner @ (slope[:, [k]] * self.sums) for k in range(3)])
+            change = np.concatenate([self.inner.of(slope[:, [k]] * self.sums) for k in range(3)])
             target = self._nearest(change, change @ d - jerk.T.ravel())
             part = 1.0
             while part > 1e-3:
@@ -254,7 +254,7 @@ class _Problem:
 
     def _jerk(self, s: Array) -> Array:
         """Return the weighted jerk (n, 3) of a timing."""
-        result: Array = self.outer + self.inner @ self.path.at(s)
+        result: Array = self.outer + self.inner.of(self.path.at(s))
         return result
 
     def _nearest(self, matrix: Array, wanted: Array) -> Array:
@@ -270,23 +270,42 @@ class _Problem:
         return result
 
 
-def _weighted(x: Array, rows: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return jerk at samples, of the places before and after them, and of a unit of each.
+@dataclass(frozen=True, eq=False)
+class _Differences:
+    """Third derivatives of samples, times the roots of the weights of the trapezium rule.
 
-    Both with the roots of the weights of the trapezium rule: (n, 3) and (n, n).
+    Attributes:
+        root: (n,) of the weights.
+        before: how many samples before them are known.
+        after: how many after them.
     """
-    rate = FINER * RATE
-    root = np.full(len(rows), np.sqrt(1.0 / rate))
+
+    root: Array
+    before: int
+    after: int
+
+    def of(self, q: Array) -> Array:
+        """Return those of samples (n, any), with nothing before and after."""
+        return self.among(np.pad(q, ((self.before, self.after), (0, 0))))
+
+    def among(self, q: Array) -> Array:
+        """Return those of the samples in the middle, with those before and after."""
+        result: Array = third_derivative(q, FINER * RATE)[
+            self.before : self.before + len(self.root)
+        ]
+        return result * self.root[:, None]
+
+
+def _weighted(x: Array, rows: NDArray[np.int64]) -> tuple[Array, _Differences]:
+    """Return what samples (N, 3) before and after `rows` give to the jerk, and how they do."""
+    root = np.full(len(rows), np.sqrt(1.0 / (FINER * RATE)))
     root[[0, -1]] *= np.sqrt(0.5)
     # Differences reach two samples to both sides.
-    near = slice(max(int(rows[0]) - 4, 0), int(rows[-1]) + 5)
-    inside = rows - near.start
-    rest = x[near].copy()
-    rest[inside] = 0.0
-    units = np.zeros((len(rest), len(rows)))
-    units[inside, np.arange(len(rows))] = 1.0
-    outer, inner = (third_derivative(q, rate)[inside] * root[:, None] for q in (rest, units))
-    return outer, inner
+    first, last = max(int(rows[0]) - 4, 0), min(int(rows[-1]) + 4, len(x) - 1)
+    inner = _Differences(root, int(rows[0]) - first, last - int(rows[-1]))
+    rest = x[first : last + 1].copy()
+    rest[rows - first] = 0.0
+    return inner.among(rest), inner
 
 
 def _knots(begin: float, end: float) -> Array:

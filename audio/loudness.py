@@ -37,7 +37,7 @@ def integrated(stereo: Signal) -> float:
 
 
 def _metered(stereo: Signal) -> float:
-    # Imported here because it brings scipy, which nothing else needs.
+    # Imported here because it brings scipy, which no other sound needs.
     from pyloudnorm import Meter
 
     with np.errstate(divide="ignore", invalid="ignore"), warnings.catch_warnings():

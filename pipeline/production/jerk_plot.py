@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.production.figure_canvas import FONT, Canvas, Panel
 from pipeline.production.figure_colors import FAINT, INK, PANEL, PAPER
 from pipeline.production.jerk_trials import Column, Trial
-from pipeline.simulation.curves import ease
+from pipeline.simulation.dancers.same_way import Timed
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Dance
 
@@ -30,7 +30,9 @@ def jerk_svg(title: str, dance: Dance, trial: Trial) -> str:
     canvas = Canvas(drawsvg.Drawing(width, height, font_family=FONT))
     canvas.draw(drawsvg.Rectangle(0, 0, width, height, fill=PAPER))
     canvas.say(title, (MARGIN, 46), 30, INK, bold=True)
-    told = f"hand paths from the front, and speeds, at {trial.name}; thin: the speed of least jerk"
+    told = (
+        f"hand paths from the front, and speeds, at {trial.name}; thin: of least jerk on that path"
+    )
     canvas.say(told, (MARGIN, 74), 15, FAINT)
     for n, (by, color) in enumerate(COLORS.items()):
         x = width - MARGIN - 170 + 90 * n
@@ -44,7 +46,8 @@ def jerk_svg(title: str, dance: Dance, trial: Trial) -> str:
         ways = {by: _way(column, k, one.hand) for by, column in trial.columns.items()}
         drawn = {by: way for by, way in ways.items() if way is not None}
         _paths(canvas, Panel(x + 14, y + 34, WIDTH - 28, PATH), drawn)
-        _speeds(canvas, Panel(x + 14, y + 48 + PATH, WIDTH - 28, SPEED - 16), drawn)
+        best = {by: trial.columns[by].best[k] for by in drawn}
+        _speeds(canvas, Panel(x + 14, y + 48 + PATH, WIDTH - 28, SPEED - 16), drawn, best)
     return str(canvas.picture.as_svg())
 
 
@@ -74,7 +77,12 @@ def _paths(canvas: Canvas, box: Panel, ways: dict[str, tuple[Array, Array]]) -> 
         canvas.draw(drawsvg.Circle(float(x[-1]), float(y[-1]), 4, fill=COLORS[by]))
 
 
-def _speeds(canvas: Canvas, box: Panel, ways: dict[str, tuple[Array, Array]]) -> None:
+def _speeds(
+    canvas: Canvas,
+    box: Panel,
+    ways: dict[str, tuple[Array, Array]],
+    best: dict[str, Timed],
+) -> None:
     found = {}
     for by, (t, way) in ways.items():
         if len(t) > 2:
@@ -88,12 +96,12 @@ def _speeds(canvas: Canvas, box: Panel, ways: dict[str, tuple[Array, Array]]) ->
     for by, (t, speed) in found.items():
         x, y = box.x + box.width * t / longest, bottom - box.height * speed / fastest
         _line(canvas, x, y, COLORS[by], 2.0)
-        time = float(t[-1]) - 0.25
-        s = np.linspace(0.0, 1.0, 41)
-        length = float(np.trapezoid(speed, t))
-        smooth = np.gradient(ease(s), s) * length / time
-        least = bottom - box.height * np.minimum(smooth / fastest, 1.0)
-        _line(canvas, box.x + box.width * s * time / longest, least, COLORS[by], 0.8)
+        one = best[by]
+        if len(one.times) > 2:
+            smooth = np.linalg.norm(np.gradient(one.places, one.times, axis=0), axis=1)
+            x = box.x + box.width * (one.times - one.times[0]) / longest
+            y = bottom - box.height * np.minimum(smooth / fastest, 1.0)
+            _line(canvas, x, y, COLORS[by], 0.8)
     canvas.say(f"{fastest:.1f} m/s", (box.x, box.y + 10), 11, FAINT)
     canvas.say(f"{longest:.1f} s", (box.x + box.width, bottom + 13), 11, FAINT, "end")
 

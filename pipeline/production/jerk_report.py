@@ -31,6 +31,7 @@ from pipeline.production.reporting import Reporter, stage, step
 from pipeline.simulation.dancers.figure_three import COLUMNS
 from pipeline.simulation.dancers.jerk import CUTOFF, LEAST, RATE
 from pipeline.simulation.dancers.measuring import Measured
+from pipeline.simulation.dancers.same_way import Timed
 from pipeline.spec import Dance
 
 APART = 4
@@ -47,7 +48,8 @@ METHOD = (
     f"{CUTOFF:g} Hz\n"
     "C = integral of its square [m²/s⁵]; mean = C/T [m²/s⁶], figure 3's printed unit; "
     f"C T⁵/D² >= {LEAST:g}\n"
-    "least = of the quintic between the same ends; same way = this way at the speed of least jerk\n"
+    "least = of the quintic between the same ends; same way = of the best timing of the same path\n"
+    "between the same ends; ends are places, speeds and accelerations\n"
     "the weight of the arms is compensated, unless the scene says otherwise"
 )
 
@@ -95,22 +97,20 @@ def table_csv(dance: Dance, trials: Sequence[Trial]) -> str:
     """Return all that was measured, a movement a line."""
     text = io.StringIO()
     write = csv.writer(text, lineterminator="\n").writerow
-    write(["trial", "by", "subtask", "name", *_measures_of(None)])
+    write(["trial", "by", "subtask", "name", *MEASURES])
     for trial in trials:
         for column in trial.columns.values():
             for k, one in sorted(column.found.items()):
-                values = [f"{value:.6g}" for value in _measures_of(one).values()]
+                values = [f"{v:.6g}" for v in _measures_of(one, column.best[k]).values()]
                 write([trial.name, column.by, k + 1, dance.subtasks[k].name, *values])
     return text.getvalue()
 
 
-def _measures_of(one: Measured | None) -> dict[str, float]:
-    """Return what is told of a movement; only the names without one."""
-    if one is None:
-        return dict.fromkeys(MEASURES, 0.0)
+def _measures_of(one: Measured, best: Timed) -> dict[str, float]:
+    """Return what is told of a movement."""
     j = one.jerk
     values = (j.time, j.distance, j.integral, j.mean, j.dimensionless, one.floor)
-    rest = (one.same_way.integral, one.energy, one.torque)
+    rest = (best.integral, one.energy, one.torque)
     return dict(zip(MEASURES, (*values, *rest), strict=True))
 
 
@@ -136,7 +136,7 @@ def _table(dance: Dance, trial: Trial) -> list[str]:
         printed = [COLUMNS[name][k] for name in COLUMNS] if figure else []
         row = [f"{k + 1:2d} {one.name}", *("*" if v is None else f"{v}" for v in printed)]
         for column in trial.columns.values():
-            row += _cells(column.found.get(k))
+            row += _cells(column.found.get(k), column.best.get(k))
         rows.append(row)
     widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
     return [
@@ -144,14 +144,14 @@ def _table(dance: Dance, trial: Trial) -> list[str]:
     ]
 
 
-def _cells(one: Measured | None) -> list[str]:
-    if one is None:
+def _cells(one: Measured | None, best: Timed | None) -> list[str]:
+    if one is None or best is None:
         return ["*"] * 8
     j = one.jerk
     still = j.distance < 0.05
     values = [f"{j.time:.2f}", f"{j.integral:.0f}", f"{j.mean:.0f}"]
     values.append("-" if still else f"{j.dimensionless:.0f}")
-    values += [f"{one.floor:.0f}", f"{one.same_way.integral:.0f}"]
+    values += [f"{one.floor:.0f}", f"{best.integral:.0f}"]
     return [*values, f"{one.energy:.0f}", f"{one.torque:.0f}"]
 
 
@@ -187,7 +187,10 @@ def _facts(trial: Trial, compared: Sequence[Agreement]) -> dict[str, Any]:
     return {
         "trial": trial.name,
         "columns": {
-            by: {str(k + 1): _measures_of(one) for k, one in sorted(column.found.items())}
+            by: {
+                str(k + 1): _measures_of(one, column.best[k])
+                for k, one in sorted(column.found.items())
+            }
             for by, column in trial.columns.items()
         },
         "rank_correlations": {f"{one.ours}/{one.theirs}": one.rank for one in compared},

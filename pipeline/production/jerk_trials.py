@@ -15,7 +15,9 @@ from pipeline.simulation.dancers.measuring import (
     dance_through,
     first_of_each,
     measure,
+    same_way,
 )
+from pipeline.simulation.dancers.same_way import Timed
 from pipeline.spec import Dance, Dancer, Scene
 from pipeline.spec.dance import Controller
 
@@ -34,11 +36,13 @@ class Column:
         by: "torque" or "force".
         danced: what happened.
         found: by the number of the subtask.
+        best: the same ways at the speeds of least jerk, by the number of the subtask.
     """
 
     by: str
     danced: Danced
     found: dict[int, Measured]
+    best: dict[int, Timed]
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +157,8 @@ def _trial(
         if by == "force":
             # What turns a hand is not for a field; it stands still then.
             found = {k: m for k, m in found.items() if _is_for_fields(dance, k)}
-        columns[by] = Column(by, danced, found)
+        best = {k: same_way(danced, one) for k, one in found.items()}
+        columns[by] = Column(by, danced, found, best)
     return Trial(name, columns)
 
 

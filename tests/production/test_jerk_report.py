@@ -60,6 +60,22 @@ def test_no_subtask_beats_its_floor_and_every_one_is_bounded(trials) -> None:
                 assert np.isfinite(one.jerk.integral)
 
 
+@pytest.mark.slow
+def test_no_subtask_has_less_than_the_best_timing_of_its_way(trials) -> None:
+    for trial in trials.values():
+        for column in trial.columns.values():
+            assert set(column.best) == set(column.found)
+            for k, best in column.best.items():
+                one, what = column.found[k], (trial.name, column.by, k)
+                assert best.danced == one.jerk.integral, what
+                assert best.integral <= one.jerk.integral, what
+                # And it is no less than another path between the same ends would have.
+                assert best.integral > 0.95 * one.floor, what
+                # Where a hand goes somewhere, timing alone saves something.
+                if one.jerk.distance > 0.05:
+                    assert best.integral < 0.95 * one.jerk.integral, what
+
+
 @pytest.mark.nightly
 def test_at_equal_durations_the_order_of_torques_agrees_with_the_papers(trials) -> None:
     found = {(a.ours, a.theirs): a.rank for a in agreements(trials["equal durations, 1 s"])}
@@ -90,6 +106,7 @@ def test_the_report_tells_both_sides_and_writes_table_and_plots(tmp_path: Path) 
     for row in rows:
         mean = float(row["C_m2_s5"]) / float(row["T_s"])
         assert float(row["mean_m2_s6"]) == pytest.approx(mean, rel=1e-4, abs=1e-4)
+        assert float(row["same_way_m2_s5"]) <= float(row["C_m2_s5"])
     assert (tmp_path / "adonis" / "adonis_jerk.svg").read_text().count("<path") > 40
     assert (tmp_path / "adonis" / "adonis_jerk.png").stat().st_size > 20_000
     json.dumps(told.facts)

@@ -10,8 +10,9 @@ import numpy as np
 from pipeline.simulation.dancers.build import proportions_of
 from pipeline.simulation.dancers.dancing import practised
 from pipeline.simulation.dancers.goals import choreography_of
-from pipeline.simulation.dancers.jerk import Jerk, floor_between, jerk_of, same_way_smoothly
+from pipeline.simulation.dancers.jerk import Jerk, floor_between, jerk_of
 from pipeline.simulation.dancers.moves import Move, beat_of, moves_of
+from pipeline.simulation.dancers.same_way import Timed, same_way_at_best
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Dancer
@@ -51,18 +52,20 @@ class Measured:
 
     Attributes:
         subtask: its number in the dance.
+        side: of the hand.
+        span: when it begins and when it ends [s].
         jerk: of the hand.
         floor: least that any movement between the same ends has [m²/s⁵].
-        same_way: of the same way with the speed of least jerk.
         energy: that went through the joints, ∫ |τ · q'| dt [J].
         torque: greatest of any joint [N m].
         missed: how far from its place the hand is when it is nearest, about its time [m].
     """
 
     subtask: int
+    side: str
+    span: tuple[float, float]
     jerk: Jerk
     floor: float
-    same_way: Jerk
     energy: float
     torque: float
     missed: float
@@ -114,6 +117,11 @@ def first_of_each(measured: Sequence[Measured]) -> dict[int, Measured]:
     return found
 
 
+def same_way(danced: Danced, one: Measured) -> Timed:
+    """Return the timing of least jerk of a movement, on the path on which it was danced."""
+    return same_way_at_best(danced.times, danced.hands[one.side], *one.span)
+
+
 def _is_seen(danced: Danced, move: Move) -> bool:
     return move.land <= float(danced.times[-1])
 
@@ -127,9 +135,10 @@ def _measured(danced: Danced, move: Move, side: str) -> Measured:
     power = np.abs(danced.torques[inside] * danced.speeds[inside]).sum(axis=1)
     return Measured(
         move.subtask,
+        side,
+        span,
         jerk_of(times, hand, *span),
         floor_between(times, hand, *span),
-        same_way_smoothly(times, hand, *span),
         float(power.sum() * h),
         float(np.abs(danced.torques[inside]).max(initial=0.0)),
         float(danced.missed[about, HANDS.index(side)].min(initial=np.inf)),

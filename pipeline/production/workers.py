@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from pipeline.errors import FilmingError
@@ -67,8 +67,8 @@ def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) 
     split = Split()
 
     def done(part: Split) -> None:
-        for name in ("frames", "build", "update", "trace", "denoise", "tone"):
-            setattr(split, name, getattr(split, name) + getattr(part, name))
+        for one in fields(split):
+            setattr(split, one.name, getattr(split, one.name) + getattr(part, one.name))
         progress(split.frames)
 
     for batch in share.pieces(jobs * FRAMES_A_PROCESS):

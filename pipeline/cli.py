@@ -14,7 +14,7 @@ from pipeline.commands.golden import golden
 from pipeline.commands.plots import plots
 from pipeline.commands.report import reports
 from pipeline.errors import PronkError
-from pipeline.production.interrupts import ignore, listen
+from pipeline.production.interrupts import heard, ignore, listen
 
 INTERRUPTED = 130
 
@@ -104,7 +104,12 @@ def _ended() -> str | int | None:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Say whether Ctrl-C is behind an error; compiled modules wrap it in one of their own."""
+    """Say whether Ctrl-C is behind an error.
+
+    Compiled modules wrap it in an error of their own, some of them as words alone.
+    """
+    if heard():
+        return True
     while error is not None and not isinstance(error, KeyboardInterrupt):
         error = error.__cause__ or error.__context__
     return error is not None

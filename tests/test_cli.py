@@ -139,6 +139,20 @@ def test_every_command_has_help(pronk: Pronk, command: str) -> None:
     assert f"pronk {command}" in out
 
 
+@pytest.mark.parametrize("error", [ValueError("in words alone: KeyboardInterrupt"), KeyError()])
+def test_what_is_raised_in_place_of_an_interrupt_is_one(
+    error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def app() -> None:
+        raise error
+
+    monkeypatch.setattr(cli, "app", app)
+    with pytest.raises(type(error)):
+        cli._ended()
+    monkeypatch.setattr(cli, "heard", lambda: True)
+    assert cli._ended() == cli.INTERRUPTED
+
+
 def test_the_version_is_said(pronk: Pronk) -> None:
     import pipeline
 

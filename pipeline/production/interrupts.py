@@ -38,6 +38,11 @@ def ignore() -> None:
         signal.signal(signal.SIGUSR1, signal.SIG_IGN)
 
 
+def heard() -> bool:
+    """Say whether there was an interrupt that has not been answered."""
+    return _heard.is_set()
+
+
 def answered() -> None:
     """Take an interrupt as answered; the next one is as good as the first."""
     _heard.clear()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import json
 import os
 import re
@@ -19,11 +20,13 @@ from pathlib import Path
 import pytest
 
 from pipeline.errors import StoreError, UsageError
+from pipeline.production.direct import session
 from pipeline.production.direct.doors import LOOPBACK, Door, Say, door_of
 from pipeline.production.direct.keeping import Kept, Place, place_of
 from pipeline.production.direct.serving import direct
 from pipeline.production.direct.wire import Wire
 from pipeline.production.reporting import Quiet
+from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take_store import read_take
 from tests.production.directing import STAGE, replayed, request, stage
 
@@ -224,6 +227,32 @@ def test_standard_output_is_for_messages_alone(folder: Path) -> None:
     assert answers[-1]["result"]["take"] == str(Path("out/other/take.zarr"))
     assert "Traceback" not in err
     assert replayed(folder / "out/other/other.yaml").digest == answers[-1]["result"]["digest"]
+
+
+@pytest.mark.parametrize("presses", [[10], [10, 20]])
+def test_a_second_ctrl_c_gives_up_what_goes_to_its_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, presses: list[int]
+) -> None:
+    class Pressed(Simulation):
+        def step(self) -> None:
+            super().step()
+            if self.step_number in presses:
+                raise KeyboardInterrupt
+
+    @contextmanager
+    def gone(say: Say) -> Iterator[Wire]:
+        yield Wire(io.BytesIO(), io.BytesIO())
+
+    monkeypatch.setattr(session, "Simulation", Pressed)
+    said = list[str]()
+    place = Place("stage_directed", tmp_path, Quiet())
+    monkeypatch.setattr(Quiet, "note", lambda self, text, detail=False: said.append(text))
+    if len(presses) == 1:
+        _whole(direct(stage(), place, gone))
+    else:
+        with pytest.raises(KeyboardInterrupt):
+            direct(stage(), place, gone)
+    assert said == ["stopped; the scene goes to its end, unless it is stopped again"]
 
 
 @pytest.mark.slow

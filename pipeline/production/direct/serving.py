@@ -34,12 +34,12 @@ def direct(scene: Scene, place: Place, door: Door) -> Kept:
     try:
         with door(place.reporter.note) as wire:
             serve(session, wire)
+        # Who sends messages may have been stopped a moment before us by the same Ctrl-C.
+        return session.kept or session.finish()
     except KeyboardInterrupt:
         answered()
         place.reporter.note("stopped; the scene goes to its end, unless it is stopped again")
-    if session.kept is None:
-        return session.finish()
-    return session.kept
+    return session.kept or session.finish()
 
 
 def serve(session: Session, wire: Wire) -> None:

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.dancers.fields import Fields, as_point, desired_velocity
+from pipeline.simulation.dancers.fields import Fields, Point, as_point, desired_velocity
 from pipeline.simulation.dancers.goals import Goal
+from pipeline.simulation.dancers.patience import WITHDRAWN, Patience
 from pipeline.simulation.dancers.postures import Passage
 from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
@@ -24,6 +25,13 @@ MOST_EASE = 8.0
 SELDOM, SETTLES = 6, 0.3
 """The elbow of a hand that has been where it goes for so long [s] is looked after at every sixth
 control alone: it hardly moves."""
+
+BACK, BACK_BY, AGAIN, AGAIN_BY = 0.3, 0.35, 0.3, 0.6
+"""How long a hand that was held up is taken back, and reaches anew, at least [s]; and how much
+longer by the angle [s/rad], and by the way [s/m]."""
+
+BY = 0.06
+"""How far from its point a hand may be stopped by something that it touches [m]: two thick."""
 
 STIFF_WRIST = np.radians([50.0, 0.0, 0.0])
 """How wrists are held while a field pulls the hand [rad]."""
@@ -42,6 +50,9 @@ class Arm:
     Attributes:
         by_fields: whether fields move it now.
         fields: of its hand.
+        ease: angles of shoulder and elbow that it is held near to while a field pulls [rad].
+        anew_until: when a hand that was held up is there at the earliest on its new way; -inf
+            if it was not held up [s].
     """
 
     def __init__(self, side: str, torso: Torso, moving: Moving, rate: float, winner: bool) -> None:
@@ -59,6 +70,9 @@ class Arm:
         self.fields = Fields(self._hand, rate, winner)
         self.by_fields = False
         self.ease: list[float] = moving.q[arm].tolist()
+        self.anew_until = -math.inf
+        self._patience = Patience()
+        self._anew_from = math.inf
         self._written: Passage | None = None
         self._controls = 0
         self.passage: Passage | None = None
@@ -85,14 +99,48 @@ class Arm:
 
     def pull(self, goal: Goal, now: float, land: float) -> None:
         """Send the hand to a goal by fields."""
-        self.ease = goal.held[: len(ARM)].tolist()
-        self.turn_wrist(STIFF_WRIST, now, land)
-        self.traced = None
+        held = np.concatenate([goal.held[: len(ARM)], STIFF_WRIST])
         if goal.words.trace is not None:
-            keys = [np.array(self.fields.point), *self.moving.places[list(goal.spots)]]
-            self.traced = Passage(keys, now, land)
-        elif goal.spots:
-            self.fields.go(goal.spots, now, land, self.moving.places, goal.press)
+            self.trace(self.moving.places[list(goal.spots)], held, now, land)
+        else:
+            self.reach(goal.spots, held, now, land, goal.surface is not None, goal.press)
+
+    def reach(
+        self,
+        spots: Sequence[int],
+        held: Array,
+        now: float,
+        land: float,
+        touches: bool = False,
+        press: float = 0.0,
+    ) -> None:
+        """Send the hand through places by fields.
+
+        Args:
+            spots: their numbers; none to turn the wrist alone.
+            held: (7,) angles that the arm is held near to [rad].
+            now: when it sets out [s].
+            land: when it is to be there [s].
+            touches: whether it is to meet something, which then holds it up.
+            press: how far under a surface the last place is [m].
+        """
+        self._set_out(held, now, land)
+        self._patience = Patience(0 if touches else len(WITHDRAWN))
+        self.traced = None
+        if spots:
+            self.fields.go(spots, now, land, self.moving.places, press)
+
+    def trace(self, places: Array, held: Array, now: float, land: float) -> None:
+        """Lead the hand along a curve through places (m, 3) that stay where they are [m]."""
+        self._set_out(held, now, land)
+        self._patience = Patience(len(WITHDRAWN))
+        self.traced = Passage([np.array(self.fields.point), *places], now, land)
+
+    def _set_out(self, held: Array, now: float, land: float) -> None:
+        self.drive(True)
+        self.ease = held[: len(ARM)].tolist()
+        self.turn_wrist(held[len(ARM) :], now, land)
+        self.anew_until, self._anew_from = -math.inf, math.inf
 
     def turn(
         self,
@@ -106,6 +154,9 @@ class Arm:
 
     def hold(self, now: float) -> None:
         """Stay where it is."""
+        if self._anew_from < math.inf:
+            self._anew_from = math.inf
+            self.drive(True)
         if self.by_fields:
             self.traced = None
             self.fields.stay(self._hand)
@@ -119,6 +170,8 @@ class Arm:
 
     def control(self, now: float) -> None:
         """Write what the arm is to do from now on."""
+        if now >= self._anew_from:
+            self._go_anew(now)
         if self.by_fields:
             self._pull(now)
         passage = self.passage
@@ -147,6 +200,11 @@ class Arm:
         else:
             velocity = fields.desired(hand, now, moving.places)
         self._velocity[:] = velocity
+        if self._is_there(now) and self._patience.is_lost(hand, self.fields.point, now):
+            if not self._meets(hand):
+                self._take_back(now)
+                return
+            self._patience = Patience(0)
         self._controls += 1
         if self._controls % SELDOM and self.traced is None and fields.is_there(now - SETTLES):
             return
@@ -157,6 +215,43 @@ class Arm:
             torque += f * EASE * (wanted - angle)
         torque = min(max(torque, -MOST_EASE), MOST_EASE)
         self._push[:] = [torque * f for f in free]
+
+    def _is_there(self, now: float) -> bool:
+        """Tell whether the point, not the hand, has come to its last place."""
+        return self.fields.is_there(now) if self.traced is None else self.traced.is_over(now)
+
+    def _meets(self, hand: Point) -> bool:
+        """Tell whether the hand is where it can be: by its place, on something that it touches."""
+        if math.dist(hand, self.fields.point) > BY:
+            return False
+        solid = f"hand_{self.side}"
+        return any(solid in (touch.one, touch.other) for touch in self.moving.touches())
+
+    def _take_back(self, now: float) -> None:
+        """Take a hand that is held up back by torques, to reach for its place from there."""
+        posture = self.moving.q[self.all].copy()
+        if self.passage is not None:
+            posture[len(ARM) :] = self.passage.at(now)[0][len(ARM) :]
+        self.ease = self._patience.withdraws_to(self.ease)
+        posture[: len(ARM)] = self.ease
+        turned = float(np.abs(posture - self.moving.q[self.all]).max())
+        self._anew_from = now + BACK + BACK_BY * turned
+        self.anew_until = self._anew_from + AGAIN
+        self.drive(False)
+        self.turn((posture,), now, self._anew_from)
+
+    def _go_anew(self, now: float) -> None:
+        """Let fields pull the hand that was taken back to where it was to be."""
+        self._anew_from = math.inf
+        wrist = self.desired(now)[len(ARM) :]
+        spots, traced, point = self.fields.spots, self.traced, self.fields.point
+        self.drive(True)
+        self.turn_wrist(wrist, now, now)
+        self.anew_until = now + AGAIN + AGAIN_BY * math.dist(as_point(self._hand), point)
+        if traced is not None:
+            self.traced = Passage([self._hand.copy(), traced.keys[-1]], now, self.anew_until)
+        else:
+            self.fields.go(spots[-1:], now, self.anew_until, self.moving.places)
 
     def turn_wrist(self, angles: Array, now: float, land: float) -> None:
         """Turn the wrist to angles (3,) while a field pulls the hand [rad]."""

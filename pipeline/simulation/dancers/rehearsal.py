@@ -18,7 +18,7 @@ import numpy as np
 from pipeline.simulation.dancers.arms import Arm
 from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, Goal, easy_posture, rest_posture
-from pipeline.simulation.dancers.torso import ARM, HANDS
+from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array
 
@@ -81,8 +81,6 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
     moving, found = Moving(linkage, STEP), dict[str, Array]()
     for side, spot in choreography.ready.items():
         arm = Arm(side, torso, moving, RATE, False)
-        arm.drive(True)
-        arm.ease = easy_posture()[: len(ARM)].tolist()
         _bring(arm, moving, easy_posture(), spot, 0.0)
         found[side] = moving.q[arm.all].copy()
     return found
@@ -100,20 +98,21 @@ def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
 
 def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
     """Bring the hand to one place of a subtask; return the time then."""
-    arm.drive(True)
-    return _bring(arm, moving, goal.held, spot, now)
+    return _bring(arm, moving, goal.held, spot, now, goal.surface is not None)
 
 
-def _bring(arm: Arm, moving: Moving, held: Array, spot: int, now: float) -> float:
+def _bring(
+    arm: Arm, moving: Moving, held: Array, spot: int, now: float, touches: bool = False
+) -> float:
     """Bring a hand to a place, the arm held near a posture (7,); return the time then."""
-    arm.ease = held[: len(ARM)].tolist()
-    arm.traced = None
-    arm.fields.go([spot], now, now + WAY, moving.places)
-    arm.turn_wrist(held[len(ARM) :], now, now + WAY)
-    for _ in range(round((WAY + REST) / (STEP * TICK))):
+    arm.reach([spot], held, now, now + WAY, touches)
+    end = now + WAY + REST
+    while now < end - 0.5 * STEP:
         arm.control(now)
         done = 0
         while done < TICK:
             done += moving.advance(TICK - done)
         now += STEP * TICK
+        # Who is held up reaches anew, and rests there.
+        end = max(end, arm.anew_until + REST)
     return now

@@ -41,7 +41,7 @@ Angle = Annotated[Number, Field(ge=-200, le=200)]
 Step = Annotated[Number, Field(ge=-3, le=3)]
 Position = tuple[Step, Step, Step]
 Beats = Annotated[Number, Field(gt=0, le=256)]
-Seconds = Annotated[Number, Field(gt=0, le=60)]
+Seconds = Annotated[Number, Field(ge=0.05, le=60)]
 Hand = Literal["r", "l"]
 Controller = Literal["force-field", "joint-torque"]
 

@@ -54,6 +54,9 @@ def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
         ("{hand: r}", "", "subtasks[0]", "has no goal: give touch, reach, trace or joints"),
         ("{joints: {elbow_deg: 3}}", "", "joints.elbow_deg", "did you mean 'elbow_flexion_deg'"),
         ("{reach: [1.2, 1, 0]}", "", "subtasks[0].reach", "is 1.28 m from the shoulder"),
+        ("{reach: [-0.25, 1.3, 0.1]}", "", "subtasks[0].reach", "is where no arm goes: its joints"),
+        ("{hand: l, reach: [0.1, 1.3, 0.4]}", "", "subtasks[0].reach", "is where no arm goes"),
+        ("{touch: chest, via: [[0.1, 1.3, -0.4]]}", "", "subtasks[0].via[0]", "where no arm goes"),
         ("{trace: [[0.4, 1.2, 0], [2, 1, 0]]}", "", "subtasks[0].trace[1]", "is 2.05 m from"),
         (
             "{touch: chest, via: [[0.9, 1.2, 0]]}",

@@ -59,6 +59,7 @@ class Goal:
     Attributes:
         words: the subtask.
         spots: numbers of the places on the way and of the last, none where it only turns.
+        said: the word that each of them is said in as a position, empty where it is a name.
         held: (7,) angles of the arm and wrist that it is held near to [rad].
         given: (7,) which of these the author gave.
         trunk: joint -> angle of waist and neck that the author gave [rad].
@@ -68,6 +69,7 @@ class Goal:
 
     words: Subtask
     spots: tuple[int, ...]
+    said: tuple[str, ...]
     held: Array
     given: Array
     trunk: dict[str, float]
@@ -164,12 +166,13 @@ def choreographed(
     surfaces = body_places(who)
     surfaces |= {drum: drum_place(who, words) for drum, words in drums.items()}
     plain = Moving(torso_of(who).linkage, 1e-3)
-    spots, rows, problems = list[Spot](), list[list[str]](), list[Problem]()
+    spots, rows, problems = list[Spot](), list[list[tuple[str, str]]](), list[Problem]()
     for i, part in enumerate(parts):
         own = list(_spots(who, part, i, surfaces, plain))
-        rows.append([spot.name for spot, _ in own])
+        positions = _positions(part.words, own)
+        rows.append([(spot.name, word if (spot, word) in positions else "") for spot, word in own])
         problems += too_far(who, part.words.hand, own, part.path, part.said)
-        problems += inside(plain.linkage.links, _positions(part.words, own), part.path, part.said)
+        problems += inside(plain.linkage.links, positions, part.path, part.said)
         if not part.still:
             problems += beyond_limits(part.words.joints, part.path)
         spots += [spot for spot, _ in own]
@@ -186,7 +189,7 @@ def choreographed(
     )
     torso = torso_of(who, tuple(spots), discs, compensated)
     goals = tuple(
-        _goal(who, part.words, tuple(torso.spot(spot) for spot in row), surfaces)
+        _goal(who, part.words, [(torso.spot(spot), word) for spot, word in row], surfaces)
         for part, row in zip(parts, rows, strict=True)
     )
     return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in ready.places})
@@ -203,7 +206,10 @@ def easy_posture() -> Array:
 
 
 def _goal(
-    who: Proportions, one: Subtask, spots: tuple[int, ...], surfaces: dict[str, Surface]
+    who: Proportions,
+    one: Subtask,
+    row: Sequence[tuple[int, str]],
+    surfaces: dict[str, Surface],
 ) -> Goal:
     names = (*ARM, *WRIST)
     angles = {word.removesuffix("_deg"): math.radians(a) for word, a in one.joints.items()}
@@ -217,7 +223,8 @@ def _goal(
     press = (
         0.0 if surface is None else radius - float((surface.aim - surface.place) @ surface.normal)
     )
-    return Goal(one, spots, held, given, trunk, surface, press)
+    spots, said = tuple(spot for spot, _ in row), tuple(word for _, word in row)
+    return Goal(one, spots, said, held, given, trunk, surface, press)
 
 
 def _spots(

@@ -81,9 +81,38 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
     moving, found = Moving(linkage, STEP), dict[str, Array]()
     for side, spot in choreography.ready.items():
         arm = Arm(side, torso, moving, RATE, False)
-        _bring(arm, moving, easy_posture(), spot, 0.0)
+        bring(arm, moving, easy_posture(), spot, 0.0)
         found[side] = moving.q[arm.all].copy()
     return found
+
+
+def bring(
+    arm: Arm, moving: Moving, held: Array, spot: int, now: float, touches: bool = False
+) -> float:
+    """Let a field bring a hand to a place until it rests there.
+
+    Args:
+        arm: whose hand.
+        moving: its torso, with steps of `STEP`.
+        held: (7,) angles that the arm is held near to [rad].
+        spot: number of the place.
+        now: the time [s].
+        touches: whether it is to meet something there.
+
+    Returns:
+        The time then [s].
+    """
+    arm.reach([spot], held, now, now + WAY, touches)
+    end = now + WAY + REST
+    while now < end - 0.5 * STEP:
+        arm.control(now)
+        done = 0
+        while done < TICK:
+            done += moving.advance(TICK - done)
+        now += STEP * TICK
+        # Who is held up reaches anew, and rests there.
+        end = max(end, arm.anew_until + REST)
+    return now
 
 
 def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
@@ -98,21 +127,4 @@ def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
 
 def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
     """Bring the hand to one place of a subtask; return the time then."""
-    return _bring(arm, moving, goal.held, spot, now, goal.surface is not None)
-
-
-def _bring(
-    arm: Arm, moving: Moving, held: Array, spot: int, now: float, touches: bool = False
-) -> float:
-    """Bring a hand to a place, the arm held near a posture (7,); return the time then."""
-    arm.reach([spot], held, now, now + WAY, touches)
-    end = now + WAY + REST
-    while now < end - 0.5 * STEP:
-        arm.control(now)
-        done = 0
-        while done < TICK:
-            done += moving.advance(TICK - done)
-        now += STEP * TICK
-        # Who is held up reaches anew, and rests there.
-        end = max(end, arm.anew_until + REST)
-    return now
+    return bring(arm, moving, goal.held, spot, now, goal.surface is not None)

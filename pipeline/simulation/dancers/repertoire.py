@@ -20,6 +20,7 @@ from pipeline.simulation.dancers.goals import (
 )
 from pipeline.simulation.dancers.posing import Place, Poses, poses_of
 from pipeline.simulation.dancers.torso import ARM, HANDS, WRIST
+from pipeline.simulation.dancers.trying import unreached
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
@@ -73,7 +74,8 @@ def repertoire_of(
         path: of the dancer in the scene, for messages.
 
     Raises:
-        SceneError: a place is out of reach, or two dances have different drums of one name.
+        SceneError: a place is out of reach or where no arm goes, or two dances have different
+            drums of one name.
     """
     asked = {i: one.do for i, one in enumerate(script) if one.who == member.name}
     known = _known(member, dances, asked.values(), bool(asked) or directed)
@@ -92,13 +94,11 @@ def repertoire_of(
     if asked or directed or member.pose:
         hang = {side: len(parts) + k for k, side in enumerate(HANDS)}
         parts += [Part(path, words) for words in _hanging()]
-    choreography = choreographed(
-        who,
-        parts,
-        drums,
-        Ready(f"dances.{member.dance}", dances[member.dance].ready),
-        member.compensate_gravity,
-    )
+    ready = Ready(f"dances.{member.dance}", dances[member.dance].ready)
+    choreography = choreographed(who, parts, drums, ready, member.compensate_gravity)
+    refused = list(unreached(choreography, parts, ready.path))
+    if refused:
+        raise SceneError(refused)
     return Repertoire(known, first, drums, hang, told, poses, choreography)
 
 

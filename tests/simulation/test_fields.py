@@ -116,6 +116,24 @@ def test_weights_of_fields_stay_between_none_and_all_whatever_the_hand_does() ->
         np.testing.assert_allclose(fields.point, places[3], atol=1e-12)
 
 
+def test_the_next_field_begins_when_the_hand_came_near_whenever_that_is_looked_at() -> None:
+    places = np.array([[0.0, 0.0, 0.0], [0.3, 0.2, 0.0], [0.1, 0.5, 0.2], [0.4, 0.4, 0.4]])
+    found = []
+    for rate in (96, 97, 480, 5000):
+        fields = Fields(places[0], RATE, False)
+        fields.go([1, 2, 3], 0.0, 1.2, places)
+        lag = 0.013
+        for k in range(round(1.5 * rate)):
+            # A hand that comes after the point as it was a moment ago, at any rate the same.
+            now = k / rate
+            s = np.interp(now - lag, [0.0, 0.3, 0.7, 1.2], [0.0, 1.0, 2.0, 3.0])
+            x = [np.interp(s, range(4), places[:, i]) for i in range(3)]
+            fields.desired((x[0], x[1], x[2]), now, places)
+        found.append([leg.begin for leg in fields.legs])
+        assert len(fields.legs) == 3
+    np.testing.assert_allclose(found[:-1], [found[-1]] * 3, atol=2e-4)
+
+
 @pytest.mark.parametrize("time", [0.5, 0.8, 1.2])
 @pytest.mark.parametrize("place", [(0.45, 1.3, 0.3), (0.3, 1.6, 0.45), (0.55, 1.15, 0.12)])
 def test_a_free_reach_has_one_peak_of_speed_and_the_shape_of_least_jerk(place, time) -> None:

@@ -130,6 +130,7 @@ class Fields:
         self.legs: list[Leg] = []
         self.land = self.press = 0.0
         self._over = math.inf
+        self._seen, self._near = (0.0, math.inf), math.inf
         self.stay(anchor)
 
     def stay(self, anchor: Array) -> None:
@@ -188,16 +189,26 @@ class Fields:
         return desired_velocity(self.point, x, self.rate, (u, v, w))
 
     def _switch(self, x: Point, now: float, places: Array) -> None:
+        """Begin the next leg at the moment when the hand came near, between two controls."""
         leg = self.legs[-1]
         goal = as_point(places[leg.spot])
         before = as_point(places[self.legs[-2].spot]) if len(self.legs) > 1 else self.anchor
-        near = math.dist(x, goal) < NEAR * math.dist(before, goal)
-        since = (now - leg.begin) / leg.time
-        if since >= 1.0 or (near and since >= OVERLAP):
-            self._begin(now, places)
+        left = math.dist(x, goal) - NEAR * math.dist(before, goal)
+        since, was_left = self._seen
+        if left < 0.0 and math.isinf(self._near):
+            # Both are of this leg; how far is left falls evenly for so short a time.
+            share = was_left / (was_left - left) if was_left < math.inf else 1.0
+            self._near = since + share * (now - since)
+        elif left >= 0.0:
+            self._near = math.inf
+        self._seen = now, left
+        early = max(self._near, leg.begin + OVERLAP * leg.time)
+        begin = min(early, leg.begin + leg.time)
+        if begin <= now:
+            self._begin(begin, places)
 
     def _begin(self, now: float, places: Array) -> None:
-        """Begin the next leg; what time is left is shared by the roots of the lengths."""
+        """Begin the next leg at `now`; the time left is shared by the roots of the lengths."""
         done = len(self.legs)
         ways = [self.point if not done else as_point(places[self.spots[done - 1]])]
         ways += [as_point(places[spot]) for spot in self.spots[done:]]
@@ -209,6 +220,7 @@ class Fields:
             under = min(self.press / max(math.dist(*ways), self.press), MOST_UNDER)
             time /= phase_of(1.0 - under)
         self.legs.append(Leg(self.spots[done], now, time))
+        self._seen, self._near = (now, math.inf), math.inf
         if len(self.legs) == len(self.spots):
             self._over = max(leg.begin + leg.time for leg in self.legs)
 

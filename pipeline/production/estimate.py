@@ -24,6 +24,10 @@ WRONG = 1.25
 MEASURED = 3
 """Frames after the first from which on their mean is trusted."""
 
+TELLING = 0.05
+"""Size of frames from which on they tell of other films [megapixels]: what smaller ones take is
+not for their pixels."""
+
 MOST = 400
 """Paces that are remembered, the oldest forgotten first."""
 
@@ -105,10 +109,11 @@ class Estimate:
         paces = remembered()
         found = {
             self.name: self.each,
-            "": self.each / work_of(self.film),
             # What the first frame took more than the others: scenes built, kernels compiled.
             _START: max(self._first[1] - self.each * self._first[0], 1e-3),
         }
+        if self.film.size[0] * self.film.size[1] >= TELLING * 1e6:
+            found[""] = self.each / work_of(self.film)
         for name, pace in found.items():
             paces.pop(self._key(name), None)
             paces[self._key(name)] = pace

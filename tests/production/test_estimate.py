@@ -57,6 +57,12 @@ def test_another_film_takes_as_long_as_its_work() -> None:
     assert work_of(other.film) == pytest.approx(4 * work_of(estimate().film))
 
 
+def test_tiny_frames_tell_of_their_own_film_alone() -> None:
+    filmed(estimate("tiny", size=(64, 36)), 0.3)
+    assert estimate().before() is None
+    assert "by the last time" in str(estimate("tiny", size=(64, 36)).before())
+
+
 def test_the_first_frame_is_counted_in() -> None:
     filmed(estimate(), 2.0, first=302.0)
     assert "about 8 min for 100 frames" in str(estimate().before())

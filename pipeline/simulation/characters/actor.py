@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from pipeline.simulation.characters.barriers import Barriers
 from pipeline.simulation.characters.layout import NOBODY, Crowd
 from pipeline.simulation.characters.record import (
     HAND,
@@ -34,6 +35,9 @@ BOTH = 2
 EMBRACES = 2.0
 """How far off the other one is when arms are clear of one another again, in arms."""
 
+SLIM = 0.17
+"""Half of the room that a person takes, in heights."""
+
 HEAVY = 0.5
 """From which part of one's own mass on something is held, and does not hang from the hand."""
 
@@ -47,17 +51,26 @@ class Stage:
         crowd: the characters.
         ground: the terrain.
         people: numbers of those owners who have the joints of people.
+        barriers: what of other rooms they go round.
     """
 
     names: Sequence[str]
     crowd: Crowd
     ground: Ground
     people: frozenset[int]
+    barriers: Barriers
 
     @cached_property
     def p(self) -> Array:
         """(N, 3) all nodes, as they are at any time [m]."""
         return self.crowd.p
+
+    @cached_property
+    def edges(self) -> tuple[Array, Array]:
+        """Least and greatest x and z (2,) of the terrain, of a turned one within it [m]."""
+        field = self.ground.field
+        half = np.array(field.size) / (2.0 if field.heading == 0.0 else 2.0 * math.sqrt(2.0))
+        return np.array(field.at) - half, np.array(field.at) + half
 
     @cached_property
     def _spans(self) -> list[list[int]]:

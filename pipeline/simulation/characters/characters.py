@@ -14,6 +14,7 @@ import numpy as np
 from pipeline.simulation.characters.actor import Stage
 from pipeline.simulation.characters.appearance import appearance
 from pipeline.simulation.characters.around import Around
+from pipeline.simulation.characters.barriers import Barriers
 from pipeline.simulation.characters.bearing import feet_of, gaze_of
 from pipeline.simulation.characters.direction import Direction
 from pipeline.simulation.characters.events import new_log
@@ -75,7 +76,9 @@ class Characters:
         self._firsts = np.array([thing.nodes[0] for thing in self._look.things], dtype=np.int64)
         bodies = [proportions_of(member) is not None for member in cast]
         people = frozenset(i for i, one in enumerate(bodies) if one)
-        stage = Stage([member.name for member in cast], self.crowd, world.ground, people)
+        self.barriers = Barriers(world.ground)
+        names = [member.name for member in cast]
+        stage = Stage(names, self.crowd, world.ground, people, self.barriers)
         poses = {member.name: member.pose for member in cast}
         self.direction = Direction(stage, self.persons, dt, poses)
         self.signals = Signals(self.direction)
@@ -127,6 +130,7 @@ class Characters:
         self.around = Around(obstacles, len(self.cast))
         self.room = room_for(self.crowd, self.around.solids)
         self.telling.solids = self.around.obstacles
+        self.barriers.put(self.around.solids.bodies)
         return self.around.obstacles
 
     def feel(self, motion: Motion) -> None:

@@ -212,7 +212,7 @@ class Direction:
         actor.me.posture = STANDING
         if isinstance(do, words.GoTo):
             actor.go(*do.go_to)
-            self._begin(k, Walk(), keeps_arms=True)
+            self._begin(k, Walk(np.array(do.go_to, dtype=float)), keeps_arms=True)
         elif isinstance(do, words.TurnBy):
             actor.turn_to(float(actor.me.heading) + math.radians(do.turn_deg))
             self._begin(k, Turn(), keeps_arms=True)

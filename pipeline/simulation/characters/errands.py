@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pipeline.simulation.characters.actor import Actor
+from pipeline.simulation.characters.actor import SLIM, Actor
 from pipeline.simulation.characters.record import (
     PELVIS,
     REACHING,
@@ -21,6 +21,7 @@ from pipeline.simulation.characters.record import (
     SPINE,
     STANDING,
 )
+from pipeline.simulation.characters.route import Route
 from pipeline.simulation.spatial import Array
 
 CHEST = 0.075
@@ -57,11 +58,30 @@ class Errand(Protocol):
 
 @dataclass
 class Walk:
-    """Walk to a place."""
+    """Walk to a place, round what stands on the straight way there.
+
+    Attributes:
+        goal: (2,) where to [m]; None to go as it was sent.
+        route: the way round.
+    """
+
+    goal: Array | None = None
+    route: Route = field(default_factory=Route)
 
     def go_on(self, actor: Actor, dt: float) -> bool:
         """See `Errand`."""
-        return not actor.me.goes and actor.stands
+        me, barriers = actor.me, actor.stage.barriers
+        if self.goal is not None and me.goes and barriers.look():
+            reaches = barriers.radii + SLIM * float(me.height)
+            within, at = np.stack(actor.stage.edges), np.array(me.at)
+            # An author's straight ways are kept wherever they can be gone.
+            first, length = self.route.next(
+                at, self.goal, barriers.middles, reaches, within, clearance=0.0
+            )
+            # Nobody slows down for a corner as for the end of the way.
+            to = first - at
+            me.goal[:] = at + to * (length / max(math.hypot(*to), 1e-9))
+        return not me.goes and actor.stands
 
 
 @dataclass

@@ -66,7 +66,7 @@ def _is_near(person: Record, solid: Record) -> bool:
     near: bool = (
         solid.low[0] - reach < person.at[0] < solid.high[0] + reach
         and solid.low[2] - reach < person.at[1] < solid.high[2] + reach
-        and solid.high[1] > person.floor
+        and solid.high[1] > person.floor + LEVELS[0] * person.height
         and solid.low[1] < person.floor + person.height
     )
     return near

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.behaviours.approach import LEAST, REPELS, Way, walk_vector
-from pipeline.simulation.characters.behaviours.route import (
+from pipeline.simulation.characters.route import (
     CLEARANCES,
     CORNERS,
     Route,

@@ -178,7 +178,7 @@ def test_a_person_stops_before_a_wall_and_stands() -> None:
     simulation = played(
         f"- {{name: bob, character: adult, at: [-1.5, 0]}}\n- {WALL}",
         4,
-        "- {at: 0, who: bob, do: {go_to: [3, 0]}}",
+        "- {at: 0, who: bob, do: walk}",
     )
     pelvis = path(simulation, "bob")
     assert -0.7 < pelvis[-1, 0] < -0.3
@@ -293,7 +293,7 @@ def test_a_person_pushes_what_is_light_and_stops_at_what_is_heavy(
         f"- {{name: block, body: {{shape: cube, size: 0.6, collide: all, density: {density}}}, "
         "at: [0, 0]}"
     )
-    simulation = played(cast, 4, "- {at: 0, who: bob, do: {go_to: [1.5, 0]}}")
+    simulation = played(cast, 4, "- {at: 0, who: bob, do: walk}")
     block, bob = path(simulation, "block"), path(simulation, "bob")
     assert goes[0] < block[-1, 0] < goes[1]
     assert bob[:, 1].min() > 0.8 * bob[0, 1]

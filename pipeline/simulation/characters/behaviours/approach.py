@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.motor import Motor
-from pipeline.simulation.characters.behaviours.route import WITHIN, Route, are_free
 from pipeline.simulation.characters.layout import Numbers
+from pipeline.simulation.characters.route import WITHIN, Route, are_free
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Approach
 
@@ -114,15 +114,13 @@ def steer(
     left = max(size - near, 0.0)
     if left < 0.1:
         return Motor(facing=mind.heading_to(place), target=target)
-    which = _in_the_way(mind, target)
-    middles = mind.memory.places[which][:, [0, 2]]
+    standing = _in_the_way(mind, target)
     within = np.stack([around.low + 0.5 * EDGE, around.high - 0.5 * EDGE])
-    reaches = around.radius[which] + mind.slim
-    first, length = mind.way.route.next(me, place, middles, reaches, within)
+    first, length = mind.way.route.next(me, place, standing.middles, standing.reaches, within)
     to = first - me
     size = max(math.hypot(to[0], to[1]), 1e-9)
     left = max(length - near, 0.0)
-    away, gaps, senses = _obstacles(mind, which, to, size)
+    away, gaps, senses = _obstacles(mind, standing, to, size)
     mind.way.note(left, mind.now)
     w = walk_vector(to * (left / size), away, gaps, senses, pace)
     w = _inside(w, me, around.low + 0.5 * EDGE, around.high - 0.5 * EDGE)
@@ -138,8 +136,27 @@ def steer(
     )
 
 
-def _in_the_way(mind: Mind, target: int) -> Numbers:
-    """Return (n,) numbers of all that one who goes to a target goes round."""
+@dataclass(frozen=True, slots=True)
+class _Standing:
+    """What one goes round, as circles.
+
+    Attributes:
+        keys: (n,) numbers: of characters, and after these of barriers.
+        middles: (n, 2) [m].
+        reaches: (n,) how near to them the middle of who goes can be [m].
+        away: (n,) how far off they are [m].
+        wholes: (n,) circles of one thing have one number.
+    """
+
+    keys: Numbers
+    middles: Array
+    reaches: Array
+    away: Array
+    wholes: Numbers
+
+
+def _in_the_way(mind: Mind, target: int) -> _Standing:
+    """Return all that one who goes to a target goes round."""
     around, memory = mind.around, mind.memory
     # People are stepped aside for by those who walk, before they come near.
     walking = around.people & mind.acting
@@ -147,15 +164,28 @@ def _in_the_way(mind: Mind, target: int) -> Numbers:
     mask[mind.me] = False
     if target >= 0:
         mask[target] = False
-    return np.flatnonzero(mask)
+    keys = np.flatnonzero(mask)
+    middles, away = memory.places[keys][:, [0, 2]], memory.away[keys]
+    reaches = around.radius[keys] + mind.slim
+    barriers = around.stage.barriers
+    if not barriers.look():
+        return _Standing(keys, middles, reaches, away, keys)
+    off = barriers.middles - mind.at
+    others = np.sqrt((off * off).sum(axis=1))
+    return _Standing(
+        np.concatenate([keys, len(mask) + barriers.keys]),
+        np.concatenate([middles, barriers.middles]),
+        np.concatenate([reaches, barriers.radii + mind.slim]),
+        np.concatenate([away, np.maximum(others, 1e-6)]),
+        np.concatenate([keys, len(mask) + barriers.wholes]),
+    )
 
 
 def has_room(mind: Mind, place: Array) -> bool:
     """Tell whether there is room for somebody at a place (2,), as far as it remembers."""
-    which = _in_the_way(mind, -1)
-    off = mind.memory.places[which][:, [0, 2]] - place
-    reaches = mind.around.radius[which] + mind.slim
-    return bool(((off * off).sum(axis=1) > reaches**2).all())
+    standing = _in_the_way(mind, -1)
+    off = standing.middles - place
+    return bool(((off * off).sum(axis=1) > standing.reaches**2).all())
 
 
 def leads_free(mind: Mind, place: Array) -> bool:
@@ -163,23 +193,27 @@ def leads_free(mind: Mind, place: Array) -> bool:
 
     Whoever is in the circle around something may go out of that, and not farther in.
     """
-    which = _in_the_way(mind, -1)
-    middles, away = mind.memory.places[which][:, [0, 2]], mind.memory.away[which]
-    reaches = np.minimum(mind.around.radius[which] + mind.slim, WITHIN * away)
-    return bool(are_free(mind.at, place[None], middles, reaches)[0])
+    standing = _in_the_way(mind, -1)
+    reaches = np.minimum(standing.reaches, WITHIN * standing.away)
+    return bool(are_free(mind.at, place[None], standing.middles, reaches)[0])
 
 
-def _obstacles(mind: Mind, which: Numbers, to: Array, size: float) -> tuple[Array, Array, Array]:
+def _obstacles(
+    mind: Mind, standing: _Standing, to: Array, size: float
+) -> tuple[Array, Array, Array]:
     """Return unit vectors (n, 2) from obstacles that are near, gaps [m] and ways round."""
-    around, memory = mind.around, mind.memory
-    gaps = memory.away[which] - around.radius[which] - mind.slim
-    near = (gaps < CUT_OFF) & (gaps + mind.slim < size + 0.1)
-    which, gaps = which[near], gaps[near]
-    offset = memory.places[which][:, [0, 2]] - mind.at
-    away = -offset / memory.away[which][:, None]
+    gaps = standing.away - standing.reaches
+    near = np.flatnonzero((gaps < CUT_OFF) & (gaps + mind.slim < size + 0.1))
+    if len(np.unique(standing.wholes[near])) < len(near):
+        # What is long pushes once, from where it is nearest.
+        order = near[np.argsort(gaps[near], kind="stable")]
+        near = np.sort(order[np.unique(standing.wholes[order], return_index=True)[1]])
+    keys, gaps = standing.keys[near], gaps[near]
+    offset = standing.middles[near] - mind.at
+    away = -offset / standing.away[near][:, None]
     side = to[0] * offset[:, 1] - to[1] * offset[:, 0]
-    senses = [mind.way.sense(int(k), float(s), mind.now) for k, s in zip(which, side, strict=True)]
-    for gone in set(mind.way.senses) - {int(k) for k in which}:
+    senses = [mind.way.sense(int(k), float(s), mind.now) for k, s in zip(keys, side, strict=True)]
+    for gone in set(mind.way.senses) - {int(k) for k in keys}:
         del mind.way.senses[gone]
     return away, gaps, np.array(senses)
 

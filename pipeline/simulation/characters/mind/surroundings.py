@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.characters.actor import Stage
+from pipeline.simulation.characters.actor import SLIM, Stage
 from pipeline.simulation.characters.layout import Numbers
 from pipeline.simulation.characters.record import PELVIS
 from pipeline.simulation.spatial import Array
-
-SLIM = 0.17
-"""Half of the room that a person takes, in heights."""
 
 
 class Surroundings:
@@ -40,10 +36,7 @@ class Surroundings:
         self._pelvises = self._firsts[self.people] + PELVIS
         self.radius = np.array([self._reach(k) for k in range(len(kinds))])
         self.radius[self.people] = SLIM * np.array(heights)[self.people]
-        field = stage.ground.field
-        turned = field.at if field.heading == 0.0 else None
-        half = np.array(field.size) / (2.0 if turned else 2.0 * math.sqrt(2.0))
-        self.low, self.high = np.array(field.at) - half, np.array(field.at) + half
+        self.low, self.high = stage.edges
         self._p, self._before = stage.crowd.p, stage.crowd.before
         self.now = -1.0
         self.look(0.0, 1.0)

@@ -114,7 +114,13 @@ class Route:
     middles: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
     def next(
-        self, me: Array, goal: Array, middles: Array, reaches: Array, within: Array
+        self,
+        me: Array,
+        goal: Array,
+        middles: Array,
+        reaches: Array,
+        within: Array,
+        clearance: float = CLEARANCES[0],
     ) -> tuple[Array, float]:
         """Return the place (2,) to go straight to, and how long the whole way is [m].
 
@@ -124,11 +130,12 @@ class Route:
             middles: (n, 2) of things in between [m].
             reaches: (n,) how near to them its middle can be [m].
             within: (2, 2) least and greatest x and z of a place on the way [m].
+            clearance: how far things have to be from a straight way that is gone [m].
         """
         apart = np.sqrt(((middles - me) ** 2).sum(axis=1))
         at_goal = np.sqrt(((middles - goal) ** 2).sum(axis=1))
         room = WITHIN * np.minimum(apart, at_goal)
-        wide = np.minimum(reaches + CLEARANCES[0], room)
+        wide = np.minimum(reaches + clearance, room)
         if are_free(me, goal[None], middles, wide)[0]:
             self.places = goal[None]
         elif self._is_old(me, goal, middles, np.minimum(reaches, room)):

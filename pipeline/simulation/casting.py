@@ -39,6 +39,11 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     props = [member for member in scene.cast if isinstance(member, Prop)]
     if props:
         troupes.append(Props(props, world, [member.material or THING for member in props]))
+    if scene.dancers:
+        # MuJoCo is loaded by those alone who need it.
+        from pipeline.simulation.dancers.dancers import Dancers
+
+        troupes.append(Dancers(scene.dancers, scene.dances, world))
     # Characters are not among them: they run into bodies themselves, and feel what these weigh.
     pushing = [troupe.inventory for troupe in troupes]
     characters = [member for member in scene.cast if isinstance(member, Character)]
@@ -48,11 +53,6 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
 
         troupes.append(Characters(characters, world))
     troupes += _alone(scene, world)
-    if scene.dancers:
-        # MuJoCo is loaded by those alone who need it.
-        from pipeline.simulation.dancers.dancers import Dancers
-
-        troupes.append(Dancers(scene.dancers, scene.dances, world))
     meeting = [
         (i, member)
         for i, member in enumerate(scene.cast)

@@ -141,6 +141,27 @@ def test_two_bodies_are_heard_together(scene_of: Scenes) -> None:
 
 
 @pytest.mark.slow
+def test_bodies_bounce_off_a_dancers_head_and_lie_on_its_drum(scene_of: Scenes) -> None:
+    ball = "{{name: {name}, at: {at}, body: {{shape: sphere, radius: 0.06, collide: all}}}}"
+    cube = "{name: cube, at: [0.4, 1.02, 0], body: {shape: cube, size: 0.08, collide: all}}"
+    scene = scene_of(
+        "{name: zoe, dancer: torso, dance: drums}",
+        ball.format(name="ball", at="[0.02, 2.4, 0.01]"),
+        cube,
+        duration=1.5,
+        more="dances: {drums: {drums: {tom: {at: [0.4, 0.9, 0], radius: 0.2}}, "
+        "subtasks: [{hand: l, reach: [0.3, 1.3, -0.4]}]}}",
+    )
+    take = simulate(scene)
+    ball_way, cube_way = placed(take, "ball"), placed(take, "cube")
+    met = [c for c in take.contacts if c.performer == "ball"]
+    assert met[0].other == "zoe.head"
+    assert ball_way[:, 1].min() < 0.5
+    assert np.abs(ball_way[-1, [0, 2]]).max() > 0.1
+    assert cube_way[-1, 1] == pytest.approx(0.9 + 0.04, abs=0.005)
+
+
+@pytest.mark.slow
 def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
     walker = "{name: bug, figure: beetle, at: [-2, 0], walk: {}}"
     ball = (

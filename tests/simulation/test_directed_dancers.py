@@ -150,7 +150,7 @@ def test_characters_run_into_a_dancer_who_feels_that() -> None:
     )
     script = (
         "  - {when: {touch: [ball, ada]}, who: ada, do: {dance: out}}\n"
-        "  - {at: 0.1, who: kid, do: {go_to: [2, 0]}}\n"
+        "  - {at: 0.1, who: kid, do: walk}\n"
     )
     text = text.replace("script:\n", f"{others}script:\n").replace("SCRIPT", script)
     one = Simulation(read_scene(text))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.record import STANCE, SWING
+from pipeline.simulation.characters.record import HIP, STANCE, SWING
 from pipeline.simulation.characters.strides import duty, eased, running, stride_rate
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -50,6 +50,17 @@ BESIDE = 1.16
 """How far beside the other foot one comes down at least, on its own side, and passes it, in halves
 of hips: who set one before the other, stepping aside, would catch one leg with the other. That is
 as near as the shins can be, and as the feet of those who walk are."""
+
+PASSES = 3.0
+"""How far ahead of the other foot, and behind it, a foot begins to keep to its own side, in what
+it keeps off."""
+
+CLOSE = 2.5
+"""How near another foot is, in what feet keep off one another, towards which no heel rises."""
+
+GOES_ROUND = 0.25
+"""Of a swing: within which a foot goes to its own side, from wherever it stood. The way ahead has
+hardly begun by then: a leg that leans over the other has to be out of its way first."""
 
 SETTLES = 16.0
 """How quickly a foot in the air goes by a change of mind [1/s]."""
@@ -186,7 +197,7 @@ def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     person.yaw_left[k] = person.yaw[k]
     person.pitch_left[k] = person.pitch[k]
     person.way_left[k] = person.heading
-    other = row(person.stood, 1 - k) if person.doing[1 - k] == STANCE else row(person.land, 1 - k)
+    other = _other(person, k)
     person.pivot[k, 0], person.pivot[k, 1] = other[0], other[2]
     person.arch[k] = 0.0
     _aim(person, k, 1.0, 1.0, frame, vertices)
@@ -231,9 +242,15 @@ def _aim(person: Record, k: int, left: float, share: float, frame: Record, verti
 
 
 @compiled
+def _other(person: Record, k: int) -> Vector:
+    """Return where the ankle of the foot that is not k stands, or is to stand."""
+    return row(person.stood, 1 - k) if person.doing[1 - k] == STANCE else row(person.land, 1 - k)
+
+
+@compiled
 def _beside(person: Record, k: int, x: float, z: float, heading: float) -> tuple[float, float]:
     """Return a place for foot k that is on its own side of the other one."""
-    other = row(person.stood, 1 - k) if person.doing[1 - k] == STANCE else row(person.land, 1 - k)
+    other = _other(person, k)
     right_x, right_z = math.sin(heading), math.cos(heading)
     side = 1.0 if k == 1 else -1.0
     beside = side * ((x - other[0]) * right_x + (z - other[2]) * right_z)
@@ -266,11 +283,18 @@ def reached(u: float) -> float:
 
 
 @compiled
-def _round(person: Record, k: int, end: Vector, s: float) -> tuple[float, float]:
-    """Return where a foot is on its way round the other leg, a part s of it done.
+def _round(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[float, float]:
+    """Return where a foot is on its way round the other leg.
 
     Seen by the pelvis, which turns over the other foot meanwhile, its way is straight; where it
     would lead through that leg, or past it on the wrong side, it bends outward.
+
+    Args:
+        person: whose.
+        k: which foot.
+        end: where its ankle comes down.
+        u: of its time that is over, 0 to 1.
+        s: of its way that is done, 0 to 1.
     """
     at_x, at_z, from_heading = person.pivot[k, 0], person.pivot[k, 1], person.way_left[k]
     turn = wrapped(person.yaw_land[k] - from_heading)
@@ -278,14 +302,24 @@ def _round(person: Record, k: int, end: Vector, s: float) -> tuple[float, float]
     c, d = _seen(end[0] - at_x, end[2] - at_z, from_heading + turn)
     x, z = a + s * (c - a), b + s * (d - b)
     side = 1.0 if k == 1 else -1.0
-    room = BESIDE * person.hips
-    near = max(1.0 - 0.25 * (x / room) ** 2, 0.0)
-    # At its begin it may be anywhere.
-    more = max(room * near * near - side * z, 0.0) * eased(4.0 * s)
-    z += side * more
     heading = from_heading + s * turn
+    room = BESIDE * person.hips
+    near = max(1.0 - (x / (PASSES * room)) ** 2, 0.0)
+    keeps = room + max(side * _leans(person, 1 - k, heading), 0.0) * eased((1.0 - u) / GOES_ROUND)
+    # At its begin it may be anywhere.
+    more = max(keeps * near * near - side * z, 0.0) * eased(u / GOES_ROUND)
+    z += side * more
     cos, sin = math.cos(heading), math.sin(heading)
     return at_x + x * cos + z * sin, at_z - x * sin + z * cos
+
+
+@compiled
+def _leans(person: Record, k: int, heading: float) -> float:
+    """Return how far a leg is to the right of its foot where the other foot passes it [m]."""
+    foot, hip = row(person.ankles, k), row(person.wanted, HIP + k)
+    up: float = max(person.ankles[1 - k, 1] - foot[1], 0.0) / leg_of(person)
+    _, right = _seen(hip[0] - foot[0], hip[2] - foot[2], heading)
+    return up * right
 
 
 @compiled
@@ -325,7 +359,7 @@ def _swing(
     land = row(person.land, k)
     slope = incline(frame, vertices, land, person.yaw_land[k])
     end = plus(land, on_ground(person, person.yaw_land[k], toes, slope))
-    person.ankles[k, 0], person.ankles[k, 2] = _round(person, k, end, s)
+    person.ankles[k, 0], person.ankles[k, 2] = _round(person, k, end, u, s)
     person.ankles[k, 1] = (1.0 - s) * person.left[k, 1] + s * end[1]
     # Level at both ends: a foot that falls to the ground bumps, and one that is torn off it jerks.
     person.ankles[k, 1] += 16.0 * person.arch[k] * (u * (1.0 - u)) ** 2
@@ -340,6 +374,7 @@ def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array
     done = (cycle_of(person, k) - (1.0 - stance)) / stance if person.stepping else 0.3
     done = min(max(done, 0.0), 1.0)
     rise = HEEL * min(person.walking, 1.0) * eased((done - ROLL) / (1.0 - ROLL) * 0.5) * 2.0
+    rise *= 1.0 - _bars(person, k)
     wanted = -rise if person.stepping else 0.0
     if done < ROLL:
         wanted = 0.0
@@ -351,6 +386,21 @@ def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array
     slope = incline(frame, vertices, stood, person.yaw[k])
     moved = on_ground(person, person.yaw[k], person.pitch[k], slope)
     put(person.ankles, k, plus(stood, moved))
+
+
+@compiled
+def _bars(person: Record, k: int) -> float:
+    """Return how much the other leg is where the heel of a foot would bring its own, 0 to 1.
+
+    An ankle goes ahead as its heel rises. Over a foot from which its owner has turned away that is
+    across, and towards the other leg.
+    """
+    other = _other(person, k)
+    x, z = other[0] - person.stood[k, 0], other[2] - person.stood[k, 2]
+    away = max(math.hypot(x, z), 1e-9)
+    ahead, _ = _seen(x, z, person.yaw[k])
+    near = (CLOSE - away / (BESIDE * person.hips)) / (CLOSE - 1.0)
+    return max(ahead / away, 0.0) * eased(near)
 
 
 @compiled

@@ -38,6 +38,12 @@ KNEES = 0.094
 """How far apart knees are kept that pass one another, in heights: two thighs beside one another.
 """
 
+NEAR = 3.0
+"""How far ahead of one another knees begin to part, in what they are kept apart."""
+
+SLANT = 0.6
+"""Sine of the lean of a thigh beyond which no more room is made."""
+
 
 @compiled
 def hold_legs(person: Record) -> None:
@@ -74,8 +80,11 @@ def _part_knees(person: Record) -> None:
         k = first if n == 0 else 1 - first
         side = 1.0 if k == 1 else -1.0
         apart = minus(row(person.wanted, KNEE + k), row(person.wanted, KNEE + 1 - k))
-        near = max(1.0 - 0.25 * (dot(apart, ahead) / room) ** 2, 0.0)
-        lacks = room * near * near - side * dot(apart, right)
+        near = max(1.0 - (dot(apart, ahead) / (NEAR * room)) ** 2, 0.0)
+        # Two thighs that lean to a side are nearer than their knees are.
+        thigh = minus(row(person.wanted, KNEE + k), row(person.wanted, HIP + k))
+        leans = min(abs(dot(thigh, right)) / person.thigh, SLANT)
+        lacks = room / math.sqrt(1.0 - leans * leans) * near * near - side * dot(apart, right)
         if lacks > 0.0:
             hip, ankle = row(person.wanted, HIP + k), row(person.wanted, FOOT + k)
             put(person.wanted, KNEE + k, _turned_out(person, k, hip, ankle, lacks, right))

@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.ballistic import sprung
-from pipeline.simulation.characters.gait import leg_of, pace_of, speed_of, wrapped
+from pipeline.simulation.characters.gait import cycle_of, leg_of, pace_of, speed_of, wrapped
 from pipeline.simulation.characters.record import (
     COUNT,
     HEAD,
@@ -43,6 +43,9 @@ SWAY, SINK, ROTATE, LIST = 0.022, 0.028, math.radians(5.0), math.radians(4.0)
 
 RISES = 14.0
 """How quickly somebody rises whom a leg that stood has held down [1/s]."""
+
+SOON = 0.4
+"""Left of a swing: from when on the pelvis comes down for a foot that is put far off."""
 
 COUNTER = math.radians(6.0)
 """How far the shoulders turn against the pelvis."""
@@ -184,9 +187,36 @@ def _within_reach(person: Record, height: float, dt: float) -> float:
             away = min(x * x + z * z, 0.75 * bones * bones)
             top = person.ankles[k, 1] + math.sqrt(bones * bones - away) - person.floor
             most = min(most, top)
+        else:
+            most = min(most, height - _soon(person, k, height, bones))
     person.short = max(height - most, person.short * math.exp(-RISES * dt))
     held: float = height - person.short
     return held
+
+
+@compiled
+def _soon(person: Record, k: int, height: float, bones: float) -> float:
+    """Return how much lower the pelvis is to be for a foot that is about to come down [m].
+
+    Who sank at the moment it did would be thrown down.
+
+    Args:
+        person: whose.
+        k: which foot.
+        height: that the pelvis has otherwise, above the ground [m].
+        bones: how long the leg may be [m].
+    """
+    rate, stance = pace_of(person)
+    left = max(1.0 - cycle_of(person, k) / (1.0 - stance), 0.0)
+    if left > SOON:
+        return 0.0
+    time = left * (1.0 - stance) / rate
+    x = person.land[k, 0] - person.wanted[HIP + k, 0] - person.going[0] * time
+    z = person.land[k, 2] - person.wanted[HIP + k, 2] - person.going[1] * time
+    away = min(x * x + z * z, 0.75 * bones * bones)
+    top = person.land[k, 1] + math.sqrt(bones * bones - away) - person.floor
+    lower: float = max(height - top, 0.0) * eased(1.0 - left / SOON)
+    return lower
 
 
 @compiled

@@ -96,7 +96,7 @@ HOLD = """
 duration: 6
 cast: [{name: a, character: child, at: [-1.3, 0.15]}, {name: doll, character: ragdoll}]
 script:
-  - {at: 0, who: a, do: {grab: doll, hand: left}}
+  - {at: 0, who: a, do: {grab: doll, part: foot_l, hand: left}}
   - {when: {arrived: a}, who: a, do: {go_to: [1.5, 0.6]}}
   - {at: 5.2, who: a, do: let_go}
 """

@@ -217,6 +217,52 @@ def test_points_are_reached_from_five_hundred_random_starts() -> None:
     reaches(500, 2)
 
 
+def held_up() -> tuple[Moving, Arm, Array, float]:
+    """Return an arm just being taken back, where its hand was to go, and the time."""
+    torso, moving, arm = standing()
+    moving.q[torso.arm("r")] = [1.07, -0.70, -1.69, 1.26]
+    moving.targets[:] = moving.q
+    moving.settle()
+    goal = np.array([-0.139, 1.196, 0.311])
+    arm.fields.stay(moving.places[arm.palm])
+    arm.trace(goal[None], easy_posture(), 0.0, 1.0)
+    now = 0.0
+    while arm.by_fields:
+        assert now < 4.0
+        go_on(moving, arm, TICK, now)
+        now += TICK
+    return moving, arm, goal, now
+
+
+def test_a_hand_that_the_trunk_holds_up_is_taken_back_and_comes_there_anew() -> None:
+    moving, arm, goal, now = held_up()
+    # The forearm lay on the belly, the elbow on the wrong side of it.
+    assert np.linalg.norm(moving.places[arm.palm] - goal) > 0.05
+    hand = go_on(moving, arm, 2.5, now)[-1]
+    assert arm.by_fields
+    assert arm.anew_until < now + 2.5
+    assert np.linalg.norm(hand - goal) < NEAR
+
+
+def test_who_is_told_something_else_while_a_hand_is_taken_back_does_that() -> None:
+    moving, arm, _, now = held_up()
+    posture = rest_posture()
+    arm.drive(False)
+    arm.turn((posture,), now, now + 0.8)
+    go_on(moving, arm, 2.0, now)
+    assert not arm.by_fields
+    np.testing.assert_allclose(moving.q[arm.all], posture, atol=0.05)
+    moving, arm, _, now = held_up()
+    arm.hold(now)
+    hand = moving.places[arm.palm].copy()
+    assert arm.by_fields
+    assert np.linalg.norm(go_on(moving, arm, 2.0, now)[-1] - hand) < 0.05
+    moving, arm, _, now = held_up()
+    arm.drive(True)
+    go_on(moving, arm, 2.0, now)
+    assert arm.by_fields
+
+
 def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffness() -> None:
     goal = np.array([0.42, 1.25, 0.25])
     found = []

@@ -83,7 +83,8 @@ class Arm:
         moving.share(arm.start, arm.stop, self.number, 1.0, CALM)
 
     def drive(self, by_fields: bool) -> None:
-        """Let fields or torques move it from now on."""
+        """Let fields or torques move it from now on; a hand that is taken back stays so."""
+        self._anew_from = math.inf
         if by_fields == self.by_fields:
             return
         self.by_fields = by_fields
@@ -140,7 +141,7 @@ class Arm:
         self.drive(True)
         self.ease = held[: len(ARM)].tolist()
         self.turn_wrist(held[len(ARM) :], now, land)
-        self.anew_until, self._anew_from = -math.inf, math.inf
+        self.anew_until = -math.inf
 
     def turn(
         self,
@@ -155,7 +156,6 @@ class Arm:
     def hold(self, now: float) -> None:
         """Stay where it is."""
         if self._anew_from < math.inf:
-            self._anew_from = math.inf
             self.drive(True)
         if self.by_fields:
             self.traced = None
@@ -235,14 +235,13 @@ class Arm:
         self.ease = self._patience.withdraws_to(self.ease)
         posture[: len(ARM)] = self.ease
         turned = float(np.abs(posture - self.moving.q[self.all]).max())
-        self._anew_from = now + BACK + BACK_BY * turned
-        self.anew_until = self._anew_from + AGAIN
+        there = now + BACK + BACK_BY * turned
         self.drive(False)
-        self.turn((posture,), now, self._anew_from)
+        self.turn((posture,), now, there)
+        self._anew_from, self.anew_until = there, there + AGAIN
 
     def _go_anew(self, now: float) -> None:
         """Let fields pull the hand that was taken back to where it was to be."""
-        self._anew_from = math.inf
         wrist = self.desired(now)[len(ARM) :]
         spots, traced, point = self.fields.spots, self.traced, self.fields.point
         self.drive(True)

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.barriers import Barriers
+from pipeline.simulation.characters.barriers import LIGHT, Barriers
 from pipeline.simulation.characters.layout import NOBODY, Crowd
 from pipeline.simulation.characters.record import (
     HAND,
@@ -40,6 +40,10 @@ SLIM = 0.17
 
 HEAVY = 0.5
 """From which part of one's own mass on something is held, and does not hang from the hand."""
+
+
+NOTHING = np.zeros((0, 2)), np.zeros(0)
+"""No circles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +104,22 @@ class Stage:
         face: Array = nodes[HEAD] if owner in self.people else nodes.mean(axis=0)
         return face
 
+    @cached_property
+    def things(self) -> tuple[int, ...]:
+        """Numbers of what stands on the ground and is too heavy to be kicked away."""
+        owners = self.crowd.owners
+        count = range(len(owners))
+        stand = (k for k in count if k not in self.people and owners["nodes"][k, 1] > 1)
+        return tuple(k for k in stand if owners["mass"][k] > LIGHT)
+
+    def circle(self, owner: int) -> tuple[Array, float]:
+        """Return the middle (2,) and the radius of a circle around a thing [m]."""
+        flat = self.nodes(owner)[:, [0, 2]]
+        middle = flat.mean(axis=0)
+        girth = float(self.crowd.nodes["radius"][self._spans[owner][0]])
+        off = flat - middle
+        return middle, float(np.sqrt((off * off).sum(axis=1)).max()) + girth
+
     def pelvis(self, owner: int) -> Array:
         """Return (3,) the middle of a character that others come up to [m]."""
         nodes = self.nodes(owner)
@@ -147,6 +167,22 @@ class Actor:
     def away(self, place: Array) -> float:
         """Return how far over the ground a place is [m]."""
         return math.hypot(place[0] - self.me.at[0], place[2] - self.me.at[1])
+
+    def in_the_way(self) -> tuple[Array, Array]:
+        """Return circles that it goes round: middles (n, 2) and radii (n,) [m].
+
+        They are what stands there of other rooms, and things too heavy to be kicked away.
+        """
+        barriers = self.stage.barriers
+        found = (barriers.middles, barriers.radii) if barriers.look() else NOTHING
+        owners = self.stage.crowd.nodes["owner"]
+        held = {int(owners[node]) for k in range(2) if (node := self.held(k)) >= 0}
+        things = [one for one in self.stage.things if one not in held]
+        if not things:
+            return found
+        around = [self.stage.circle(one) for one in things]
+        middles = np.concatenate([found[0], [middle for middle, _ in around]])
+        return middles, np.concatenate([found[1], [radius for _, radius in around]])
 
     def go(self, x: float, z: float, near: float = 0.0, whom: int = NOBODY) -> None:
         """Walk somewhere, up to so near."""

@@ -70,18 +70,22 @@ class Walk:
 
     def go_on(self, actor: Actor, dt: float) -> bool:
         """See `Errand`."""
-        me, barriers = actor.me, actor.stage.barriers
-        if self.goal is not None and me.goes and barriers.look():
-            reaches = barriers.radii + SLIM * float(me.height)
-            within, at = np.stack(actor.stage.edges), np.array(me.at)
-            # An author's straight ways are kept wherever they can be gone.
-            first, length = self.route.next(
-                at, self.goal, barriers.middles, reaches, within, clearance=0.0
-            )
-            # Nobody slows down for a corner as for the end of the way.
-            to = first - at
-            me.goal[:] = at + to * (length / max(math.hypot(*to), 1e-9))
+        me = actor.me
+        if self.goal is not None and me.goes:
+            middles, radii = actor.in_the_way()
+            if len(radii):
+                self._go_round(actor, middles, radii + SLIM * float(me.height))
         return not me.goes and actor.stands
+
+    def _go_round(self, actor: Actor, middles: Array, reaches: Array) -> None:
+        assert self.goal is not None
+        within, at = np.stack(actor.stage.edges), np.array(actor.me.at)
+        # An author's straight ways are kept wherever they can be gone.
+        first, length = self.route.next(at, self.goal, middles, reaches, within, clearance=0.0)
+        to = first - at
+        # Nobody slows down for a corner as for the end of the way.
+        straight = len(self.route.places) == 1
+        actor.me.goal[:] = self.goal if straight else at + to * (length / math.hypot(*to))
 
 
 @dataclass

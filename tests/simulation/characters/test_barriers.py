@@ -96,6 +96,9 @@ THINGS = {
     "pillar": ("prop: {shape: cylinder, radius: 0.5, height: 3}", 0.5),
     "crate": ("body: {shape: box, size: [1.0, 1.0, 1.0], density: 600, collide: all}", 0.5),
     "dancer": ("dancer: torso", 0.3),
+    "bench": ("character: bench, heading_deg: 90", 0.5),
+    "box": ("character: box, scale: 1.6", 0.4),
+    "carousel": ("character: merry-go-round", 1.2),
 }
 
 
@@ -105,7 +108,7 @@ def test_who_is_told_to_go_somewhere_goes_round_what_is_in_between(thing: str) -
     words, aside = THINGS[thing]
     simulation = played(
         f"- {{name: ann, character: adult, at: [-2.8, 0.1]}}\n- {{name: it, {words}, at: [0, 0]}}",
-        7.5,
+        9,
         "- {at: 0, who: ann, do: {go_to: [2.4, 0.1]}}",
     )
     way = path(simulation, "ann")[:, [0, 2]]

@@ -107,10 +107,12 @@ class Estimate:
         if self.each is None or self._first is None:
             return
         paces = remembered()
+        # What the first frame took more than the others: scenes built, kernels compiled. That is
+        # long once, and short as soon as kernels are kept.
+        start = max(self._first[1] - self.each * self._first[0], 1e-3)
         found = {
             self.name: self.each,
-            # What the first frame took more than the others: scenes built, kernels compiled.
-            _START: max(self._first[1] - self.each * self._first[0], 1e-3),
+            _START: min(start, paces.get(self._key(_START), start)),
         }
         if self.film.size[0] * self.film.size[1] >= TELLING * 1e6:
             found[""] = self.each / work_of(self.film)

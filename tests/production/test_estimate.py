@@ -68,6 +68,13 @@ def test_the_first_frame_is_counted_in() -> None:
     assert "about 8 min for 100 frames" in str(estimate().before())
 
 
+def test_a_begin_that_took_long_once_is_forgotten_for_a_shorter_one() -> None:
+    filmed(estimate(), 2.0, first=302.0)
+    filmed(estimate(), 2.0, first=22.0)
+    filmed(estimate(), 2.0, first=102.0)
+    assert "about 4 min for 100 frames" in str(estimate().before())
+
+
 def test_short_films_say_nothing() -> None:
     assert filmed(estimate(total=20), 0.1, first=0.5) == []
     assert estimate(total=20).before() is None

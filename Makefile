@@ -18,7 +18,7 @@ fast: $(STAMP)
 	$(BIN)/pytest -n $(WORKERS) -m "not slow and not nightly"
 
 test-all: $(STAMP) check
-	$(BIN)/pytest -n $(WORKERS)
+	$(BIN)/pytest -n $(WORKERS) --hypothesis-profile=random
 
 check: $(STAMP)
 	$(BIN)/ruff check .

@@ -258,12 +258,12 @@ def test_what_is_undone_is_undone(nodes, way, factor, angle):
 def test_deleting_what_was_copied_is_nothing(nodes, way, n):
     chain = [[*nodes]] if len(nodes) > 1 else []
     move = [way[0] + 20, way[1]]
-    before = sheet_of(nodes=nodes, chains=chain)
+    before = sheet_of(nodes=nodes, chains=chain, sticky=0)
     copy = {"copy": "all", "translate": move, "repeat": n}
-    copied = sheet_of(copy, nodes=nodes, chains=chain)
+    copied = sheet_of(copy, nodes=nodes, chains=chain, sticky=0)
     made = [name for name in copied.marks if name not in nodes]
     assert len(made) == n * len(nodes)
-    after = sheet_of(copy, {"delete": made}, nodes=nodes, chains=chain)
+    after = sheet_of(copy, {"delete": made}, nodes=nodes, chains=chain, sticky=0)
     assert (after.marks, after.connections) == (before.marks, before.connections)
 
 

@@ -257,10 +257,6 @@ def test_who_is_told_something_else_while_a_hand_is_taken_back_does_that() -> No
     hand = moving.places[arm.palm].copy()
     assert arm.by_fields
     assert np.linalg.norm(go_on(moving, arm, 2.0, now)[-1] - hand) < 0.05
-    moving, arm, _, now = held_up()
-    arm.drive(True)
-    go_on(moving, arm, 2.0, now)
-    assert arm.by_fields
 
 
 def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffness() -> None:

@@ -34,19 +34,12 @@ class Surroundings:
         self._counts: Array = owners["nodes"][:, 1].astype(float)
         self.people = np.array([k in stage.people for k in range(len(kinds))], dtype=bool)
         self._pelvises = self._firsts[self.people] + PELVIS
-        self.radius = np.array([self._reach(k) for k in range(len(kinds))])
+        self.radius = np.array([stage.circle(k)[1] for k in range(len(kinds))])
         self.radius[self.people] = SLIM * np.array(heights)[self.people]
         self.low, self.high = stage.edges
         self._p, self._before = stage.crowd.p, stage.crowd.before
         self.now = -1.0
         self.look(0.0, 1.0)
-
-    def _reach(self, owner: int) -> float:
-        nodes = self.stage.nodes(owner)[:, [0, 2]]
-        away = nodes - nodes.mean(axis=0)
-        first = int(self._firsts[owner])
-        girth = float(self.stage.crowd.nodes["radius"][first])
-        return float(np.sqrt((away * away).sum(axis=1)).max()) + girth
 
     def look(self, now: float, h: float) -> None:
         """See where everybody is now, and how fast; `h` is a sub-step [s]."""

@@ -113,7 +113,7 @@ class Stage:
         return tuple(k for k in stand if owners["mass"][k] > LIGHT)
 
     def circle(self, owner: int) -> tuple[Array, float]:
-        """Return the middle (2,) and the radius of a circle around a character, on the ground [m]."""
+        """Return the middle (2,) and the radius of a circle around a character [m]."""
         flat = self.nodes(owner)[:, [0, 2]]
         middle = flat.mean(axis=0)
         girth = float(self.crowd.nodes["radius"][self._spans[owner][0]])

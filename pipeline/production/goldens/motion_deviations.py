@@ -119,7 +119,8 @@ def ground(golden: MotionGolden, take: Take) -> Iterator[Difference]:
         "ground",
         take.terrain.material,
         f"differs at {np.count_nonzero(amounts > motion_tolerance.POSITION)} "
-        f"of {len(amounts)} places, most at ({x:.2f}, {y:.2f}, {z:.2f}): {millimetres(float(amounts[most]))}",
+        f"of {len(amounts)} places, most at ({x:.2f}, {y:.2f}, {z:.2f}): "
+        f"{millimetres(float(amounts[most]))}",
     )
 
 

@@ -14,8 +14,7 @@ from PIL import Image
 
 from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure, build_figure
-from pipeline.simulation.locomotion.gaits.named import gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.named_gaits import Rows, gaits_of
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene, load_scene, read_scene
 from pipeline.spec.mood import MOODS

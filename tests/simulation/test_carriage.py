@@ -9,8 +9,8 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation import simulate as simulation
-from pipeline.simulation.locomotion.carriage.bearing import Bearing
-from pipeline.simulation.locomotion.carriage.clearing import Clearing
+from pipeline.simulation.locomotion.body_motion.free_limb_motion import Clearing
+from pipeline.simulation.locomotion.gaits.moods import Bearing
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn

@@ -7,10 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.gaits.change import SLOWEST, STEEPEST, GaitChange, shortest
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.gait_transition import (
+    SLOWEST,
+    STEEPEST,
+    GaitChange,
+    shortest,
+)
+from pipeline.simulation.locomotion.gaits.named_gaits import Rows, gaits_of
 from pipeline.simulation.spatial import Array
 
 FOUR = gaits_of(Rows((0, 1), (2, 3)))

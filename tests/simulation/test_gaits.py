@@ -10,11 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.gaits.automatic import ripple, trot, wave
-from pipeline.simulation.locomotion.gaits.flight import Bounce
-from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import NEEDS, gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.gait import Bounce, Gait
+from pipeline.simulation.locomotion.gaits.named_gaits import (
+    NEEDS,
+    Rows,
+    gaits_of,
+    ripple,
+    trot,
+    wave,
+)
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import GaitName
 

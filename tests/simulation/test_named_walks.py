@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import gaits_of
+from pipeline.simulation.locomotion.gaits.named_gaits import Rows, gaits_of
 from pipeline.simulation.locomotion.gaits.pace import GRAVITY
-from pipeline.simulation.locomotion.gaits.rows import Rows
 from pipeline.simulation.locomotion.herd import REACH
 from tests.simulation.conftest import Walk, scene_of, walk_through
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceChange, Paces
 from pipeline.simulation.locomotion.gaits.pace import Pace
-from pipeline.simulation.locomotion.gaits.paces import PaceChange, Paces
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec.mood import MOODS

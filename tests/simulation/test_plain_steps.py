@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.settling import brought, settle
-from pipeline.simulation.locomotion.footing.footholds import Foothold
-from pipeline.simulation.locomotion.footing.plain_steps import Lift, PlainSteps
+from pipeline.simulation.locomotion.foot_placement.foothold_planner import Lift, PlainSteps
+from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
+from pipeline.simulation.locomotion.routes.route_progress import LOOKS
 from pipeline.simulation.locomotion.walking import Walkers
-from pipeline.simulation.locomotion.ways.going import LOOKS
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.ways.route import (
+from pipeline.simulation.locomotion.routes.route import (
     Route,
+    corners_of,
     direction,
     standing,
     straight,
     through,
     turning,
 )
-from pipeline.simulation.locomotion.ways.wayfinding import corners_of
 from pipeline.simulation.spatial import Array
 
 WAYPOINTS = st.lists(

@@ -11,7 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.simulation.locomotion.swings.scuffing import LOW, MIDDLE, QUICK, WEIGHT, brushed, slid
+from pipeline.simulation.locomotion.swing.foot_contacts import (
+    LOW,
+    MIDDLE,
+    QUICK,
+    WEIGHT,
+    brushed,
+    slid,
+)
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import SoundEvent, Take
@@ -176,7 +183,7 @@ def test_feet_that_do_not_come_to_rest_scuff_as_they_touch(monkeypatch: pytest.M
     def even(start: Array, end: Array, height: Array, s: Array, bend: object = None) -> Array:
         return start + s[:, None] * (end - start)
 
-    monkeypatch.setattr("pipeline.simulation.locomotion.swings.scuffing.swing", even)
+    monkeypatch.setattr("pipeline.simulation.locomotion.swing.scuffing.swing", even)
     take = simulate(scene("beetle", "", "flat"))
     touches = [c for c in take.contacts if c.kind == "touch"]
     scuffs = [c for c in take.contacts if c.kind == "scuff"]

@@ -10,12 +10,18 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.swings import plans as swing_plans
-from pipeline.simulation.locomotion.swings.bend import KNOTS, POINTS, SPANS, bend_through, bent
-from pipeline.simulation.locomotion.swings.passive import fall
-from pipeline.simulation.locomotion.swings.plans import PLANNERS
-from pipeline.simulation.locomotion.swings.swing import lift_to_clear
-from pipeline.simulation.locomotion.swings.trial import ROWS, SwingTrial
+from pipeline.simulation.locomotion.swing import swing_planner as swing_plans
+from pipeline.simulation.locomotion.swing.passive_swing import fall
+from pipeline.simulation.locomotion.swing.swing_dynamics import ROWS, SwingTrial
+from pipeline.simulation.locomotion.swing.swing_planner import PLANNERS
+from pipeline.simulation.locomotion.swing.swing_trajectory import (
+    KNOTS,
+    POINTS,
+    SPANS,
+    bend_through,
+    bent,
+    lift_to_clear,
+)
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground

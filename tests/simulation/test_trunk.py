@@ -11,7 +11,7 @@ from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.locomotion.carriage.trunk import (
+from pipeline.simulation.locomotion.body_motion.trunk_oscillation import (
     GRAVITY,
     MOST_PITCH,
     MOST_ROLL,
@@ -19,8 +19,7 @@ from pipeline.simulation.locomotion.carriage.trunk import (
     Trunk,
 )
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.named_gaits import Rows, gaits_of
 from pipeline.simulation.spatial import Array
 
 PHASES = np.arange(4096) / 4096

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.carriage.idle import Idlers
+from pipeline.simulation.locomotion.body_motion.idle_motion import Idlers
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part

@@ -15,24 +15,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.carriage.idle import gather_idlers
-from pipeline.simulation.locomotion.carriage.looking import looks_in
-from pipeline.simulation.locomotion.feet import Feet
-from pipeline.simulation.locomotion.footfalls import Footfalls
-from pipeline.simulation.locomotion.gaits.manners import Manners
-from pipeline.simulation.locomotion.gaits.paces import Paces
+from pipeline.simulation.locomotion.authored_poses import Postures
+from pipeline.simulation.locomotion.body_motion.gaze import looks_in
+from pipeline.simulation.locomotion.body_motion.idle_motion import gather_idlers
+from pipeline.simulation.locomotion.gaits.gait_transition import Paces
+from pipeline.simulation.locomotion.gaits.moods import Manners
 from pipeline.simulation.locomotion.herd import gather
 from pipeline.simulation.locomotion.inventory import (
     NodeTable,
     describe,
 )
 from pipeline.simulation.locomotion.leaping.leaps import Leaps
-from pipeline.simulation.locomotion.posing import Moment, Posing
-from pipeline.simulation.locomotion.postures import Postures
-from pipeline.simulation.locomotion.ways.body_path import BodyPath
-from pipeline.simulation.locomotion.ways.directing import obey
-from pipeline.simulation.locomotion.ways.going import Going
-from pipeline.simulation.locomotion.ways.wayfinding import route_of
+from pipeline.simulation.locomotion.pose_solver import Moment, Posing
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyPath
+from pipeline.simulation.locomotion.routes.route import route_of
+from pipeline.simulation.locomotion.routes.route_progress import Going
+from pipeline.simulation.locomotion.routes.walk_orders import obey
+from pipeline.simulation.locomotion.stepping import Feet
+from pipeline.simulation.locomotion.swing.foot_contacts import Footfalls
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note

@@ -13,9 +13,8 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import cyclic
 from pipeline.simulation.dynamics.gravity import GRAVITY as GRAVITY
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.gaits.choice import carrying, chosen
-from pipeline.simulation.locomotion.gaits.flight import Bounce
-from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.gait import Bounce, Gait
+from pipeline.simulation.locomotion.gaits.named_gaits import carrying, chosen
 from pipeline.simulation.locomotion.gaits.remedies import too_long
 from pipeline.simulation.locomotion.gaits.spread import Spread
 from pipeline.simulation.spatial import Array

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.locomotion.gaits.choice import listed
 from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.named_gaits import listed
 from pipeline.simulation.locomotion.gaits.spread import Spread
 from pipeline.spec.walk import Manner
 

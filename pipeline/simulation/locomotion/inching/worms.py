@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.inching.pace import pace_of
 from pipeline.simulation.locomotion.inching.posing import Posed, posed
 from pipeline.simulation.locomotion.inching.steps import Step, Worm, poses_of
 from pipeline.simulation.locomotion.inventory import links_above, skins, solids, with_looks
-from pipeline.simulation.locomotion.swings.swing import approach_speed
+from pipeline.simulation.locomotion.swing.swing_trajectory import approach_speed
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World

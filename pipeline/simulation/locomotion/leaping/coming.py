@@ -21,9 +21,9 @@ from pipeline.simulation.locomotion.pronking.vaulting import (
     stand_before,
     vault,
 )
-from pipeline.simulation.locomotion.ways.directing import obey
-from pipeline.simulation.locomotion.ways.going import Going
-from pipeline.simulation.locomotion.ways.route import Route, direction, joining
+from pipeline.simulation.locomotion.routes.route import Route, direction, joining
+from pipeline.simulation.locomotion.routes.route_progress import Going
+from pipeline.simulation.locomotion.routes.walk_orders import obey
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.script import GoTo

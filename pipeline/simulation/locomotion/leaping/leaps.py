@@ -22,9 +22,8 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.settling import settle
-from pipeline.simulation.locomotion.feet import Feet
-from pipeline.simulation.locomotion.footing.folds import folds_of
-from pipeline.simulation.locomotion.footing.footholds import Foothold
+from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import folds_of
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.leaping.aloft import Aloft
 from pipeline.simulation.locomotion.leaping.coming import come_to, onward
@@ -38,9 +37,10 @@ from pipeline.simulation.locomotion.pronking.pronker import Pronker, pronker_of
 from pipeline.simulation.locomotion.pronking.state import Moved
 from pipeline.simulation.locomotion.pronking.stiff import StiffFall
 from pipeline.simulation.locomotion.pronking.telling import Telling
-from pipeline.simulation.locomotion.ways.directing import obey
-from pipeline.simulation.locomotion.ways.going import CLOSING, Going
-from pipeline.simulation.locomotion.ways.route import Route, straight, turning
+from pipeline.simulation.locomotion.routes.route import Route, straight, turning
+from pipeline.simulation.locomotion.routes.route_progress import CLOSING, Going
+from pipeline.simulation.locomotion.routes.walk_orders import obey
+from pipeline.simulation.locomotion.stepping import Feet
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note

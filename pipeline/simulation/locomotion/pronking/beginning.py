@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.pronking.stance import floor_of, gives_way, 
 from pipeline.simulation.locomotion.pronking.state import FALLING, State, level
 from pipeline.simulation.locomotion.pronking.swing import Swing
 from pipeline.simulation.locomotion.pronking.watching import body_gap
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
 from pipeline.simulation.spatial import Array, quaternion
 from pipeline.simulation.terrain import Ground
 

@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.pronking.vaulting import (
     stand_before,
     vault,
 )
-from pipeline.simulation.locomotion.ways.route import direction
+from pipeline.simulation.locomotion.routes.route import direction
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.locomotion.ways.route import direction
+from pipeline.simulation.locomotion.routes.route import direction
 from pipeline.simulation.spatial import Array
 
 STATIONS = 49

@@ -15,14 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.settling import Settled
-from pipeline.simulation.locomotion.carriage.bearing import Bearing
-from pipeline.simulation.locomotion.carriage.carriage import Carriage
-from pipeline.simulation.locomotion.carriage.idle import Idlers
-from pipeline.simulation.locomotion.carriage.looking import Look, Rows
+from pipeline.simulation.locomotion.body_motion.free_limb_motion import Carriage
+from pipeline.simulation.locomotion.body_motion.gaze import Look, Rows
+from pipeline.simulation.locomotion.body_motion.idle_motion import Idlers
+from pipeline.simulation.locomotion.gaits.moods import Bearing
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.pronking.reaching import Reaching
-from pipeline.simulation.locomotion.ways.route import straight
+from pipeline.simulation.locomotion.routes.route import straight
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 

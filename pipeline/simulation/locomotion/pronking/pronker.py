@@ -14,7 +14,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.inertia import Inertia as Masses
-from pipeline.simulation.locomotion.footing.folds import folds_of
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import folds_of
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.attitude import Inertia
 from pipeline.simulation.locomotion.pronking.legs import Legs

@@ -14,9 +14,9 @@ from functools import partial
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.carriage.idle import gather_idlers
-from pipeline.simulation.locomotion.carriage.looking import looks_in, told_to_look
-from pipeline.simulation.locomotion.footing.folds import folds_of
+from pipeline.simulation.locomotion.body_motion.gaze import looks_in, told_to_look
+from pipeline.simulation.locomotion.body_motion.idle_motion import gather_idlers
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import folds_of
 from pipeline.simulation.locomotion.herd import gather
 from pipeline.simulation.locomotion.inventory import NodeTable, describe
 from pipeline.simulation.locomotion.pronking.directing import Solids, jump_for, obey

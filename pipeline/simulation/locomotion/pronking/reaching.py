@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.settling import Settled, settle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.refuges import refuge
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.settling import brought
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 

@@ -13,7 +13,7 @@ from pipeline.simulation.locomotion.pronking.happening import Events, Happening
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
 from pipeline.simulation.locomotion.pronking.swing import Swing
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 

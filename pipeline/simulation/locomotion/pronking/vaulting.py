@@ -25,7 +25,7 @@ from pipeline.simulation.locomotion.pronking.hurdle import Hurdle
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
 from pipeline.simulation.locomotion.pronking.touching import drawn_up
-from pipeline.simulation.locomotion.ways.route import direction
+from pipeline.simulation.locomotion.routes.route import direction
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 

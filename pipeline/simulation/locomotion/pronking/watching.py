@@ -13,7 +13,7 @@ import numpy as np
 
 from pipeline.simulation.locomotion.pronking.pronker import HOLDS, Pronker
 from pipeline.simulation.locomotion.pronking.state import Moved, State
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 

@@ -14,7 +14,7 @@ from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.solids import Solid
-from pipeline.simulation.locomotion.inventory import leg_mass
+from pipeline.simulation.locomotion.inventory import leg_masses
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 
@@ -111,7 +111,9 @@ def test_footfalls_have_the_weight_of_their_legs(scene_of: Callable[..., object]
     herd = Simulation(scene).troupes[0].herd
     legs = herd.figures[0].skeleton.legs
     links = Inertia(herd.figures[0]).links
-    assert leg_mass(herd) == pytest.approx([sum(links[i].mass for i in leg.links) for leg in legs])
+    assert leg_masses(herd) == pytest.approx(
+        [sum(links[i].mass for i in leg.links) for leg in legs]
+    )
 
 
 def test_masses_alone_are_those_of_the_whole_properties(shipped: Figure) -> None:

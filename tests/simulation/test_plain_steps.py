@@ -11,7 +11,7 @@ import pytest
 from pipeline.simulation.figures.settling import brought, settle
 from pipeline.simulation.locomotion.foot_placement.foothold_planner import Lift, PlainSteps
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
-from pipeline.simulation.locomotion.routes.route_progress import LOOKS
+from pipeline.simulation.locomotion.routes.route_progress import SLOPE_SAMPLES_PER_SECOND
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
@@ -121,7 +121,7 @@ def test_no_plan_of_a_whole_walk_is_made_twice(
     # What is expected in the last steps lifts after them.
     assert sum(asked) <= lifted + len(before)
     # One call between two looks at slopes, or a second one for who went otherwise.
-    assert len(asked) <= 2 * LOOKS
+    assert len(asked) <= 2 * SLOPE_SAMPLES_PER_SECOND
 
 
 def test_a_step_is_forgotten_when_its_creature_is_led_elsewhere(walkers: Walkers) -> None:

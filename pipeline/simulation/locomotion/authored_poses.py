@@ -14,18 +14,22 @@ from pipeline.simulation.figures.posed_limb import FIRST, LATER, PULL, Miss
 from pipeline.simulation.figures.posture import Posture
 from pipeline.simulation.figures.pursuit import pursue
 from pipeline.simulation.figures.surroundings import Surroundings
-from pipeline.simulation.locomotion.body_motion.idle_motion import Idlers
+from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, turn
 from pipeline.spec.cast import Creature
 
 
-class Postures:
+class AuthoredPoses:
     """What is asked of the creatures of a herd, by creature."""
 
     def __init__(
-        self, cast: Sequence[tuple[int, Creature, Figure]], herd: Herd, idlers: Idlers, seed: int
+        self,
+        cast: Sequence[tuple[int, Creature, Figure]],
+        herd: Herd,
+        idlers: FreeJoints,
+        seed: int,
     ) -> None:
         self.herd = herd
         self.idlers = idlers

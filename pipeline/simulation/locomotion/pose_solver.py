@@ -18,24 +18,28 @@ from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.figures.posed_limb import Miss
 from pipeline.simulation.figures.settling import Settled, settle
 from pipeline.simulation.figures.surroundings import Surroundings
-from pipeline.simulation.locomotion.authored_poses import Postures
-from pipeline.simulation.locomotion.body_motion.free_limb_motion import Carriage
-from pipeline.simulation.locomotion.body_motion.gaze import Look, Rows
-from pipeline.simulation.locomotion.body_motion.give import Give
-from pipeline.simulation.locomotion.body_motion.idle_motion import Idlers
+from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
+from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
+from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
+from pipeline.simulation.locomotion.body_motion.give import BodySuspension
+from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.body_motion.pelvis_height import (
     Going,
     Touches,
     Yielding,
 )
-from pipeline.simulation.locomotion.gaits.moods import Bearing
-from pipeline.simulation.locomotion.herd import REACH, Herd
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
+from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.leaping.aloft import Aloft, Carried
 from pipeline.simulation.locomotion.pronking.reaching import Reaching
-from pipeline.simulation.locomotion.routes.body_trajectory import BodyPath, Ways
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, Ways
 from pipeline.simulation.locomotion.routes.route import Route
-from pipeline.simulation.locomotion.swing.swing_trajectory import lowest, swing
+from pipeline.simulation.locomotion.swing.swing_trajectory import (
+    lowest_center_height,
+    swing_positions,
+)
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.take import Note
 
@@ -46,7 +50,7 @@ YIELDS = 0.25
 """Part of a swing, at either end, in which bodies come to give way to a foot; in between the
 foot gives way."""
 
-REINED = 1.01 * REACH
+REINED = 1.01 * MAX_REACH
 """How far a leg stretches at most in the air, as a part of its length."""
 
 TUCKED, BACK = 0.3, 0.12
@@ -54,8 +58,8 @@ TUCKED, BACK = 0.3, 0.12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
-    """The state of a herd at one step; see `Walkers` for its parts, and `Rows`."""
+class HerdSnapshot:
+    """The state of a herd at one step; see `Walkers` for its parts, and `BodyMotion`."""
 
     step: int
     gone: Array
@@ -69,16 +73,16 @@ class Moment:
     swinging: NDArray[np.bool_]
     stoop: Array
     tuck: Array
-    bearing: Bearing
+    bearing: MotionStyle
     ways: Ways
     routes: Sequence[Route]
-    looks: Mapping[int, Look]
+    looks: Mapping[int, LookTarget]
     bend: Array | None = None
     aloft: Mapping[int, Aloft] = field(default_factory=dict)
 
 
 ALONE = ("step", "bearing", "ways", "routes", "looks", "bend", "aloft")
-ARRAYS = tuple(name for name in Moment.__slots__ if name not in ALONE)
+ARRAYS = tuple(name for name in HerdSnapshot.__slots__ if name not in ALONE)
 """What of a moment is arrays, to be stacked."""
 
 
@@ -99,16 +103,16 @@ class Poses:
     notes: list[Note]
 
 
-class Posing:
+class PoseSolver:
     """Works out the poses of one herd."""
 
     def __init__(
         self,
         herd: Herd,
-        path: BodyPath,
-        idlers: Idlers,
+        path: BodyTrajectory,
+        idlers: FreeJoints,
         table: NodeTable,
-        postures: Postures,
+        postures: AuthoredPoses,
         clock: Clock,
     ) -> None:
         self.herd = herd
@@ -119,11 +123,11 @@ class Posing:
         self.dt = clock.dt
         self.row_dt = clock.dt * clock.steps / clock.samples
         self.yielding = Yielding(herd, path)
-        self.give = Give(herd, self.row_dt)
-        self.carriage = Carriage(herd, idlers, path.ground, self.row_dt)
+        self.give = BodySuspension(herd, self.row_dt)
+        self.carriage = FreeLimbMotion(herd, idlers, path.ground, self.row_dt)
         self._last = np.zeros(len(idlers.owner))
 
-    def poses(self, moments: Sequence[Moment]) -> Poses:
+    def poses(self, moments: Sequence[HerdSnapshot]) -> Poses:
         """Return where everything is at `moments`, throughout which all have the same ways."""
         herd, n = self.herd, len(moments)
         steps = np.array([moment.step for moment in moments])
@@ -133,9 +137,11 @@ class Posing:
         way, phase = gone[:, 0], gone[:, 1]
         s = _swung(herd, phase, lifted, span, swinging)
         ends = start.reshape(-1, 3), end.reshape(-1, 3)
-        tips = swing(*ends, height.ravel(), s.ravel(), _bends(moments)).reshape(start.shape)
+        tips = swing_positions(*ends, height.ravel(), s.ravel(), _bends(moments)).reshape(
+            start.shape
+        )
         creature = np.tile(np.arange(len(herd.names)), n)
-        bearing = Bearing.stacked([moment.bearing for moment in moments])
+        bearing = MotionStyle.stacked([moment.bearing for moment in moments])
         R, p = self.path.pose(
             creature, way.ravel(), phase.ravel(), vigour.ravel(), bearing.body_pitch.ravel()
         )
@@ -165,7 +171,7 @@ class Posing:
         residual = np.where(carried.down, solution.residual, 0.0)
         routes, looks = [m.routes for m in moments], [m.looks for m in moments]
         q_idle = self.carriage.values(
-            Rows(steps * self.dt, way, phase, drive, bearing, routes, looks, R_WB, p_WB)
+            BodyMotion(steps * self.dt, way, phase, drive, bearing, routes, looks, R_WB, p_WB)
         )
         q_legs, X_legs = solution.q, solution.X_BJ
         self.postures.keep_feet(goals, q_legs, residual)
@@ -234,7 +240,7 @@ class Posing:
         if down.any():
             # What a folded leg wants away from its hip must not be pressed into the ground.
             (x, y, z), soles = result[down].T, np.broadcast_to(herd.sole, down.shape)[down]
-            least = lowest(self.path.ground, x, z, soles)
+            least = lowest_center_height(self.path.ground, x, z, soles)
             result[down, 1] = np.maximum(y, np.minimum(least, tips[down, 1]))
         return result
 
@@ -280,7 +286,7 @@ class Posing:
         return Note("clamped", int(steps[row]), name, f"{gap:.2g} mm from its foothold")
 
 
-def _bends(moments: Sequence[Moment]) -> Array | None:
+def _bends(moments: Sequence[HerdSnapshot]) -> Array | None:
     """Return the bends of all swings of all moments, one after the other, if there are any."""
     bends = [moment.bend for moment in moments if moment.bend is not None]
     return np.concatenate(bends) if bends else None

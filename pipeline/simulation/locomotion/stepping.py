@@ -16,18 +16,21 @@ import numpy as np
 
 from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.foot_placement.barrier_lookahead import Barrier, Scout
+from pipeline.simulation.locomotion.foot_placement.barrier_lookahead import (
+    Barrier,
+    BarrierLookahead,
+)
 from pipeline.simulation.locomotion.foot_placement.foothold_planner import Lift, PlainSteps
 from pipeline.simulation.locomotion.foot_placement.foothold_search import (
     Foothold,
     Footholds,
 )
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.gait_transition import Step
+from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
 from pipeline.simulation.locomotion.routes.braking import room_to_rest
-from pipeline.simulation.locomotion.routes.route_progress import Going
-from pipeline.simulation.locomotion.swing.foot_contacts import Footfalls
-from pipeline.simulation.locomotion.swing.swing_planner import Asked, SwingPlans
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
+from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
+from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner, SwingRequest
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
 from pipeline.simulation.troupe import World
@@ -65,8 +68,8 @@ class Feet:
         self,
         cast: Sequence[tuple[int, Creature, Figure]],
         world: World,
-        going: Going,
-        footfalls: Footfalls,
+        going: RouteProgress,
+        footfalls: FootContacts,
     ) -> None:
         self.world = world
         self.going = going
@@ -74,7 +77,7 @@ class Feet:
         self.footfalls = footfalls
         self.footholds = Footholds(herd, world.ground, going.path)
         self._plain = PlainSteps(self.footholds)
-        self.scout = Scout(self.footholds, going)
+        self.scout = BarrierLookahead(self.footholds, going)
         legs = len(herd.owner)
         self.up = herd.up.copy()
         self.span, self.tuck = herd.swings.copy(), np.zeros((2, legs))
@@ -83,7 +86,7 @@ class Feet:
         self.start, self.end = np.zeros((legs, 3)), np.zeros((legs, 3))
         self.height, self.lifted = np.zeros(legs), np.zeros(legs)
         self.stoop = np.zeros((2, legs))
-        self._swings = SwingPlans.of(cast, going, world.ground)
+        self._swings = SwingPlanner.of(cast, going, world.ground)
         self.bend = None if self._swings is None else self._swings.none
         self.holds: list[Foothold] = []
         self.swinging = np.zeros(legs, dtype=bool)
@@ -135,7 +138,7 @@ class Feet:
     def _standing(self, leg: int, down: float) -> Lift:
         """Return what is known of a foot that has been down since the phase `down`."""
         swing = float(self.herd.swings[leg])
-        return Lift(leg, 0.0, 0.0, Step(down - swing, swing, 1.0 - swing), 1.0)
+        return Lift(leg, 0.0, 0.0, StepTiming(down - swing, swing, 1.0 - swing), 1.0)
 
     def _stay(self, c: int) -> None:
         """Let a creature that does not set out stand: it never came walking."""
@@ -299,7 +302,7 @@ class Feet:
             leg: which.
             phase: within the step that ends with what follows.
             gone: (2, C) and
-            drive: (C,) of the creatures, see `Going`.
+            drive: (C,) of the creatures, see `RouteProgress`.
         """
         paces, c = self.going.paces, int(self.herd.owner[leg])
         part = float(drive[c])
@@ -350,7 +353,7 @@ class Feet:
         self.height[leg] = place.arch
         least = float(going.paces.number("step_height", owner, np.array(phase)))
         if self._swings is not None and self.bend is not None:
-            asked = Asked(swung, self.start[leg], place.tip, way, drive, least)
+            asked = SwingRequest(swung, self.start[leg], place.tip, way, drive, least)
             planned = self._swings.plan(leg, asked, self.height[leg], self.stoop[1])
             self.height[leg], self.bend[leg] = planned
         self.lifted[leg], self.span[leg], self.swinging[leg] = phase, swung.swing, True

@@ -9,26 +9,27 @@ Source: Lasseter 1987.
 """
 
 from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
+
+from pipeline.simulation.curves import bounded
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, TAIL
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.body_motion.springs import Oscillators, Trailing
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, Trailing
 from pipeline.simulation.spatial import Array, cross, turn, unturn
-from pipeline.simulation.curves import bounded
-from pipeline.simulation.spatial import Array
-
 
 LEAST = 1e-6
 """Room of a joint that rests on its limit [rad or m]."""
 
 
 @dataclass(frozen=True, eq=False)
-class JointRoom:
+class SoftJointLimits:
     """Joints between their limits.
 
     Attributes:
@@ -77,7 +78,7 @@ GRAVITY = 9.81
 
 
 @dataclass(frozen=True, eq=False)
-class Hanging:
+class FreeLimb:
     """A limb that carries nothing.
 
     Attributes:
@@ -97,7 +98,7 @@ class Hanging:
     tip_radius: float
 
 
-class Overlap:
+class FollowThrough:
     """How the joints of a herd that carry nothing trail; remembers the row before.
 
     Attributes:
@@ -110,9 +111,9 @@ class Overlap:
     def __init__(
         self,
         tree: Tree,
-        room: JointRoom,
+        room: SoftJointLimits,
         owner: NDArray[np.int64],
-        limbs: Sequence[Hanging],
+        limbs: Sequence[FreeLimb],
         dt: float,
     ) -> None:
         self.tree, self.room, self.owner = tree, room, owner
@@ -131,7 +132,7 @@ class Overlap:
         self.springs = Oscillators(frequency, damping, dt)
         self._trailing = [Trailing(self._springs_of(tier)) for tier in self._tiers]
 
-    def _levers(self, limb: Hanging, rest: Array) -> tuple[Array, Array]:
+    def _levers(self, limb: FreeLimb, rest: Array) -> tuple[Array, Array]:
         """Return the tip (3,) and how the joints follow it (k, 3) [rad/m], by what it hangs on."""
         own = list(limb.joints)
         X, carrier = rest[own], int(self.tree.parents[own[0]])
@@ -175,7 +176,7 @@ class Overlap:
         return Oscillators(s.frequency[tier], s.damping[tier], s.dt)
 
     def trail(self, wishes: Array, R_WB: Array, p_WB: Array, looseness: Array) -> Array:
-        """Return what the joints (n, M) do, trailing, as `JointRoom` takes it [rad].
+        """Return what the joints (n, M) do, trailing, as `SoftJointLimits` takes it [rad].
 
         Args:
             wishes: (n, M) what they would do otherwise [rad].
@@ -207,7 +208,7 @@ class Overlap:
             yield tier, R, p
 
 
-def _shares(limb: Hanging, prismatic: NDArray[np.bool_]) -> Array:
+def _shares(limb: FreeLimb, prismatic: NDArray[np.bool_]) -> Array:
     """Return by which part of what the limb does each joint (k,) turns; none that slides does."""
     shares = np.zeros(len(limb.joints))
     groups: Mapping[str, tuple[str, ...]] = {"yaw": ("yaw",), "roll": ("roll",)}

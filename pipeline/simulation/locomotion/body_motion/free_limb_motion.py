@@ -11,12 +11,17 @@ import numpy as np
 
 from pipeline.simulation.curves import hinge
 from pipeline.simulation.figures.network import ARM
-from pipeline.simulation.locomotion.body_motion.follow_through import Overlap
-from pipeline.simulation.locomotion.body_motion.gaze import Gaze, Rows, looks_ahead, sight_of
-from pipeline.simulation.locomotion.body_motion.idle_motion import Idlers
-from pipeline.simulation.locomotion.body_motion.springs import Oscillators, Trailing
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, Trailing
+from pipeline.simulation.locomotion.body_motion.follow_through import FollowThrough
+from pipeline.simulation.locomotion.body_motion.gaze import (
+    BodyMotion,
+    Gaze,
+    gaze_angles,
+    looks_ahead,
+)
+from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.routes.route import direction
+from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array, cross, turn
 from pipeline.simulation.terrain import Ground
 
@@ -30,7 +35,7 @@ LIFTS = 0.05
 """Least part of its length by which a limb's joints have to lift it to be used at all."""
 
 
-class Clearing:
+class LimbClearance:
     """What the joints of a herd do to keep limbs off the ground.
 
     Attributes:
@@ -38,7 +43,7 @@ class Clearing:
         ground: what they go over.
     """
 
-    def __init__(self, herd: Herd, idlers: Idlers, ground: Ground) -> None:
+    def __init__(self, herd: Herd, idlers: FreeJoints, ground: Ground) -> None:
         self.herd, self.ground = herd, ground
         tree, found = idlers.tree, []
         rest = tree.pose(idlers.room.preferred)
@@ -65,7 +70,7 @@ class Clearing:
         self._turn = np.concatenate([v / (v @ v) for *_, v in found]) if found else np.zeros(0)
         self._is_level = float(np.ptp(ground.field.heights)) == 0.0
 
-    def wishes(self, rows: Rows, others: Array) -> Array:
+    def wishes(self, rows: BodyMotion, others: Array) -> Array:
         """Return what joints (n, M) do for it, beside what they do otherwise (n, M) [rad]."""
         if self._is_level or not len(self._owner):
             return np.zeros_like(others)
@@ -74,7 +79,7 @@ class Clearing:
         lifts = others[:, self._joints] * self._lift
         y = p[..., 1] + np.add.reduceat(lifts, self._first, axis=1)
         speed = (herd.stride / herd.cycle * rows.drive)[:, own]
-        along = direction(rows.turned)[:, own]
+        along = heading_vector(rows.turned)[:, own]
         low = np.zeros(p.shape[:2])
         # Under the back of what is at the end, under its middle, and where it will be soon.
         for out in (-self._radius, 0.0 * speed, self._radius + SOON * speed):
@@ -96,7 +101,7 @@ ROUNDS = 3
 """In which eyes that look at something come to where they look from."""
 
 
-class Carriage:
+class FreeLimbMotion:
     """The carriage of a herd of C creatures with M joints that carry nothing.
 
     Attributes:
@@ -107,17 +112,17 @@ class Carriage:
         overlap: what trails.
     """
 
-    def __init__(self, herd: Herd, idlers: Idlers, ground: Ground, dt: float) -> None:
+    def __init__(self, herd: Herd, idlers: FreeJoints, ground: Ground, dt: float) -> None:
         self.herd, self.idlers = herd, idlers
-        self.clearing = Clearing(herd, idlers, ground)
+        self.clearing = LimbClearance(herd, idlers, ground)
         self.gaze = Gaze(herd.figures, idlers.numbers)
-        self.overlap = Overlap(idlers.tree, idlers.room, idlers.owner, idlers.limbs, dt)
+        self.overlap = FollowThrough(idlers.tree, idlers.room, idlers.owner, idlers.limbs, dt)
         frequency = self.overlap.springs.frequency[self.gaze.numbers[:, 0]]
         self._look = Trailing(Oscillators(frequency, np.full_like(frequency, NECK_DAMPING), dt))
         self._most = QUICKEST * frequency[:, None] * dt
         self._last: Array | None = None
 
-    def values(self, rows: Rows) -> Array:
+    def values(self, rows: BodyMotion) -> Array:
         """Return the values of the joints (n, M), for rows one after the other [rad or m]."""
         idlers, gaze = self.idlers, self.gaze
         wanders = idlers.wanders(rows.time, rows.bearing)
@@ -128,7 +133,7 @@ class Carriage:
         trailing = self.overlap.trail(wishes, rows.R_WB, rows.p_WB, rows.bearing.looseness)
         return idlers.room.at(trailing)
 
-    def _heads(self, rows: Rows, wanders: Array) -> Array:
+    def _heads(self, rows: BodyMotion, wanders: Array) -> Array:
         """Return what the joints of necks (n, H, k) do [rad]."""
         gaze = self.gaze
         R = rows.R_WB[:, gaze.owner]
@@ -145,8 +150,8 @@ class Carriage:
         looks[..., 1] += (wander * gaze.neck).sum(axis=-1) + gaze.nods * raised
         return gaze.wishes(looks, tilt, own)
 
-    def _looks(self, rows: Rows, eyes: Array | None = None) -> Array:
-        """Return where heads are to look (n, H, 2), see `sight_of` [rad].
+    def _looks(self, rows: BodyMotion, eyes: Array | None = None) -> Array:
+        """Return where heads are to look (n, H, 2), see `gaze_angles` [rad].
 
         Args:
             rows: what is known of them.
@@ -158,7 +163,7 @@ class Carriage:
                 continue
             head = gaze.necks.places[h, 0], gaze.end[h]
             own = None if eyes is None else eyes[:, h]
-            looks[:, h, 0], looks[:, h, 1] = sight_of(
+            looks[:, h, 0], looks[:, h, 1] = gaze_angles(
                 self.herd, rows, int(c), head, float(gaze.most[h]), own
             )
         return looks

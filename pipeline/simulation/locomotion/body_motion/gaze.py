@@ -24,11 +24,11 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.network import HEAD
 from pipeline.simulation.figures.skeleton import BODY, Limb, Skeleton
-from pipeline.simulation.locomotion.body_motion.follow_through import JointRoom
-from pipeline.simulation.locomotion.gaits.moods import Bearing
+from pipeline.simulation.locomotion.body_motion.follow_through import SoftJointLimits
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import pitched_and_rolled
-from pipeline.simulation.locomotion.routes.route import Route, direction
+from pipeline.simulation.locomotion.routes.route import Route, heading_vector
 from pipeline.simulation.spatial import Array, heading, turn
 from pipeline.spec.cast import Creature
 from pipeline.spec.values import Target
@@ -85,7 +85,7 @@ class Gaze:
             self.neck[row, nods[:1]] = 1.0
         self.yaw = names == "yaw"
         self.nods = np.where(np.isin(names, ("pitch", "bend")).sum(axis=-1) > 1, MOST_RAISE, 1.0)
-        self.room = JointRoom(self.necks.lower, self.necks.preferred, self.necks.upper)
+        self.room = SoftJointLimits(self.necks.lower, self.necks.preferred, self.necks.upper)
         rooms = np.minimum(
             self.room.upper - self.room.preferred, self.room.preferred - self.room.lower
         )
@@ -108,7 +108,7 @@ class Gaze:
         return self._many[1]
 
     def wishes(self, looks: Array, tilt: tuple[Array, Array], start: Array) -> Array:
-        """Return what the joints (n, H, k) are to do, as `JointRoom` takes it [rad].
+        """Return what the joints (n, H, k) are to do, as `SoftJointLimits` takes it [rad].
 
         Args:
             looks: (n, H, 2) azimuth from the body's heading and elevation of the look [rad].
@@ -168,12 +168,12 @@ MOST_UP = math.radians(60.0)
 EYE_ITERATIONS = 3
 """In which the eyes' own turning is taken into account."""
 
-Look = Array | int
+LookTarget = Array | int
 """A place (3,) [m], or the number of a creature."""
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class BodyMotion:
     """What the carriage of a herd of C depends on, at n rows.
 
     Attributes:
@@ -190,9 +190,9 @@ class Rows:
     way: Array
     phase: Array
     drive: Array
-    bearing: Bearing
+    bearing: MotionStyle
     routes: Sequence[Sequence[Route]]
-    looks: Sequence[Mapping[int, Look]]
+    looks: Sequence[Mapping[int, LookTarget]]
     R_WB: Array
     p_WB: Array
 
@@ -210,7 +210,7 @@ class Rows:
         return [slice(a, b) for a, b in itertools.pairwise([0, *led, count])] if count else []
 
 
-def look_of(herd: Herd, c: int, words: Target) -> Look:
+def resolve_look_target(herd: Herd, c: int, words: Target) -> LookTarget:
     """Return what the creature `c` of a herd is told to look at.
 
     Raises:
@@ -225,19 +225,21 @@ def look_of(herd: Herd, c: int, words: Target) -> Look:
     return herd.names.index(words)
 
 
-def told_to_look(
-    looks: Mapping[int, Look], herd: Herd, c: int, words: Target | None
-) -> Mapping[int, Look]:
+def set_look_target(
+    looks: Mapping[int, LookTarget], herd: Herd, c: int, words: Target | None
+) -> Mapping[int, LookTarget]:
     """Return what creatures look at once `c` is told to, ahead again where `words` is None.
 
     Raises:
-        ValueError: see `look_of`.
+        ValueError: see `resolve_look_target`.
     """
     others = {who: look for who, look in looks.items() if who != c}
-    return others if words is None else {**others, c: look_of(herd, c, words)}
+    return others if words is None else {**others, c: resolve_look_target(herd, c, words)}
 
 
-def looks_in(herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]) -> Mapping[int, Look]:
+def initial_look_targets(
+    herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]
+) -> Mapping[int, LookTarget]:
     """Return what the creatures of a herd are told to look at, by creature.
 
     Args:
@@ -247,11 +249,11 @@ def looks_in(herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]) -> Mappin
     Raises:
         SceneError: one cannot.
     """
-    looks, problems = dict[int, Look](), []
+    looks, problems = dict[int, LookTarget](), []
     for c, (number, member, _) in enumerate(cast):
         try:
             if member.look_at is not None:
-                looks[c] = look_of(herd, c, member.look_at)
+                looks[c] = resolve_look_target(herd, c, member.look_at)
         except ValueError as error:
             problems.append(Problem(f"cast[{number}].look_at", str(error)))
     if problems:
@@ -259,15 +261,15 @@ def looks_in(herd: Herd, cast: Sequence[tuple[int, Creature, Figure]]) -> Mappin
     return looks
 
 
-def looks_ahead(rows: Rows, c: int) -> bool:
+def looks_ahead(rows: BodyMotion, c: int) -> bool:
     """Tell whether a creature goes straight on in all rows, and is told to look at nothing."""
     if any(c in looks for looks in rows.looks):
         return False
     return all(rows.routes[span.start][c].goes_straight for span in rows.spans)
 
 
-def sight_of(
-    herd: Herd, rows: Rows, c: int, head: tuple[Array, Array], most: float, eyes: Array | None
+def gaze_angles(
+    herd: Herd, rows: BodyMotion, c: int, head: tuple[Array, Array], most: float, eyes: Array | None
 ) -> tuple[Array, Array]:
     """Return where a head is to look (n,): left of its body's heading, and up [rad].
 
@@ -309,22 +311,22 @@ def within(angle: Array, most: float) -> Array:
 
 
 def _ahead(
-    herd: Herd, rows: Rows, c: int, route: Route, own: NDArray[np.int64], out: float
+    herd: Herd, rows: BodyMotion, c: int, route: Route, own: NDArray[np.int64], out: float
 ) -> Array:
     """Return places (n, 3) to which who follows its way looks, its eyes `out` before it [m]."""
     speed = herd.stride[c] / herd.cycle[c] * np.maximum(rows.drive[own, c], LEAST)
     xz, turned = route.at(rows.way[own, c] + LEAD * speed)
-    xz = xz + (out + BEYOND * herd.footprint[c, 0]) * direction(turned)
+    xz = xz + (out + BEYOND * herd.footprint[c, 0]) * heading_vector(turned)
     return np.stack([xz[:, 0], rows.p_WB[own, c, 1], xz[:, 1]], axis=-1)
 
 
-def _place(rows: Rows, k: int, look: Look) -> Array:
+def _place(rows: BodyMotion, k: int, look: LookTarget) -> Array:
     """Return the place (3,) of what is looked at in row `k` [m]."""
     return rows.p_WB[k, look] if isinstance(look, int) else look
 
 
 def _seen(
-    rows: Rows, c: int, own: NDArray[np.int64], targets: Array, base: Array, eye: Array
+    rows: BodyMotion, c: int, own: NDArray[np.int64], targets: Array, base: Array, eye: Array
 ) -> tuple[Array, Array]:
     """Return azimuths and elevations (n,) of places (n, 3) from the eyes that look at them."""
     R, p, turned = rows.R_WB[own, c], rows.p_WB[own, c], rows.turned[own, c]

@@ -12,8 +12,8 @@ import math
 import numpy as np
 
 from pipeline.simulation.curves import bounded
-from pipeline.simulation.locomotion.body_motion.springs import Oscillators, Trailing
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, Trailing
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import pitched_and_rolled
 from pipeline.simulation.spatial import Array
@@ -35,7 +35,7 @@ MOST_SINK = 0.02
 """Of the body's height."""
 
 
-class Give:
+class BodySuspension:
     """How the bodies of a herd give; remembers the row before.
 
     Attributes:

@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.figures.skeleton import BODY, Limb
-from pipeline.simulation.locomotion.body_motion.follow_through import Hanging, JointRoom
-from pipeline.simulation.locomotion.gaits.moods import Bearing
+from pipeline.simulation.locomotion.body_motion.follow_through import (
+    FreeLimb,
+    SoftJointLimits,
+)
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
@@ -42,7 +45,7 @@ SLOW, FAST = 0.25, 0.95
 
 
 @dataclass(frozen=True, eq=False)
-class Idlers:
+class FreeJoints:
     """The joints of a herd that carry nothing, as arrays (M,).
 
     Attributes:
@@ -63,8 +66,8 @@ class Idlers:
     owner: NDArray[np.int64]
     names: tuple[str, ...]
     number: NDArray[np.int64]
-    room: JointRoom
-    limbs: tuple[Hanging, ...]
+    room: SoftJointLimits
+    limbs: tuple[FreeLimb, ...]
     sway: Array
     lag: Array
     times: Array
@@ -79,7 +82,7 @@ class Idlers:
         pairs = zip(self.owner.tolist(), self.number.tolist(), strict=True)
         return {pair: i for i, pair in enumerate(pairs)}
 
-    def sways(self, phase: Array, drive: Array, bearing: Bearing) -> Array:
+    def sways(self, phase: Array, drive: Array, bearing: MotionStyle) -> Array:
         """Return what the joints (n, M) do with the gait and to hold a tail up [rad].
 
         Args:
@@ -93,7 +96,7 @@ class Idlers:
         result += self.raises * bearing.tail_raise[:, own]
         return result
 
-    def wanders(self, time: Array, bearing: Bearing) -> Array:
+    def wanders(self, time: Array, bearing: MotionStyle) -> Array:
         """Return what the joints (n, M) do of their own accord [rad].
 
         Args:
@@ -107,7 +110,7 @@ class Idlers:
         return result
 
 
-def gather_idlers(herd: Herd, seed: int) -> Idlers:
+def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
     """Collect all joints that belong to no leg.
 
     Args:
@@ -116,7 +119,7 @@ def gather_idlers(herd: Herd, seed: int) -> Idlers:
     """
     names, figures = herd.names, herd.figures
     rows: list[tuple[int, int, int, str, str]] = []  # creature, joint, parent, kind, turn
-    limbs, lags = list[Hanging](), list[float]()
+    limbs, lags = list[FreeLimb](), list[float]()
     for c, figure in enumerate(figures):
         skeleton = figure.skeleton
         place = {}
@@ -129,7 +132,7 @@ def gather_idlers(herd: Herd, seed: int) -> Idlers:
                 rows.append((c, j, place.get(parent, BODY), limb.kind, turn))
             turns = [turn for *_, turn in rows[first:]]
             own = range(first, len(rows))
-            limbs.append(Hanging(limb.kind, own, turns, limb.tip, limb.length, limb.tip_radius))
+            limbs.append(FreeLimb(limb.kind, own, turns, limb.tip, limb.length, limb.tip_radius))
             lags += [_lag(herd, c, limb)] * len(own)
     skeletons = [figures[c].skeleton for c, *_ in rows]
     number = np.array([j for _, j, *_ in rows], dtype=np.int64)
@@ -144,7 +147,7 @@ def gather_idlers(herd: Herd, seed: int) -> Idlers:
         for (c, j, *_), s in zip(rows, skeletons, strict=True)
     ]
     chance = np.array(chances).reshape(-1, 2)
-    return Idlers(
+    return FreeJoints(
         tree=Tree(
             np.array([parent for _, _, parent, *_ in rows], dtype=np.int64),
             taken("axes", 3),
@@ -156,7 +159,7 @@ def gather_idlers(herd: Herd, seed: int) -> Idlers:
             f"{names[c]}.{s.joint_names[j]}" for (c, j, *_), s in zip(rows, skeletons, strict=True)
         ),
         number=number,
-        room=JointRoom(taken("lower"), taken("preferred"), taken("upper")),
+        room=SoftJointLimits(taken("lower"), taken("preferred"), taken("upper")),
         limbs=tuple(limbs),
         sway=np.array([SWAY.get(k, (0.0, 1.0))[0] for k in kinds]),
         lag=np.array(lags),

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease, hinge
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import folds_of
-from pipeline.simulation.locomotion.herd import REACH, Herd
-from pipeline.simulation.locomotion.routes.body_trajectory import BodyPath
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
+from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.spatial import Array, turn
 
 ROUNDED = 0.02
@@ -69,10 +70,10 @@ class Yielding:
         folds: (L,) how near to its hip each leg can draw its foot [m].
     """
 
-    def __init__(self, herd: Herd, path: BodyPath) -> None:
+    def __init__(self, herd: Herd, path: BodyTrajectory) -> None:
         self.herd = herd
         self.path = path
-        self.folds = folds_of(herd)
+        self.folds = shortest_reaches(herd)
 
     def give_way(
         self,
@@ -148,7 +149,7 @@ class Yielding:
 def _overstretch(hips: Array, tips: Array, lengths: Array) -> Array:
     """Return how much too high hips (..., 3) are for tips (..., 3) of legs this long [m]."""
     across = ((tips - hips)[..., [0, 2]] ** 2).sum(axis=-1)
-    highest = tips[..., 1] + np.sqrt(np.maximum((REACH * lengths) ** 2 - across, 0.0))
+    highest = tips[..., 1] + np.sqrt(np.maximum((MAX_REACH * lengths) ** 2 - across, 0.0))
     return hinge(hips[..., 1] - highest, ROUNDED * lengths)
 
 

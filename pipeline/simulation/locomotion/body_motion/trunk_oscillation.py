@@ -29,7 +29,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.gait_transition import Paces
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
 from pipeline.simulation.locomotion.gaits.pace import Pace
 from pipeline.simulation.spatial import Array
 
@@ -53,7 +53,7 @@ Wave = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
-class Trunk:
+class TrunkOscillation:
     """How one body rocks over a cycle, or several do.
 
     Attributes:
@@ -65,7 +65,7 @@ class Trunk:
     roll: Wave
 
     @staticmethod
-    def of(gait: Gait, hips: Array, mass: MassProperties, cycle: float) -> Trunk:
+    def of(gait: Gait, hips: Array, mass: MassProperties, cycle: float) -> TrunkOscillation:
         """Return how a body rocks in a gait.
 
         Args:
@@ -85,16 +85,16 @@ class Trunk:
         about_x = -(forces * arms[:, 2]).sum(axis=-1) / mass.moment(np.array([1.0, 0.0, 0.0]))
         moments = (np.arange(MOMENTS) + 0.5) / MOMENTS
         free = float((gait.standing(moments).sum(axis=-1) < HOLD).mean())
-        return Trunk(
+        return TrunkOscillation(
             _within(MOST_PITCH, -free * PITCHES * about_z / speed**2),
             _within(MOST_ROLL, -free * ROLLS * about_x / speed**2),
         )
 
     @staticmethod
-    def still(*shape: int) -> Trunk:
+    def still(*shape: int) -> TrunkOscillation:
         """Return the trunk, or several, that does not rock."""
         none = np.zeros((*shape, len(HARMONICS)), dtype=complex)
-        return Trunk(none, none.copy())
+        return TrunkOscillation(none, none.copy())
 
     def at(self, phase: Array, which: NDArray[np.int64] | None = None) -> tuple[Array, Array]:
         """Return pitch and roll (N,) [rad] at phases (N,).
@@ -113,26 +113,26 @@ class Trunk:
         )
         return pitch, roll
 
-    def put(self, c: int, other: Trunk) -> None:
+    def put(self, c: int, other: TrunkOscillation) -> None:
         """Let the trunk number `c` of several rock as `other` does from now on."""
         self.pitch[c], self.roll[c] = other.pitch, other.roll
 
 
-class Trunks:
+class HerdTrunks:
     """How the bodies of a herd rock, also while they go over into other gaits.
 
     Attributes:
         paces: how they go.
     """
 
-    def __init__(self, paces: Paces) -> None:
+    def __init__(self, paces: PaceSchedule) -> None:
         self.paces = paces
         herd = paces.herd
         self._masses: dict[tuple[str, float], MassProperties] = {}
-        self._first = Trunk.still(len(herd.names))
+        self._first = TrunkOscillation.still(len(herd.names))
         for c in np.flatnonzero(herd.walks):
             self._first.put(int(c), self._of(int(c), herd.paces[c]))
-        self._later: dict[int, list[tuple[Trunk, Trunk]]] = {}
+        self._later: dict[int, list[tuple[TrunkOscillation, TrunkOscillation]]] = {}
 
     def at(self, phase: Array, creature: NDArray[np.int64]) -> tuple[Array, Array]:
         """Return pitch and roll (N,) of creatures (N,) [rad] at phases (N,) of their gaits."""
@@ -146,14 +146,14 @@ class Trunks:
                 roll[own] += done * (r1 - r0)
         return pitch, roll
 
-    def _changes(self, c: int) -> list[tuple[Trunk, Trunk]]:
+    def _changes(self, c: int) -> list[tuple[TrunkOscillation, TrunkOscillation]]:
         """Return how a body rocks before and after each of its changes of pace."""
         known = self._later.setdefault(c, [])
         for change in self.paces.changes[c][len(known) :]:
             known.append((self._of(c, change.before), self._of(c, change.after)))
         return known
 
-    def _of(self, c: int, pace: Pace) -> Trunk:
+    def _of(self, c: int, pace: Pace) -> TrunkOscillation:
         herd = self.paces.herd
         # One figure at one scale is the same for all who share it.
         figure = herd.figures[c]
@@ -161,7 +161,7 @@ class Trunks:
         if key not in self._masses:
             self._masses[key] = Inertia(figure).at_rest
         hips = herd.hips[herd.owner == c][~pace.held]
-        return Trunk.of(pace.carrying, hips, self._masses[key], pace.cycle)
+        return TrunkOscillation.of(pace.carrying, hips, self._masses[key], pace.cycle)
 
 
 def _half_sine(kd: Array) -> Array:
@@ -174,7 +174,7 @@ def _half_sine(kd: Array) -> Array:
 def _within(most: float, wave: Wave) -> Wave:
     """Return the wave made smaller, as a whole, so that it stays within ±`most` [rad]."""
     none = np.zeros_like(wave)
-    highest = float(np.abs(Trunk(wave, none).at(np.arange(MOMENTS) / MOMENTS)[0]).max())
+    highest = float(np.abs(TrunkOscillation(wave, none).at(np.arange(MOMENTS) / MOMENTS)[0]).max())
     if highest == 0.0:
         return wave
     result: Wave = wave * float(most * bounded(np.array(highest / most)) / highest)

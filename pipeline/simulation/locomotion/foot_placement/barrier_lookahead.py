@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.foot_placement.foothold_planner import Lift
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Footholds
-from pipeline.simulation.locomotion.gaits.gait_transition import Step
+from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
 from pipeline.simulation.locomotion.routes.route import Route
-from pipeline.simulation.locomotion.routes.route_progress import Going
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
 from pipeline.simulation.spatial import Array
 
 PLAIN = 0.15
@@ -47,10 +47,10 @@ class Barrier:
     cause: str
 
 
-class Scout:
+class BarrierLookahead:
     """Looks ahead for the creatures of a herd."""
 
-    def __init__(self, footholds: Footholds, going: Going) -> None:
+    def __init__(self, footholds: Footholds, going: RouteProgress) -> None:
         self.footholds = footholds
         self.going = going
         self.herd = footholds.herd
@@ -137,7 +137,9 @@ class Scout:
             for _, middle in self._places(one.leg, one.travelled, one.step, first):
                 yield one.leg, middle, route
 
-    def _places(self, leg: int, way: float, step: Step, first: int) -> list[tuple[int, float]]:
+    def _places(
+        self, leg: int, way: float, step: StepTiming, first: int
+    ) -> list[tuple[int, float]]:
         """Return for cycles to come how far in the middle of its stance a body has gone [m]."""
         c = int(self.herd.owner[leg])
         stride, end = float(self.going.full[c]), self.path.routes[c].length

@@ -28,11 +28,15 @@ from pipeline.simulation.locomotion.foot_placement.foothold_search import (
     Foothold,
     Footholds,
 )
-from pipeline.simulation.locomotion.gaits.gait_transition import Step
-from pipeline.simulation.locomotion.gaits.moods import Bearing
-from pipeline.simulation.locomotion.routes.body_trajectory import BodyPath
+from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import Route
-from pipeline.simulation.locomotion.swing.swing_trajectory import arches, lowest, swing
+from pipeline.simulation.locomotion.swing.swing_trajectory import (
+    clearance_heights,
+    lowest_center_height,
+    swing_positions,
+)
 from pipeline.simulation.spatial import Array, turn, unturn
 
 MIDDLE = len(STANCE) // 2
@@ -54,7 +58,7 @@ class Lift:
     leg: int
     travelled: float
     phase: float
-    step: Step
+    step: StepTiming
     drive: float
     present: Array | None = None
 
@@ -79,7 +83,7 @@ class Plan:
     lift: Lift
     place: Foothold | None
     route: Route
-    bearing: Bearing
+    bearing: MotionStyle
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +103,7 @@ class Bodies:
         """Return those of some lifts."""
         return Bodies(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
-    def at(self, path: BodyPath, moments: Array) -> tuple[Array, Array]:
+    def at(self, path: BodyTrajectory, moments: Array) -> tuple[Array, Array]:
         """Return R_WB (N, m, 3, 3) and p_WB (N, m, 3) at later phases (N, m) [m]."""
         gone = (moments - self.phase[:, None]) * path.herd.stride[self.owner, None]
         ways = self.way[:, None] + gone * np.sqrt(self.drive)[:, None]
@@ -171,7 +175,7 @@ class PlainSteps:
         held = np.flatnonzero(good)
         goals = unturn(R[held], tips[held, None] - p[held])
         good[held] = self.footholds.grasp.holds_each(legs[held], goals).all(axis=-1)
-        sole = lowest(ground, tips[:, 0], tips[:, 2], herd.sole[legs])
+        sole = lowest_center_height(ground, tips[:, 0], tips[:, 2], herd.sole[legs])
         tips[:, 1] = np.maximum(tips[:, 1], sole)
         arch = np.zeros(len(lifts))
         swings = np.flatnonzero(good & [one.present is not None for one in lifts])
@@ -197,7 +201,7 @@ class PlainSteps:
         """
         herd, legs = self.herd, bodies.legs
         least, stride = herd.step_height[legs], herd.stride[herd.owner[legs]]
-        arch = arches(self.footholds.ground, start, end, herd.sole[legs], least)
+        arch = clearance_heights(self.footholds.ground, start, end, herd.sole[legs], least)
         good = arch <= MOST_ARCH * herd.legs.lengths[legs]
         across = end - start
         grasp = self.footholds.grasp
@@ -214,7 +218,7 @@ class PlainSteps:
             first, last, height = (
                 np.repeat(f[asked], len(SWUNG), axis=0) for f in (start, end, arch)
             )
-            way = swing(first, last, height, np.tile(SWUNG, len(asked))).reshape(p.shape)
+            way = swing_positions(first, last, height, np.tile(SWUNG, len(asked))).reshape(p.shape)
             good[asked] = grasp.follows_each(legs[asked], unturn(R, way - p))
         return arch, good
 

@@ -21,12 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import Grasp
-from pipeline.simulation.locomotion.gaits.gait_transition import Step
-from pipeline.simulation.locomotion.herd import REACH, Herd
-from pipeline.simulation.locomotion.routes.body_trajectory import BodyPath
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import LegReachability
+from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
+from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.braking import braked
-from pipeline.simulation.locomotion.swing.swing_trajectory import lift_to_clear, lowest, swing
+from pipeline.simulation.locomotion.swing.swing_trajectory import (
+    clearance_height,
+    lowest_center_height,
+    swing_positions,
+)
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
@@ -50,7 +55,7 @@ BELOW = {"insect": -0.5, "mammal": 0.4}
 """How far below its hip a foot stands at least, as a part of how far it does on level ground.
 Legs that sprawl reach above their hips as well."""
 
-PLANNED_REACH = 0.98 * REACH
+PLANNED_REACH = 0.98 * MAX_REACH
 """How far a leg is planned to stretch, as a part of its length; the rest is kept for
 what the plan does not know."""
 
@@ -104,11 +109,11 @@ class Foothold:
 class Footholds:
     """Plans footholds for the legs of a herd."""
 
-    def __init__(self, herd: Herd, ground: Ground, path: BodyPath) -> None:
+    def __init__(self, herd: Herd, ground: Ground, path: BodyTrajectory) -> None:
         self.herd = herd
         self.ground = ground
         self.path = path
-        self.grasp = Grasp(herd)
+        self.grasp = LegReachability(herd)
         self._lifted: dict[tuple[int, float], bool] = {}
 
     def next(
@@ -116,7 +121,7 @@ class Footholds:
         leg: int,
         present: Array,
         travelled: float,
-        step: Step,
+        step: StepTiming,
         drive: float = 1.0,
         brakes: float = 0.0,
         low: tuple[float, float] = (0.0, 0.0),
@@ -174,7 +179,7 @@ class Footholds:
             float(self.path.paces.number(name, owner, np.array(phase)))
             for name in ("step_height", "stride")
         )
-        arch = lift_to_clear(self.ground, present, place.tip, sole, least)
+        arch = clearance_height(self.ground, present, place.tip, sole, least)
         if arch > MOST_ARCH * float(self.herd.legs.lengths[leg]):
             return None
         across = place.tip - present
@@ -191,11 +196,11 @@ class Footholds:
         for lift in LIFTS:
             # No higher than it has to be, if a leg cannot lift its foot as high as it would.
             if lift < 1.0:
-                low_arch = lift_to_clear(self.ground, present, place.tip, sole, lift * least)
+                low_arch = clearance_height(self.ground, present, place.tip, sole, lift * least)
                 if low_arch > 0.99 * arch:
                     break
                 arch = low_arch
-            way = swing(*ends, np.full(n, arch), SWUNG)
+            way = swing_positions(*ends, np.full(n, arch), SWUNG)
             ways = unturn(R, way - (p - np.multiply.outer(lower, UP)))
             if self.grasp.follows(leg, ways):
                 return replace(place, arch=arch)
@@ -242,11 +247,11 @@ class Footholds:
             moves: whether its body comes walking.
         """
         swing = float(self.herd.swings[leg])
-        step = Step(phase - swing, swing, 1.0 - swing)
+        step = StepTiming(phase - swing, swing, 1.0 - swing)
         R, p, wished, _ = self._stance(leg, 0.0, 0.0, step, 1.0 if moves else 0.0)
         return self._best(leg, self._choices(leg, wished), R, p)
 
-    def later(self, leg: int, travelled: float, step: Step) -> Foothold | None:
+    def later(self, leg: int, travelled: float, step: StepTiming) -> Foothold | None:
         """Return where `leg` can come down from wherever it will be.
 
         Args:
@@ -267,7 +272,7 @@ class Footholds:
             leg: which.
             travelled: way that its body has gone [m].
         """
-        step = Step(0.0, float(self.herd.swings[leg]), 1.0 - float(self.herd.swings[leg]))
+        step = StepTiming(0.0, float(self.herd.swings[leg]), 1.0 - float(self.herd.swings[leg]))
         R, p, wished, _ = self._stance(leg, travelled, 0.0, step, 0.0)
         return self._best(leg, [wished[None]], R, p) is not None
 
@@ -369,7 +374,7 @@ class Footholds:
         place = np.array([float(x), float(height), float(z)])
         sole = float(self.herd.sole[leg])
         tip = place + sole * normal
-        tip[1] = max(tip[1], float(lowest(self.ground, tip[:1], tip[2:], sole)[0]))
+        tip[1] = max(tip[1], float(lowest_center_height(self.ground, tip[:1], tip[2:], sole)[0]))
         return Foothold(place, normal, tip, stoop)
 
     def stand(self, leg: int, xz: Array) -> Array:
@@ -390,7 +395,7 @@ class Footholds:
         leg: int,
         travelled: float,
         phase: float,
-        step: Step,
+        step: StepTiming,
         drive: float = 1.0,
         brakes: float = 0.0,
     ) -> tuple[Array, Array, Array, tuple[Array, Array]]:

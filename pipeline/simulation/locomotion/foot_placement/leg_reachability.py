@@ -6,15 +6,15 @@ that the leg comes to on level ground anyway.
 """
 
 from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
-from pipeline.simulation.figures.settling import brought
+
+from pipeline.simulation.figures.chains import chains_of
+from pipeline.simulation.figures.settling import brought, settle
+from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.figures.chains import chains_of
-from pipeline.simulation.figures.settling import settle
-from pipeline.simulation.locomotion.herd import REACH, Herd
-
 
 MISSES = 1e-4
 """Distance of tip from place that is none, in the leg's length."""
@@ -29,7 +29,7 @@ BESIDE = np.array([0.12, 0.12, 0.1])
 upward and across. Downward its length alone is the bound."""
 
 
-class Grasp:
+class LegReachability:
     """Tells which places the legs of a herd reach.
 
     Attributes:
@@ -88,14 +88,14 @@ class Grasp:
         return known
 
 
-DISTANCES = np.linspace(REACH, 0.1, 30)
+DISTANCES = np.linspace(MAX_REACH, 0.1, 30)
 """At which it is asked, in lengths of the leg."""
 
 FOLD_MISSES = 1e-4
 """Distance of tip from place that is none, in the leg's length."""
 
 
-def folds_of(herd: Herd) -> Array:
+def shortest_reaches(herd: Herd) -> Array:
     """Return the least distances (L,) from hips to feet at which all farther ones are reached [m].
 
     Args:

@@ -30,7 +30,7 @@ WIDE = 0.4
 """Half the width of what must pass above the ground, in half the width between feet."""
 
 
-class Footing:
+class SupportSurface:
     """What the creatures of a herd can stand on.
 
     Attributes:

@@ -7,16 +7,18 @@ Source: Sims 1987, 9.2.
 """
 
 from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
-import numpy as np
-from numpy.typing import NDArray
-from pipeline.simulation.spatial import Array
-from pipeline.spec.walk import GaitWords
 from functools import cached_property
 
+import numpy as np
+from numpy.typing import NDArray
 
-TOGETHER = 1e-6
+from pipeline.simulation.spatial import Array
+from pipeline.spec.walk import GaitWords
+
+PHASE_TOLERANCE = 1e-6
 """Difference between phases that are still one, as a part of the cycle."""
 
 
@@ -83,7 +85,7 @@ class Gait:
             return np.zeros((0, 2))
         moments = np.unique(np.concatenate([self.up, self.down]))
         spans = np.diff(moments, append=moments[0] + 1.0)
-        free = ~self.standing(moments + 0.5 * spans).any(axis=-1) & (spans > TOGETHER)
+        free = ~self.standing(moments + 0.5 * spans).any(axis=-1) & (spans > PHASE_TOLERANCE)
         # Within a flight nothing goes up or comes down: every foot is in the air already.
         return np.stack([moments[free], spans[free]], axis=-1)
 
@@ -109,7 +111,7 @@ def written(words: GaitWords, names: Sequence[str]) -> Gait:
 
 
 @dataclass(frozen=True, eq=False)
-class Bounce:
+class FlightBounce:
     """The bounce of a gait with flights.
 
     Attributes:
@@ -119,10 +121,10 @@ class Bounce:
     flights: Array
 
     @staticmethod
-    def of(gait: Gait) -> Bounce | None:
+    def of(gait: Gait) -> FlightBounce | None:
         """Return the bounce of a gait, None if a foot is always down."""
         flights = gait.flights()
-        return Bounce(flights) if len(flights) else None
+        return FlightBounce(flights) if len(flights) else None
 
     def height(self, phase: Array) -> Array:
         """Return the height at `phase` [g T²]; speed is continuous all around the cycle."""

@@ -1,23 +1,24 @@
 """Paces: how the creatures of a herd are paced at every phase, and how one pace becomes another.
 
 A creature keeps the pace that it begins with until it is told otherwise. Then its feet go
-over into the new gait (see `GaitChange`), and with them, by the same measure of phase,
+over into the new gait (see `GaitTransition`), and with them, by the same measure of phase,
 the length and duration of its cycle, its height and its bounce. What was, stays known,
 because poses are worked out later than steps are taken.
 """
 
 from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
+
 from pipeline.simulation.curves import cyclic, ease
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.pace import BOUNCE, Pace
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.curves import ease
-
 
 STEEPEST = 1.875
 """Greatest slope of `ease`."""
@@ -29,7 +30,7 @@ HALVINGS = 60
 
 
 @dataclass(frozen=True, eq=False)
-class GaitChange:
+class GaitTransition:
     """A change of gait; before it the legs keep `before`, after it `after`.
 
     Attributes:
@@ -39,7 +40,7 @@ class GaitChange:
 
     Raises:
         ValueError: if the legs are not the same, or the change is too short, see
-            `shortest`.
+            `shortest_transition`.
     """
 
     before: Gait
@@ -53,7 +54,7 @@ class GaitChange:
                 f"gaits of {len(self.before.up)} and of {len(self.after.up)} legs do not go over "
                 "into one another"
             )
-        least = shortest(self.before, self.after)
+        least = shortest_transition(self.before, self.after)
         if not self.length >= least:
             raise ValueError(
                 f"a change of gait of {self.length:g} cycles hurries the legs; "
@@ -68,7 +69,7 @@ class GaitChange:
     @cached_property
     def shift(self) -> Array:
         """(n,) by how much foot-up phases are put off, -0.5 to 0.5 cycles."""
-        return shift(self.before, self.after)
+        return phase_shift(self.before, self.after)
 
     def offset(self, phase: Array | float) -> Array:
         """Return the foot-up phases (..., n) of the moment, as far as they have come."""
@@ -130,23 +131,23 @@ class GaitChange:
         return high
 
 
-def shift(before: Gait, after: Gait) -> Array:
+def phase_shift(before: Gait, after: Gait) -> Array:
     """Return by how much legs (n,) are put off, the shorter way round, in cycles."""
     result: Array = np.mod(after.up - before.up + 0.5, 1.0) - 0.5
     return result
 
 
-def shortest(before: Gait, after: Gait) -> float:
+def shortest_transition(before: Gait, after: Gait) -> float:
     """Return the least length of a change, in cycles, by which no leg is hurried.
 
     No leg's clock then goes slower than `SLOWEST` nor as much faster than the creature's.
     """
-    way = float(np.abs(shift(before, after)).max(initial=0.0))
+    way = float(np.abs(phase_shift(before, after)).max(initial=0.0))
     return max(way * STEEPEST / (1.0 - SLOWEST), 0.5)
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class StepTiming:
     """When a foot swings and stands.
 
     Attributes:
@@ -168,7 +169,7 @@ drawn out farther."""
 
 
 @dataclass(frozen=True, eq=False)
-class PaceChange:
+class PaceTransition:
     """One pace that becomes another.
 
     Attributes:
@@ -178,13 +179,13 @@ class PaceChange:
 
     before: Pace
     after: Pace
-    gaits: GaitChange
+    gaits: GaitTransition
 
     @staticmethod
-    def of(before: Pace, after: Pace, phase: float) -> PaceChange:
+    def of(before: Pace, after: Pace, phase: float) -> PaceTransition:
         """Begin a change at `phase`, whole cycles counted."""
-        length = max(CYCLES, UNHURRIED * shortest(before.gait, after.gait))
-        return PaceChange(before, after, GaitChange(before.gait, after.gait, phase, length))
+        length = max(CYCLES, UNHURRIED * shortest_transition(before.gait, after.gait))
+        return PaceTransition(before, after, GaitTransition(before.gait, after.gait, phase, length))
 
     def done(self, phase: Array) -> Array:
         """Return how much of it is done at `phase`, 0 to 1."""
@@ -200,7 +201,7 @@ class PaceChange:
         return result
 
 
-class Paces:
+class PaceSchedule:
     """The paces of a herd.
 
     Attributes of the state:
@@ -209,7 +210,7 @@ class Paces:
 
     def __init__(self, herd: Herd) -> None:
         self.herd = herd
-        self.changes: dict[int, list[PaceChange]] = {}
+        self.changes: dict[int, list[PaceTransition]] = {}
 
     def change(self, c: int, pace: Pace, phase: float) -> float:
         """Let creature `c` go over to `pace`, from `phase` on or from the end of its last change.
@@ -219,7 +220,7 @@ class Paces:
         """
         own = self.changes.setdefault(c, [])
         start = max(phase, own[-1].gaits.end) if own else phase
-        own.append(PaceChange.of(self.last(c), pace, start))
+        own.append(PaceTransition.of(self.last(c), pace, start))
         return own[-1].gaits.end
 
     def last(self, c: int) -> Pace:
@@ -288,25 +289,25 @@ class Paces:
             )
         return result
 
-    def gait(self, c: int, phase: float) -> Gait | GaitChange:
+    def gait(self, c: int, phase: float) -> Gait | GaitTransition:
         """Return what a creature's feet keep to from `phase` on."""
-        result: Gait | GaitChange = self.herd.paces[c].gait
+        result: Gait | GaitTransition = self.herd.paces[c].gait
         for change in self.changes.get(c, ()):
             if change.gaits.start <= phase:
                 done = change.gaits.end <= phase
                 result = change.after.gait if done else change.gaits
         return result
 
-    def step(self, leg: int, phase: float) -> Step:
+    def step(self, leg: int, phase: float) -> StepTiming:
         """Return when a foot swings and stands that goes up at `phase`."""
         c = int(self.herd.owner[leg])
         if c not in self.changes:
             swing = float(self.herd.swings[leg])
-            return Step(phase, swing, 1.0 - swing)
+            return StepTiming(phase, swing, 1.0 - swing)
         gait, own = self.gait(c, phase), leg - int(self.herd.first_leg[c])
         count = len(self.herd.paces[c].gait.up)
         down = float(gait.down_after(np.full(count, phase))[own])
-        return Step(phase, down - phase, float(gait.next_up(down)[own]) - down)
+        return StepTiming(phase, down - phase, float(gait.next_up(down)[own]) - down)
 
     def stances(self, leg: int, first: float, last: float) -> Array:
         """Return from which phase to which (n, 2) a leg was planned to be down.

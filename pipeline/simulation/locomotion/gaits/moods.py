@@ -7,29 +7,33 @@ Source: Sims 1987, 3.2.4 and 9.1.
 """
 
 from __future__ import annotations
+
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from pipeline.simulation.curves import ease
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.pace import CLEARANCE, EASY, GRAVITY, WALKS_AT, Pace
-from pipeline.simulation.locomotion.gaits.spread import Spread
-from pipeline.spec.mood import Mood
-from collections.abc import Mapping, Sequence
-import numpy as np
-from pipeline.simulation.curves import ease
-from pipeline.simulation.locomotion.gaits.pace import Pace, pace_of
-from pipeline.simulation.locomotion.herd import Herd
+from pipeline.simulation.locomotion.gaits.pace import (
+    CLEARANCE,
+    EASY,
+    WALKS_AT,
+    Pace,
+    choose_pace,
+)
+from pipeline.simulation.locomotion.gaits.spread import LegLayout
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Creature
+from pipeline.spec.mood import Mood
 from pipeline.spec.script import ChangeGait
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
-
 
 
 @dataclass(frozen=True, eq=False)
-class Bearing:
+class MotionStyle:
     """The bearing of C creatures, at one moment (C,) or at several (n, C).
 
     Whoever changes it while they go does so little by little: it is followed at once. Joints
@@ -54,20 +58,20 @@ class Bearing:
     looseness: Array
 
     @staticmethod
-    def neutral(count: int) -> Bearing:
+    def neutral(count: int) -> MotionStyle:
         """Return the bearing of `count` creatures in no mood."""
         none, one = np.zeros(count), np.ones(count)
-        return Bearing(none, one, none, none, one, one, one)
+        return MotionStyle(none, one, none, none, one, one, one)
 
     @staticmethod
-    def stacked(moments: Sequence[Bearing]) -> Bearing:
+    def stacked(moments: Sequence[MotionStyle]) -> MotionStyle:
         """Return those of several moments as one (n, C)."""
-        first, names = moments[0], [f.name for f in fields(Bearing)]
+        first, names = moments[0], [f.name for f in fields(MotionStyle)]
         if all(one is first for one in moments):
             # No mood changes in most films, nor in most dozens of rows.
             shape = len(moments), len(first.sway)
-            return Bearing(*(np.broadcast_to(getattr(first, name), shape) for name in names))
-        return Bearing(*(np.stack([getattr(one, name) for one in moments]) for name in names))
+            return MotionStyle(*(np.broadcast_to(getattr(first, name), shape) for name in names))
+        return MotionStyle(*(np.stack([getattr(one, name) for one in moments]) for name in names))
 
 
 LEAST_DUTY, MOST_DUTY = 0.3, 0.85
@@ -75,7 +79,7 @@ LEAST_DUTY, MOST_DUTY = 0.3, 0.85
 
 
 @dataclass(frozen=True, slots=True)
-class Feeling:
+class MoodEffect:
     """Several moods by their weights, as one.
 
     Attributes:
@@ -111,7 +115,7 @@ FACTORS = (
 ANGLES = ("pitch", "head", "tail")
 
 
-def blended(mix: Mapping[str, float], moods: Mapping[str, Mood]) -> Feeling:
+def blend_moods(mix: Mapping[str, float], moods: Mapping[str, Mood]) -> MoodEffect:
     """Return what moods come to together.
 
     Args:
@@ -126,10 +130,10 @@ def blended(mix: Mapping[str, float], moods: Mapping[str, Mood]) -> Feeling:
         for angle in ANGLES:
             values[angle] += math.radians(getattr(mood, f"{angle}_deg")) * weight
         values["duty"] += mood.duty * weight
-    return Feeling(**values)
+    return MoodEffect(**values)
 
 
-def in_mood(pace: Pace, feeling: Feeling, figure: Figure, legs: Spread) -> Pace:
+def apply_mood(pace: Pace, feeling: MoodEffect, figure: Figure, legs: LegLayout) -> Pace:
     """Return how a creature walks that feels so.
 
     Args:
@@ -178,7 +182,7 @@ MOMENT = 0.9
 """Time in which a creature comes to carry itself otherwise [s]."""
 
 
-class Manners:
+class MoodSchedule:
     """Paces without moods, and moods, of a herd.
 
     Attributes of the state:
@@ -189,14 +193,18 @@ class Manners:
     def __init__(
         self,
         cast: Sequence[tuple[int, Creature, Figure]],
-        herd: Herd,
+        plain: Sequence[Pace],
+        legs: Sequence[LegLayout],
         moods: Mapping[str, Mood],
     ) -> None:
-        self.herd = herd
+        self.figures = [figure for _, _, figure in cast]
+        self.legs = legs
         self.moods = moods
-        self.plain = list(herd.plain)
-        self._bearing: Bearing | None = None
-        self.feelings = [[(-2.0 * MOMENT, blended(member.mood, moods))] for _, member, _ in cast]
+        self.plain = list(plain)
+        self._bearing: MotionStyle | None = None
+        self.feelings = [
+            [(-2.0 * MOMENT, blend_moods(member.mood, moods))] for _, member, _ in cast
+        ]
 
     def possible(self, c: int, order: ChangeGait, where: str = "do") -> Pace:
         """Return the pace that a creature is asked to have, without its mood.
@@ -209,7 +217,7 @@ class Manners:
         Raises:
             SceneError: if its legs cannot do so.
         """
-        return pace_of(where, order, self.herd.figures[c], self.herd.spreads[c])
+        return choose_pace(where, order, self.figures[c], self.legs[c])
 
     def told(self, c: int, order: ChangeGait) -> Pace:
         """Return the pace of a creature that is told to change its gait.
@@ -222,17 +230,17 @@ class Manners:
 
     def felt(self, c: int, mix: Mapping[str, float], time: float) -> Pace:
         """Return the pace of a creature that is in other moods from `time` on [s]."""
-        self.feelings[c].append((time, blended(mix, self.moods)))
+        self.feelings[c].append((time, blend_moods(mix, self.moods)))
         return self._in_mood(c)
 
     def _in_mood(self, c: int) -> Pace:
         feeling = self.feelings[c][-1][1]
-        return in_mood(self.plain[c], feeling, self.herd.figures[c], self.herd.spreads[c])
+        return apply_mood(self.plain[c], feeling, self.figures[c], self.legs[c])
 
-    def bearing(self, time: float) -> Bearing:
+    def bearing(self, time: float) -> MotionStyle:
         """Return how all carry themselves at `time` [s]; the same object while nothing changes."""
         if self._bearing is None or time <= self._settled:
-            self._bearing = Bearing(
+            self._bearing = MotionStyle(
                 head_raise=self._felt("head", time),
                 head_turn=np.ones(len(self.feelings)),
                 tail_raise=self._felt("tail", time),
@@ -252,7 +260,7 @@ class Manners:
         """Return a part of what creatures (C,) feel at `time` [s]."""
         result = np.empty(len(self.feelings))
         for c, course in enumerate(self.feelings):
-            before: Feeling = course[0][1]
+            before: MoodEffect = course[0][1]
             result[c] = getattr(before, name)
             for since, feeling in course[1:]:
                 step = getattr(feeling, name) - getattr(before, name)

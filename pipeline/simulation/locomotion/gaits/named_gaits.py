@@ -19,13 +19,12 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, written
-from pipeline.simulation.locomotion.gaits.named_gaits import Rows
 from pipeline.spec.nearest import hint
 from pipeline.spec.walk import GaitWords, Manner
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
+class LegRows:
     """The legs of one creature.
 
     Attributes:
@@ -36,7 +35,7 @@ class Rows:
     right: tuple[int, ...]
 
     @staticmethod
-    def of(sides: Sequence[str], forward: Sequence[float]) -> Rows:
+    def of(sides: Sequence[str], forward: Sequence[float]) -> LegRows:
         """Sort legs into rows.
 
         A leg in the middle joins the shorter row, so that it has a neighbour to take
@@ -53,7 +52,9 @@ class Rows:
         for leg in rows["m"]:
             shorter = left if len(left) <= len(right) else right
             shorter.append(leg)
-        return Rows(*(tuple(sorted(row, key=lambda leg: -forward[leg])) for row in (left, right)))
+        return LegRows(
+            *(tuple(sorted(row, key=lambda leg: -forward[leg])) for row in (left, right))
+        )
 
     @property
     def count(self) -> int:
@@ -81,7 +82,7 @@ LEGS_A_WAVE = 5
 waves at once, otherwise the feet would have to fly (Manton 1952)."""
 
 
-def trot(rows: Rows) -> Gait:
+def trot(rows: LegRows) -> Gait:
     """Return the gait in which neighbours along a row and across the body take turns.
 
     A walk for two legs, a trot for four, a tripod gait for six.
@@ -93,7 +94,7 @@ def trot(rows: Rows) -> Gait:
     return Gait(up, np.mod(up + TROT_SWING, 1.0))
 
 
-def wave(rows: Rows) -> Gait:
+def wave(rows: LegRows) -> Gait:
     """Return the gait in which each row lifts its feet in turn, from back to front.
 
     Both rows move together: a bound for four legs, a hop for two.
@@ -101,7 +102,7 @@ def wave(rows: Rows) -> Gait:
     return _waves(rows, 0.0)
 
 
-def ripple(rows: Rows) -> Gait:
+def ripple(rows: LegRows) -> Gait:
     """Return the wave whose right row goes half a cycle after the left, an insect's.
 
     Source: Wilson 1966.
@@ -109,7 +110,7 @@ def ripple(rows: Rows) -> Gait:
     return _waves(rows, 0.5)
 
 
-def _waves(rows: Rows, lag: float) -> Gait:
+def _waves(rows: LegRows, lag: float) -> Gait:
     up, swing = np.zeros(rows.count), np.zeros(rows.count)
     for first, row in enumerate(rows):
         n = len(row)
@@ -144,7 +145,7 @@ BIPEDAL = {
 the skip, whose one foot always leads: a gallop on two legs)."""
 
 
-def _symmetrical(name: str, rows: Rows) -> Gait:
+def _symmetrical(name: str, rows: LegRows) -> Gait:
     duty, fore = SYMMETRICAL[name]
     down = np.zeros(4)
     for first, row in enumerate(rows):
@@ -152,7 +153,7 @@ def _symmetrical(name: str, rows: Rows) -> Gait:
     return Gait.of(down, duty)
 
 
-def _asymmetrical(name: str, rows: Rows) -> Gait:
+def _asymmetrical(name: str, rows: LegRows) -> Gait:
     duty, (left_hind, right_hind, left_fore, right_fore) = ASYMMETRICAL[name]
     down = np.zeros(4)
     down[list(rows.left)] = left_fore, left_hind
@@ -160,18 +161,18 @@ def _asymmetrical(name: str, rows: Rows) -> Gait:
     return Gait.of(down, duty)
 
 
-def _bipedal(name: str, rows: Rows) -> Gait:
+def _bipedal(name: str, rows: LegRows) -> Gait:
     duty, lag = BIPEDAL[name]
     down = np.zeros(2)
     down[list(rows.right)] = lag
     return Gait.of(down, duty)
 
 
-def _hop_on_one(_name: str, _rows: Rows) -> Gait:
+def _hop_on_one(_name: str, _rows: LegRows) -> Gait:
     return Gait.of(np.zeros(1), BIPEDAL["hop"][0])
 
 
-def _special(rows: Rows) -> Mapping[str, Callable[[str, Rows], Gait]]:
+def _special(rows: LegRows) -> Mapping[str, Callable[[str, LegRows], Gait]]:
     """Return the gaits that only such legs have."""
     pairs = len(rows.left) == len(rows.right)
     if rows.count == 1:
@@ -185,7 +186,7 @@ def _special(rows: Rows) -> Mapping[str, Callable[[str, Rows], Gait]]:
     return {"ripple": lambda _, rows: ripple(rows)} if rows.count > 4 else {}
 
 
-def gaits_of(rows: Rows) -> dict[str, Gait]:
+def available_gaits(rows: LegRows) -> dict[str, Gait]:
     """Return the gaits that exist for such legs, by name, the general ones first."""
     special = _special(rows)
     return {"trot": trot(rows), "wave": wave(rows)} | {
@@ -193,7 +194,7 @@ def gaits_of(rows: Rows) -> dict[str, Gait]:
     }
 
 
-NEEDS = {
+LEG_REQUIREMENTS = {
     "tripod": "6 legs",
     "ripple": "more than 4 legs",
     "walk": "one pair of legs or two",
@@ -205,7 +206,7 @@ NEEDS = {
 """What legs a gait is for, in words."""
 
 
-def carrying(where: str, words: Manner, figure: Figure) -> list[int]:
+def walking_legs(where: str, words: Manner, figure: Figure) -> list[int]:
     """Return the legs that a creature was asked to walk on.
 
     Args:
@@ -229,7 +230,7 @@ def carrying(where: str, words: Manner, figure: Figure) -> list[int]:
     return [i for i, name in enumerate(names) if name in words.legs]
 
 
-def chosen(
+def choose_gait(
     where: str, words: Manner, figure: Figure, legs: Sequence[int], forward: Sequence[float]
 ) -> Gait:
     """Return the gait that a creature was asked to have.
@@ -248,13 +249,14 @@ def chosen(
     if isinstance(words.gait, GaitWords):
         gait = _written(f"{where}.gait", words.gait, figure.name, [leg.name for leg in of])
     else:
-        rows = Rows.of([leg.side for leg in of], forward)
-        gaits = gaits_of(rows)
+        rows = LegRows.of([leg.side for leg in of], forward)
+        gaits = available_gaits(rows)
         if words.gait not in gaits:
-            has = "has" if words.legs is None else "walks on"
+            verb = "has" if words.legs is None else "walks on"
             message = (
-                f"a gait '{words.gait}' needs {NEEDS[words.gait]}, '{figure.name}' {has} {rows}; "
-                f"take {listed(list(gaits))}"
+                f"a gait '{words.gait}' needs {LEG_REQUIREMENTS[words.gait]}, "
+                f"'{figure.name}' {verb} {rows}; "
+                f"take {join_choices(list(gaits))}"
             )
             raise SceneError([Problem(f"{where}.gait", message)])
         gait = gaits[words.gait]
@@ -272,6 +274,6 @@ def _written(path: str, words: GaitWords, figure: str, names: Sequence[str]) -> 
     return written(words, names)
 
 
-def listed(names: Sequence[str]) -> str:
+def join_choices(names: Sequence[str]) -> str:
     """Return what there is to choose from, as words."""
     return " or ".join([", ".join(names[:-1]), names[-1]] if names[1:] else names)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY, timing
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.gaits.pace import cycle_and_stride
 from pipeline.simulation.locomotion.inching.chain import REAR, Chain
 from pipeline.simulation.locomotion.inching.loop import GREATEST, LEAST, bends, chord, neck
 from pipeline.spec.cast import Creature
@@ -82,7 +83,7 @@ def pace_of(number: int, member: Creature, chain: Chain) -> InchPace:
     shortest = min(_tightest(chain), longest)
     most = longest - shortest
     natural = PERIODS * math.sqrt(chain.length / GRAVITY)
-    cycle, stride = timing(words, natural, NATURAL * most)
+    cycle, stride = cycle_and_stride(words, natural, NATURAL * most)
     if member.walk is not None and (stride > most or most <= 0.0):
         raise SceneError([Problem(f"cast[{number}].walk", _too_long(member, stride, most))])
     # A worm that takes short steps neither stretches nor loops as far as it could.

@@ -21,9 +21,13 @@ from pipeline.simulation.locomotion.pronking.vaulting import (
     stand_before,
     vault,
 )
-from pipeline.simulation.locomotion.routes.route import Route, direction, joining
-from pipeline.simulation.locomotion.routes.route_progress import Going
-from pipeline.simulation.locomotion.routes.walk_orders import obey
+from pipeline.simulation.locomotion.routes.route import (
+    Route,
+    connecting_route,
+    heading_vector,
+)
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
+from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.script import GoTo
@@ -42,7 +46,7 @@ WIDE = 3.0
 
 
 def come_to(
-    going: Going, c: int, of: Pronker, ground: Ground, solids: Sequence[Array]
+    going: RouteProgress, c: int, of: Pronker, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
     """Return the way that ends where solids are jumped over, or why there is none.
 
@@ -61,14 +65,14 @@ def come_to(
 
 
 def _come_to(
-    going: Going, c: int, of: Pronker, ground: Ground, solids: Sequence[Array]
+    going: RouteProgress, c: int, of: Pronker, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
     route = going.path.routes[c]
     at = _meets(route, float(going.way[c]), of, solids)
     if at is None:
         corners = np.concatenate(list(solids))[:, [0, 2]]
         x, z = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
-        obey(going, c, GoTo(go_to=(x, z)))
+        apply_order(going, c, GoTo(go_to=(x, z)))
         route, at = going.path.routes[c], going.path.routes[c].length
     xz, turned = (a[0] for a in route.at(np.array([at])))
     hurdle = hurdle_on(solids, xz, float(turned), half_width(of))
@@ -92,7 +96,7 @@ def _too_near(
     """Return why a hurdle cannot be jumped over from so far along the way; empty if it can."""
     if hurdle.near - way < before(of) + MARGIN * of.leg:
         return "it is too near to stop before it"
-    state = moved(of, there, ground, way * direction(turned))
+    state = moved(of, there, ground, way * heading_vector(turned))
     one = vault(of, state, ground, hurdle.from_here(way), turned)
     return one if isinstance(one, str) else ""
 
@@ -119,7 +123,7 @@ def onward(rest: Route, left: float, landed: tuple[Array, float], stride: float)
     xz, heading_there = (a[0] for a in rest.at(np.array([way])))
     if np.linalg.norm(xz - place) < 0.1 * stride or rest.length - ways[nearest] < 0.1 * stride:
         return None
-    return joining((place, turned), (xz, float(heading_there))).then(rest.beyond(way))
+    return connecting_route((place, turned), (xz, float(heading_there))).then(rest.beyond(way))
 
 
 def _meets(route: Route, way: float, of: Pronker, solids: Sequence[Array]) -> float | None:

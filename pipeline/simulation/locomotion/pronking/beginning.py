@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.pronking.stance import floor_of, gives_way, 
 from pipeline.simulation.locomotion.pronking.state import FALLING, State, level
 from pipeline.simulation.locomotion.pronking.swing import Swing
 from pipeline.simulation.locomotion.pronking.watching import body_gap
-from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array, quaternion
 from pipeline.simulation.terrain import Ground
 
@@ -43,7 +43,7 @@ def _stood(of: Pronker, ground: Ground) -> State:
     R = np.array(spin.rows(state.turning[0]))
     x, z = (float(c) for c in of.start)
     feet = of.rest @ R.T + [x, 0.0, z]
-    feet[:, 1] = lowest(ground, feet[:, 0], feet[:, 2], of.soles)
+    feet[:, 1] = lowest_center_height(ground, feet[:, 0], feet[:, 2], of.soles)
     floor = float((feet[:, 1] - of.soles).mean())
     origin = np.array([x, standing_height(of, R, feet, floor + of.stand, x, z), z])
     # Legs that stand on a slope may come to limits of their joints before they are long.
@@ -68,7 +68,9 @@ def _held_up(of: Pronker, ground: Ground, above: float) -> State:
     state.swing, state.a = Swing.still(feet), FALLING
     now = state.now(of)
     tips = now.points(feet)
-    deep = float((lowest(ground, tips[:, 0], tips[:, 2], of.soles) - tips[:, 1]).max())
+    deep = float(
+        (lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles) - tips[:, 1]).max()
+    )
     state.p[1] += max(deep, -body_gap(of, ground, now), 0.0)
     return state
 

@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.pronking.vaulting import (
     stand_before,
     vault,
 )
-from pipeline.simulation.locomotion.routes.route import direction
+from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -173,7 +173,7 @@ class HopOver:
             found = stand_before(of, state, ground, hurdle, self.heading)
             if isinstance(found, str):
                 return f"cannot jump over '{self.name}': {found}"
-            x, z = (here + (hurdle.near - found[0]) * direction(self.heading)).tolist()
+            x, z = (here + (hurdle.near - found[0]) * heading_vector(self.heading)).tolist()
             self.stand, self.tries = (x, z), TRIES
             self.tries += math.ceil(abs(hurdle.near - found[0]) / max(0.1, of.jump.distance))
         self.tries -= 1

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.locomotion.routes.route import direction
+from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 
 STATIONS = 49
@@ -75,7 +75,7 @@ def hurdle_on(
         heading: of the strip [rad].
         half_width: of the strip [m].
     """
-    ahead = direction(heading)
+    ahead = heading_vector(heading)
     # Forward is (c, -s) and to the right (s, c) in x and z.
     right = np.array([-ahead[1], ahead[0]])
     outlines = [_clipped(corners, place, ahead, right, half_width) for corners in solids]

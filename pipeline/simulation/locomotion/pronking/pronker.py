@@ -14,7 +14,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.inertia import Inertia as Masses
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import folds_of
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.attitude import Inertia
 from pipeline.simulation.locomotion.pronking.legs import Legs
@@ -135,7 +135,7 @@ def pronkers_of(herd: Herd, numbers: Sequence[int], words: Sequence[Pronk]) -> l
     Raises:
         SceneError: one cannot hop as it is asked to.
     """
-    folds = folds_of(herd)
+    folds = shortest_reaches(herd)
     problems, found = list[Problem](), list[Pronker]()
     for c, (number, one) in enumerate(zip(numbers, words, strict=True)):
         try:

@@ -14,11 +14,14 @@ from functools import partial
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.body_motion.gaze import looks_in, told_to_look
-from pipeline.simulation.locomotion.body_motion.idle_motion import gather_idlers
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import folds_of
-from pipeline.simulation.locomotion.herd import gather
-from pipeline.simulation.locomotion.inventory import NodeTable, describe
+from pipeline.simulation.locomotion.body_motion.gaze import (
+    initial_look_targets,
+    set_look_target,
+)
+from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
+from pipeline.simulation.locomotion.herd import build_herd
+from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
 from pipeline.simulation.locomotion.pronking.directing import Solids, jump_for, obey
 from pipeline.simulation.locomotion.pronking.falling import Fall
 from pipeline.simulation.locomotion.pronking.hopping import Hopping
@@ -56,8 +59,8 @@ class Pronkers:
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
         self.world = world
-        self.herd = herd = gather(cast, world.moods)
-        idlers = gather_idlers(herd, world.seed)
+        self.herd = herd = build_herd(cast, world.moods)
+        idlers = collect_free_joints(herd, world.seed)
         table = NodeTable.of(herd, idlers)
         words = [member.pronk or Pronk() for _, member, _ in cast]
         self.pronkers = pronkers_of(herd, [number for number, _, _ in cast], words)
@@ -65,9 +68,9 @@ class Pronkers:
         for i, one in enumerate(world.script):
             self.prepare(one, f"script[{i}]")
         row_dt = world.clock.dt * world.clock.steps / world.clock.samples
-        self.posing = Posing(herd, world.ground, idlers, table, folds_of(herd), row_dt)
+        self.posing = Posing(herd, world.ground, idlers, table, shortest_reaches(herd), row_dt)
         self.kept = Kept(self.posing, world.clock.dt)
-        self.looks = looks_in(herd, cast)
+        self.looks = initial_look_targets(herd, cast)
         self.hoppings = [
             Hopping(
                 of,
@@ -78,7 +81,7 @@ class Pronkers:
             )
             for c, (of, up) in enumerate(zip(self.pronkers, above, strict=True))
         ]
-        self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
+        self.inventory = describe_herd(herd, idlers, table, materials, world.clock.rows)
         self._telling = Telling(herd, world, materials)
         self.step = 0
         self._contacts: list[Contact] = []
@@ -119,7 +122,7 @@ class Pronkers:
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
         at = order.look_at if isinstance(order, LookAt) else None
         try:
-            self.looks = told_to_look(self.looks, self.herd, c, at)
+            self.looks = set_look_target(self.looks, self.herd, c, at)
         except ValueError as error:
             self._told.append(Note("clamped", self.step, self.herd.names[c], str(error)))
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.settling import Settled, settle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.refuges import refuge
-from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
@@ -112,7 +112,10 @@ class Reaching:
         """Return which of some feet are in the ground, and how deep [m]."""
         c = self.herd.owner[legs]
         tips = p[rows, c] + turn(R[rows, c], self._tips(found, rows, legs))
-        deep = lowest(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs]) - tips[:, 1]
+        deep = (
+            lowest_center_height(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs])
+            - tips[:, 1]
+        )
         low = deep > LOW
         return rows[low], legs[low], deep[low]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.figures.settling import brought
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -49,7 +49,7 @@ def refuge(
     places = hip + (far[:, None, None] * _directions()).reshape(-1, 3)
     places = places[np.argsort(((places - goal) ** 2).sum(axis=-1), kind="stable")]
     feet = places @ R.T + p
-    least = lowest(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
+    least = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
     places = places[feet[:, 1] >= least + CLEAR]
     legs = np.full(len(places), leg)
     _, gap = brought(herd.legs, herd.chains, legs, places)

@@ -13,7 +13,7 @@ from pipeline.simulation.locomotion.pronking.happening import Events, Happening
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
 from pipeline.simulation.locomotion.pronking.swing import Swing
-from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -74,7 +74,7 @@ def touch(
     v = state.v + np.cross(state.turning[1], tips - state.p) + moves.T
     if not state.down.any():
         state.first = float(state.p[1])
-    caught, floors = list[int](), lowest(ground, tips[:, 0], tips[:, 2], of.soles)
+    caught, floors = list[int](), lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles)
     for leg in legs.tolist():
         (x, y, z), least = tips[leg].tolist(), float(floors[leg])
         if met[leg] and least - y > WALL * of.leg:

@@ -25,7 +25,7 @@ from pipeline.simulation.locomotion.pronking.hurdle import Hurdle
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
 from pipeline.simulation.locomotion.pronking.touching import drawn_up
-from pipeline.simulation.locomotion.routes.route import direction
+from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -96,7 +96,7 @@ def vault(
     found, cause = list[Vault](), "it is too long for its legs"
     for extra in landings:
         way = behind + extra * of.leg
-        x, z = (middle + way * direction(heading)).tolist()
+        x, z = (middle + way * heading_vector(heading)).tolist()
         best = _lowest(of, state, ground, hurdle, (x, z), heading)
         if isinstance(best, Vault):
             found.append(best)
@@ -121,7 +121,7 @@ def stand_before(
     found, cause = list[tuple[float, Vault]](), "it is too high for its legs"
     for extra in APART:
         way = nearest + extra * of.leg
-        there = moved(of, state, ground, (hurdle.near - way) * direction(heading))
+        there = moved(of, state, ground, (hurdle.near - way) * heading_vector(heading))
         seen = hurdle.from_here(hurdle.near - way)
         # What is easiest is about as far on either side.
         one = vault(of, there, ground, seen, heading, (extra,))
@@ -221,7 +221,7 @@ def _spare(of: Pronker, state: State, hurdle: Hurdle, one: Aim, heading: float) 
     )
     body = np.broadcast_to(of.silhouette.body, (len(feet), *of.silhouette.body.shape))
     points = origins[:, None] + np.concatenate([body, of.silhouette.legs(feet)], axis=1) @ R.T
-    along = ((points - start)[..., [0, 2]] * direction(heading)).sum(axis=-1)
+    along = ((points - start)[..., [0, 2]] * heading_vector(heading)).sum(axis=-1)
     return float(hurdle.spare(along, points[..., 1], MARGIN * of.leg).min())
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from pipeline.simulation.locomotion.pronking.pronker import HOLDS, Pronker
 from pipeline.simulation.locomotion.pronking.state import Moved, State
-from pipeline.simulation.locomotion.swing.swing_trajectory import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
@@ -67,7 +67,9 @@ def margins(of: Pronker, state: State, ground: Ground, at: Moved, highest: float
         tips = at.points(state.swing.tips(at.time))
         if float(tips[:, 1].min()) - float(of.soles.max()) < highest + 0.05:
             air = ~state.down & ~state.released
-            touch[air] = (tips[:, 1] - lowest(ground, tips[:, 0], tips[:, 2], of.soles))[air]
+            touch[air] = (
+                tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles)
+            )[air]
     if state.down.any() and state.phase not in ("standing",):
         way = at.points(of.hips) - state.tips
         far = np.sqrt((way * way).sum(axis=-1))
@@ -95,5 +97,7 @@ def over_ground(of: Pronker, ground: Ground, tips: Array, highest: float) -> Arr
     if float(tips[:, 1].min()) - float(of.soles.max()) > highest:
         return tips
     result = tips.copy()
-    np.maximum(tips[:, 1], lowest(ground, tips[:, 0], tips[:, 2], of.soles), out=result[:, 1])
+    np.maximum(
+        tips[:, 1], lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles), out=result[:, 1]
+    )
     return result

@@ -17,13 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import bounded, hinge
-from pipeline.simulation.locomotion.body_motion.trunk_oscillation import Trunks
-from pipeline.simulation.locomotion.foot_placement.support_surface import Footing
-from pipeline.simulation.locomotion.gaits.gait_transition import Paces
-from pipeline.simulation.locomotion.gaits.moods import Bearing
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.body_motion.trunk_oscillation import HerdTrunks
+from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.routes.route import Route, direction
+from pipeline.simulation.locomotion.routes.route import Route, heading_vector
 from pipeline.simulation.spatial import Array, heading, unturn
 from pipeline.simulation.terrain import Ground
 
@@ -76,7 +76,7 @@ class Ways:
         return Ways(routes, np.array([route.goes_straight for route in routes], dtype=bool))
 
 
-class BodyPath:
+class BodyTrajectory:
     """Poses of the bodies of a herd on a ground.
 
     Attributes:
@@ -89,14 +89,16 @@ class BodyPath:
         trunks: how their bodies rock with their gaits.
     """
 
-    def __init__(self, herd: Herd, ground: Ground, routes: Sequence[Route], paces: Paces) -> None:
+    def __init__(
+        self, herd: Herd, ground: Ground, routes: Sequence[Route], paces: PaceSchedule
+    ) -> None:
         self.herd = herd
         self.ground = ground
         self.paces = paces
-        self.footing = Footing(herd, ground)
+        self.footing = SupportSurface(herd, ground)
         self.ways = Ways.of(routes)
-        self.bearing = Bearing.neutral(len(herd.names))
-        self.trunks = Trunks(paces)
+        self.bearing = MotionStyle.neutral(len(herd.names))
+        self.trunks = HerdTrunks(paces)
 
     @property
     def routes(self) -> Sequence[Route]:
@@ -196,7 +198,7 @@ class BodyPath:
         herd = self.herd
         # Most go straight from where they started: no table is needed.
         turned = herd.headings[creature]
-        xz = herd.starts[creature] + travelled[:, None] * direction(turned)
+        xz = herd.starts[creature] + travelled[:, None] * heading_vector(turned)
         lean, curved = np.zeros(len(creature)), creature[~self.ways.straight[creature]]
         for c in np.unique(curved) if len(curved) else ():
             own = creature == c
@@ -222,7 +224,7 @@ class BodyPath:
         """
         offsets, weights = self._samples
         own = offsets[creature]
-        c, s = (f[:, None] for f in direction(turned).T)
+        c, s = (f[:, None] for f in heading_vector(turned).T)
         # Along the heading and across it, to the right: (c, s) turned by a quarter.
         x = xz[:, 0, None] + own[..., 0] * c - own[..., 1] * s
         z = xz[:, 1, None] + own[..., 0] * s + own[..., 1] * c

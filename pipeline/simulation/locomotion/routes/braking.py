@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.locomotion.herd import REACH, Herd
+from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array, turn
 
 PLACES = 13
@@ -63,5 +64,5 @@ def room_to_rest(
     R, p = bodies(on)
     hips = p[:, None] + turn(R[:, None], herd.hips[own])
     far = np.linalg.norm(tips - hips, axis=-1) / herd.legs.lengths[own]
-    beyond = np.maximum(far - REACH, 0.0).max(axis=1)
+    beyond = np.maximum(far - MAX_REACH, 0.0).max(axis=1)
     return float(on[int(np.argmin(beyond))])

@@ -9,15 +9,17 @@ Source: Sims 1987, 10.1 and 3.2.3.
 """
 
 from __future__ import annotations
+
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-import numpy as np
-from pipeline.simulation.spatial import Array
-import itertools
-from pipeline.spec.cast import Creature
 
+import numpy as np
+
+from pipeline.simulation.spatial import Array
+from pipeline.spec.cast import Creature
 
 FINE = 48
 """Entries of the table between two waypoints."""
@@ -63,7 +65,7 @@ class Route:
         for end, out, part in ((0, s < 0.0, 1.0), (last, s > self.s[last], on)):
             turned[out] = self.heading[end]
             beyond = part * (s[out] - self.s[end])[:, None]
-            xz[out] = self.xz[end] + beyond * direction(self.heading[end])
+            xz[out] = self.xz[end] + beyond * heading_vector(self.heading[end])
         return xz, turned
 
     def _within(self, s: Array) -> tuple[Array, Array]:
@@ -74,7 +76,7 @@ class Route:
         a, b = self.xz[i], self.xz[i + 1]
         # As long as the chord: nothing where it turns on the spot.
         chord = np.linalg.norm(b - a, axis=-1, keepdims=True)
-        t_a, t_b = (chord * direction(self.heading[k]) for k in (i, i + 1))
+        t_a, t_b = (chord * heading_vector(self.heading[k]) for k in (i, i + 1))
         xz = a + (b - a) * u * u * (3.0 - 2.0 * u)
         xz = xz + u * (1.0 - u) * ((1.0 - u) * t_a - u * t_b)
         return xz, self.heading[i] + (self.heading[i + 1] - self.heading[i]) * u[:, 0]
@@ -140,22 +142,22 @@ class Route:
         )
 
 
-def direction(heading: Array | float) -> Array:
+def heading_vector(heading: Array | float) -> Array:
     """Return unit vectors (..., 2) along x and z of headings (...,) [rad]."""
     return np.stack([np.cos(heading), -np.sin(heading)], axis=-1)
 
 
-def straight(start: Array, heading: float) -> Route:
+def straight_route(start: Array, heading: float) -> Route:
     """Return the way from `start` (2,) along `heading` [rad] that never ends."""
     return Route(np.zeros(1), np.array([start], dtype=float), np.array([heading]), stops=False)
 
 
-def standing(start: Array, heading: float) -> Route:
+def standing_route(start: Array, heading: float) -> Route:
     """Return the way that goes nowhere from `start` (2,)."""
     return Route(np.zeros(1), np.array([start], dtype=float), np.array([heading]), stops=True)
 
 
-def turning(start: Array, heading: float, angle: float, radius: float) -> Route:
+def turn_in_place(start: Array, heading: float, angle: float, radius: float) -> Route:
     """Return the turn by `angle` [rad] on the spot, as long as the way of feet at `radius` [m]."""
     u = np.linspace(0.0, 1.0, FINE + 1)
     return Route(
@@ -166,7 +168,7 @@ def turning(start: Array, heading: float, angle: float, radius: float) -> Route:
     )
 
 
-def through(points: Sequence[Array], heading: float | None, closed: bool = False) -> Route:
+def spline_route(points: Sequence[Array], heading: float | None, closed: bool = False) -> Route:
     """Return the spline through waypoints, which stops at the last.
 
     Args:
@@ -183,7 +185,7 @@ def through(points: Sequence[Array], heading: float | None, closed: bool = False
     gaps = np.sqrt(np.linalg.norm(np.diff(p, axis=0), axis=-1))
     tangents = _tangents(p, gaps, closed)
     if heading is not None:
-        tangents[0] = direction(heading) * gaps[0]
+        tangents[0] = heading_vector(heading) * gaps[0]
         if closed:
             tangents[-1] = tangents[0] * gaps[-1] / gaps[0]
     u = np.linspace(0.0, 1.0, 8 * FINE + 1)[:, None]
@@ -195,12 +197,12 @@ def through(points: Sequence[Array], heading: float | None, closed: bool = False
     return _measured(line, FINE * len(gaps))
 
 
-def joining(here: tuple[Array, float], there: tuple[Array, float]) -> Route:
+def connecting_route(here: tuple[Array, float], there: tuple[Array, float]) -> Route:
     """Return the curve between two places (2,) [m] that are passed at headings [rad]."""
     (a, turned_a), (b, turned_b) = here, there
     chord = float(np.linalg.norm(b - a))
     u = np.linspace(0.0, 1.0, 8 * FINE + 1)[:, None]
-    line = _hermite(a, b, chord * direction(turned_a), chord * direction(turned_b), u)
+    line = _hermite(a, b, chord * heading_vector(turned_a), chord * heading_vector(turned_b), u)
     return _measured(line, FINE)
 
 
@@ -242,7 +244,7 @@ ROUNDS = 200
 """How often a path that is repeated is laid out; no film is longer."""
 
 
-def route_of(member: Creature, footprint: Array, far: float) -> Route:
+def plan_route(member: Creature, footprint: Array, far: float) -> Route:
     """Return the way that a creature goes.
 
     Args:
@@ -254,17 +256,17 @@ def route_of(member: Creature, footprint: Array, far: float) -> Route:
     heading = math.radians(member.heading_deg)
     walk = member.walk
     if walk is None:
-        return standing(start, heading)
+        return standing_route(start, heading)
     points = [np.array(point) for point in walk.path if tuple(point) != tuple(start)]
     if not points:
-        return straight(start, heading)
+        return straight_route(start, heading)
     # Who was not told where to look looks where it goes.
     first = heading if "heading_deg" in member.model_fields_set else None
     radius = float(np.hypot(*footprint))
     if walk.repeat == "once":
         return _along([start, *points], first, radius)
-    if walk.repeat == "loop" and not corners_of([points[-1], start, *points, start]):
-        once = through([start, *points], None, closed=True)
+    if walk.repeat == "loop" and not sharp_corners([points[-1], start, *points, start]):
+        once = spline_route([start, *points], None, closed=True)
         return _repeated(once, once, far)
     if walk.repeat == "loop":
         once = _along([start, *points, start], first, radius)
@@ -282,14 +284,14 @@ def _along(points: Sequence[Array], heading: float | None, radius: float) -> Rou
         heading: at the first [rad]; that of the way if None.
         radius: of the feet, for turns on the spot [m].
     """
-    cuts = [0, *corners_of(points), len(points) - 1]
-    route = through(points[: cuts[1] + 1], heading)
+    cuts = [0, *sharp_corners(points), len(points) - 1]
+    route = spline_route(points[: cuts[1] + 1], heading)
     for a, b in itertools.pairwise(cuts[1:]):
-        route = route.then(_joined(route, through(points[a : b + 1], None), radius))
+        route = route.then(_joined(route, spline_route(points[a : b + 1], None), radius))
     return route
 
 
-def corners_of(points: Sequence[Array]) -> list[int]:
+def sharp_corners(points: Sequence[Array]) -> list[int]:
     """Return which of the inner waypoints are sharp corners."""
     found = []
     for i in range(1, len(points) - 1):
@@ -304,7 +306,7 @@ def _joined(before: Route, after: Route, radius: float) -> Route:
     """Return the turn on the spot from the end of one route to another, and that one."""
     heading = float(before.heading[-1])
     angle = math.remainder(float(after.heading[0]) - heading, 2.0 * math.pi)
-    return turning(before.xz[-1], heading, angle, radius).then(after)
+    return turn_in_place(before.xz[-1], heading, angle, radius).then(after)
 
 
 def _repeated(first: Route, again: Route, far: float) -> Route:

@@ -16,12 +16,12 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.locomotion.body_motion.gaze import Look
-from pipeline.simulation.locomotion.gaits.moods import Manners
+from pipeline.simulation.locomotion.body_motion.gaze import LookTarget
+from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace import Pace
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.routes.body_trajectory import BodyPath
-from pipeline.simulation.locomotion.routes.route import Route, direction
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.route import Route, heading_vector
 from pipeline.simulation.spatial import Array
 
 RISING, FALLING = 1.0, 0.6
@@ -52,14 +52,14 @@ CREEP = 0.02
 UPHILL, DOWNHILL = 0.9, 0.5
 """By how much a slope of 1 slows down, as a part of the time on level ground."""
 
-LOOKS = 8
+SLOPE_SAMPLES_PER_SECOND = 8
 """How often a second the slope is looked at, whatever the length of a step."""
 
-CLOSING = 1.0
+CLOSING_CYCLES = 1.0
 """Cycles in which feet close up after the body has come to rest."""
 
 
-class Going:
+class RouteProgress:
     """Progress of a herd.
 
     Attributes of the state:
@@ -74,7 +74,7 @@ class Going:
         looks: what creatures are told to look at; the others look where they go.
     """
 
-    def __init__(self, herd: Herd, path: BodyPath, manners: Manners, dt: float) -> None:
+    def __init__(self, herd: Herd, path: BodyTrajectory, manners: MoodSchedule, dt: float) -> None:
         self.herd = herd
         self.path = path
         self.paces = path.paces
@@ -88,7 +88,7 @@ class Going:
         self.halted = np.zeros(count, dtype=bool)
         self.closed = np.full(count, np.inf)
         self.cycle, self.full = herd.cycle.copy(), herd.stride.copy()
-        self.looks: Mapping[int, Look] = {}
+        self.looks: Mapping[int, LookTarget] = {}
         self._cycles = np.where(herd.walks, dt / herd.cycle, 0.0)
         self._changing: dict[int, float] = {}
         self._stops: dict[int, float] = {}
@@ -211,7 +211,7 @@ class Going:
         Args:
             airborne: (C,) who has a foot in the air, which is brought down in any case.
         """
-        looks = round(self._steps * self.dt * LOOKS, 6)
+        looks = round(self._steps * self.dt * SLOPE_SAMPLES_PER_SECOND, 6)
         if looks >= self._looks:
             self._easy = self._ease()
             self._looks = math.floor(looks) + 1
@@ -253,7 +253,9 @@ class Going:
         """
         gone, drive = self.gone, self.drive
         wish = self._wish if self._ends is None else np.minimum(self._wish, 1.0)
-        for _ in range(math.ceil(self._looks / (self.dt * LOOKS) - self._steps - 1e-6)):
+        for _ in range(
+            math.ceil(self._looks / (self.dt * SLOPE_SAMPLES_PER_SECOND) - self._steps - 1e-6)
+        ):
             drive, step, rate = self._onward(drive, self._eased(wish, gone[1]))
             gone = gone + np.stack([step, rate * self._cycles])
             yield gone, drive
@@ -314,7 +316,9 @@ class Going:
         rate = np.where(rests, np.where(airborne | closing, 1.0, 0.0), rate)
         there = self.herd.walks & ~self.arrived & (left - step <= 1e-9)
         if there.any():
-            self.closed = np.where(there, self.phase + rate * self._cycles + CLOSING, self.closed)
+            self.closed = np.where(
+                there, self.phase + rate * self._cycles + CLOSING_CYCLES, self.closed
+            )
             self.drive = np.where(there, 0.0, self.drive)
             self._consider()
         return step, rate
@@ -328,7 +332,7 @@ class Going:
             return result
         xz, turned, _ = self.path.on_route(creatures, self.way[creatures])
         reach = herd.footprint[creatures, 0]
-        ahead = reach[:, None] * direction(turned)
+        ahead = reach[:, None] * heading_vector(turned)
         ends = np.stack([xz + ahead, xz - ahead], axis=1)
         # Not the ground itself: no single stone slows down.
         height, _ = self.path.footing.surface(creatures, ends[..., 0], ends[..., 1])

@@ -1,23 +1,27 @@
 """Footfalls: what is known when feet meet the ground."""
 
 from __future__ import annotations
+
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
-from pipeline.simulation.locomotion.authored_poses import Postures
+from numpy.typing import NDArray
+
+from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
+from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.inventory import foot_materials, leg_mass
-from pipeline.simulation.locomotion.swing.swing_trajectory import approach_speed
+from pipeline.simulation.locomotion.inventory import foot_materials, leg_masses
+from pipeline.simulation.locomotion.swing.swing_trajectory import (
+    swing_positions,
+    touchdown_speed,
+)
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, ContactKind
-from pipeline.simulation.troupe import World
-import math
-from dataclasses import dataclass
-from numpy.typing import NDArray
-from pipeline.simulation.locomotion.gaits.gait_transition import Step
-from pipeline.simulation.locomotion.swing.swing_trajectory import swing
 from pipeline.simulation.terrain import Ground
-
+from pipeline.simulation.troupe import World
 
 LOW = 0.015
 """A sole nearer to the ground than this part of its leg brushes over it."""
@@ -62,7 +66,9 @@ class Scuff:
     weight: float
 
 
-def brushed(ground: Ground, tips: Array, parts: Array, sole: float, low: float) -> Scuff | None:
+def scuff_in_swing(
+    ground: Ground, tips: Array, parts: Array, sole: float, low: float
+) -> Scuff | None:
     """Return where a foot scuffs the most, None if it is never as low as that.
 
     Args:
@@ -86,7 +92,7 @@ def brushed(ground: Ground, tips: Array, parts: Array, sole: float, low: float) 
     return Scuff(float(parts[worst]), place, normals[worst], float(way[worst]), weight)
 
 
-def slid(tips: Array, parts: Array, place: Array, normal: Array) -> Scuff:
+def scuff_at_touchdown(tips: Array, parts: Array, place: Array, normal: Array) -> Scuff:
     """Return how a foot scuffs as it comes down.
 
     Args:
@@ -106,7 +112,7 @@ def _along(v: Array, normals: Array) -> Array:
     return result
 
 
-class Scuffing:
+class ScuffDetector:
     """The scuffs of a herd.
 
     Attributes of the state:
@@ -132,7 +138,7 @@ class Scuffing:
     def plan(
         self,
         leg: int,
-        step: Step,
+        step: StepTiming,
         start: Array,
         end: Array,
         heights: tuple[float, float],
@@ -155,7 +161,7 @@ class Scuffing:
         herd = self.herd
         tips = _way(start, end, height, MIDDLE, bend)
         low = LOW * float(herd.legs.lengths[leg])
-        scuff = brushed(self.ground, tips, MIDDLE, float(herd.sole[leg]), low)
+        scuff = scuff_in_swing(self.ground, tips, MIDDLE, float(herd.sole[leg]), low)
         if scuff is not None:
             self._planned[leg] = scuff
             self.at[leg] = step.up + scuff.part * step.swing
@@ -199,7 +205,7 @@ class Scuffing:
         if np.isfinite(self.at[leg]) or not self._is_loud(leg, most, rate):
             return None
         tips = _way(start, hold.tip, height, LAST, bend)
-        return self._loud(leg, slid(tips, LAST, hold.place, hold.normal), rate)
+        return self._loud(leg, scuff_at_touchdown(tips, LAST, hold.place, hold.normal), rate)
 
     def _loud(self, leg: int, scuff: Scuff, rate: float) -> tuple[Scuff, float] | None:
         speed = scuff.way * rate / float(self.span[leg])
@@ -213,14 +219,14 @@ def _way(start: Array, end: Array, height: float, parts: Array, bend: Array | No
     """Return the tips (n, 3) of one foot at parts (n,) of its swing [m]."""
     n = len(parts)
     bends = None if bend is None else np.broadcast_to(bend, (n, *bend.shape))
-    return swing(start, end, height, parts, bends)
+    return swing_positions(start, end, height, parts, bends)
 
 
 Moment = tuple[int, float]
 """The last step before it, and the fraction of a step after that."""
 
 
-class Footfalls:
+class FootContacts:
     """Contacts of the feet of a herd.
 
     Attributes:
@@ -229,13 +235,13 @@ class Footfalls:
     """
 
     def __init__(
-        self, herd: Herd, world: World, postures: Postures, materials: Sequence[str]
+        self, herd: Herd, world: World, postures: AuthoredPoses, materials: Sequence[str]
     ) -> None:
         self.herd = herd
         self.world = world
         self.postures = postures
-        self.scuffing = Scuffing(herd, world.ground)
-        self.mass = leg_mass(herd)
+        self.scuffing = ScuffDetector(herd, world.ground)
+        self.mass = leg_masses(herd)
         self.contacts: list[Contact] = []
         self._materials = foot_materials(herd, materials)
 
@@ -273,7 +279,7 @@ class Footfalls:
         if self._is_posed(moment, leg):
             return
         (start, height, bend), (time, rate) = way, pace
-        speed = approach_speed(start, hold.tip, height, hold.normal, time, bend)
+        speed = touchdown_speed(start, hold.tip, height, hold.normal, time, bend)
         mass = float(self.mass[leg])
         self._meet(moment, leg, (hold.place, hold.normal), speed, mass, "touch")
         slide = self.scuffing.landing(leg, start, hold, height, rate, bend)

@@ -34,8 +34,8 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
     KNOTS,
     POINTS,
     SPANS,
-    bend_through,
-    lift_to_clear,
+    clearance_height,
+    fit_offset,
 )
 from pipeline.simulation.spatial import UP, Array, normalized, unturn
 from pipeline.simulation.terrain import Ground
@@ -78,15 +78,15 @@ def passive(
         step_height: on level ground [m].
     """
     ends, plain = (trial.start, trial.end), np.zeros((POINTS, 3))
-    height = lift_to_clear(ground, *ends, sole, step_height)
+    height = clearance_height(ground, *ends, sole, step_height)
     way = _level(trial)
     if np.linalg.norm(way) < SHORT * float(trial.model.batch.lengths[0]):
         return height, plain
     part, free = fall(trial, height)
     if not free:
         return height, plain
-    bend = bend_through((part[:: ROWS // SPANS] - ease(KNOTS))[:, None] * way)
-    higher = lift_to_clear(ground, *ends, sole, step_height, bend)
+    bend = fit_offset((part[:: ROWS // SPANS] - ease(KNOTS))[:, None] * way)
+    higher = clearance_height(ground, *ends, sole, step_height, bend)
     # Legs that are spread wide rather fall over than swing: those are led.
     tips = np.stack([trial.tips(higher, bend), trial.tips(height, plain)], axis=1)
     by_itself, led = trial.powers(tips)[0][: free + 1].sum(axis=0)

@@ -20,7 +20,7 @@ from pipeline.simulation.figures.kinematics import LimbBatch, Tree
 from pipeline.simulation.figures.row_motion import motion_of_rows
 from pipeline.simulation.figures.settling import settle
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.swing.swing_trajectory import swing
+from pipeline.simulation.locomotion.swing.swing_trajectory import swing_positions
 from pipeline.simulation.spatial import Array, unturn
 
 ROWS = 32
@@ -115,7 +115,9 @@ class SwingTrial:
         """Return the places of the tip (rows, 3) on a way with an arch and a bend [m]."""
         n = len(DURING)
         ends = np.tile(self.start, (n, 1)), np.tile(self.end, (n, 1))
-        return swing(*ends, np.full(n, height), DURING, np.broadcast_to(bend, (n, *bend.shape)))
+        return swing_positions(
+            *ends, np.full(n, height), DURING, np.broadcast_to(bend, (n, *bend.shape))
+        )
 
     def powers(self, tips: Array) -> tuple[Array, Array]:
         """Return Σ |τ q̇| (`ROWS` + 1, K) [W] on ways (rows, K, 3), and what they miss (K,) [m]."""

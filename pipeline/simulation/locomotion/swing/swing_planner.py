@@ -19,15 +19,15 @@ import numpy as np
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.locomotion.gaits.gait_transition import Step
-from pipeline.simulation.locomotion.routes.route_progress import Going
+from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
 from pipeline.simulation.locomotion.swing.passive_swing import passive
 from pipeline.simulation.locomotion.swing.swing_dynamics import PARTS, LegModel, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     KNOTS,
     POINTS,
-    bend_through,
-    lift_to_clear,
+    clearance_height,
+    fit_offset,
 )
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.terrain import Ground
@@ -103,15 +103,15 @@ class _Asked:
             return self._lift(least, bend), bend
         along = ease(_warped(KNOTS, hurry)) - ease(KNOTS)
         level = along[:, None] * (trial.end - trial.start)
-        height = self._lift(least, bend_through(level))
+        height = self._lift(least, fit_offset(level))
         arch = bump(_warped(KNOTS, early)) - bump(KNOTS)
-        bend = bend_through(level + height * arch[:, None] * UP)
+        bend = fit_offset(level + height * arch[:, None] * UP)
         return max(height, self._lift(least, bend)), bend
 
     def _lift(self, least: float, bend: Array) -> float:
         ends = self.trial.start, self.trial.end
         # A lower arch is to clear the ground by no less than the plain one.
-        return lift_to_clear(self.ground, *ends, self.sole, least, bend, 0.4 * self.least)
+        return clearance_height(self.ground, *ends, self.sole, least, bend, 0.4 * self.least)
 
 
 def _warped(s: Array, early: float) -> Array:
@@ -127,7 +127,7 @@ PLANNERS: Mapping[str, Planner] = {"least-effort": least_effort, "passive": pass
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class SwingRequest:
     """A swing that is about to begin.
 
     Attributes:
@@ -138,7 +138,7 @@ class Asked:
         step_height: height of the arch on level ground [m].
     """
 
-    step: Step
+    step: StepTiming
     start: Array
     end: Array
     way: float
@@ -146,10 +146,10 @@ class Asked:
     step_height: float
 
 
-class SwingPlans:
+class SwingPlanner:
     """Plans swings for a herd of whom some ask for it."""
 
-    def __init__(self, kinds: Mapping[int, str], going: Going, ground: Ground) -> None:
+    def __init__(self, kinds: Mapping[int, str], going: RouteProgress, ground: Ground) -> None:
         self.kinds = kinds
         self.going = going
         self.herd = going.herd
@@ -157,15 +157,15 @@ class SwingPlans:
 
     @staticmethod
     def of(
-        cast: Sequence[tuple[int, Creature, Figure]], going: Going, ground: Ground
-    ) -> SwingPlans | None:
+        cast: Sequence[tuple[int, Creature, Figure]], going: RouteProgress, ground: Ground
+    ) -> SwingPlanner | None:
         """Return the plans of a herd, None if all swing plainly."""
         kinds = {
             c: member.walk.swing
             for c, (_, member, _) in enumerate(cast)
             if member.walk is not None and member.walk.swing in PLANNERS
         }
-        return SwingPlans(kinds, going, ground) if kinds else None
+        return SwingPlanner(kinds, going, ground) if kinds else None
 
     @property
     def none(self) -> Array:
@@ -182,7 +182,9 @@ class SwingPlans:
             if int(c) in self.kinds
         }
 
-    def plan(self, leg: int, asked: Asked, height: float, stoop: Array) -> tuple[float, Array]:
+    def plan(
+        self, leg: int, asked: SwingRequest, height: float, stoop: Array
+    ) -> tuple[float, Array]:
         """Return height [m] and bend (m, 3) of a swing.
 
         Args:
@@ -199,7 +201,7 @@ class SwingPlans:
         trial, sole = self.trial(leg, asked, low), float(herd.sole[leg])
         return PLANNERS[self.kinds[owner]](trial, self.ground, sole, asked.step_height)
 
-    def trial(self, leg: int, asked: Asked, stoop: float) -> SwingTrial:
+    def trial(self, leg: int, asked: SwingRequest, stoop: float) -> SwingTrial:
         """Return a swing as it can be tried beforehand, the body `stoop` lower [m]."""
         owner, step, going = int(self.herd.owner[leg]), asked.step, self.going
         moments, creature = step.up + PARTS * step.swing, np.full(len(PARTS), owner)

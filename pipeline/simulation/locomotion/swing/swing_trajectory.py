@@ -7,11 +7,12 @@ Source: Sims 1987, 10.2, steps 3 and 4, and figure 10.1.
 """
 
 from __future__ import annotations
+
 import numpy as np
+
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-
 
 SPANS = 16
 """Pieces that a swing is divided into."""
@@ -23,7 +24,7 @@ KNOTS: Array = np.linspace(0.0, 1.0, SPANS + 1)
 """Parts of the swing between the pieces; the free points belong to all but two at each end."""
 
 
-def bent(bend: Array, s: Array) -> Array:
+def offset_at(bend: Array, s: Array) -> Array:
     """Return bends (L, 3) at parts `s` (L,) of swings [m].
 
     Args:
@@ -53,7 +54,7 @@ def _weights(t: Array) -> tuple[Array, Array, Array, Array]:
     )
 
 
-def bend_through(values: Array) -> Array:
+def fit_offset(values: Array) -> Array:
     """Return the bends (..., `POINTS`, 3) that follow values at the `KNOTS`.
 
     Exact for cubics; otherwise of fourth order, and within the two pieces at each end what
@@ -78,7 +79,7 @@ _OUT_X, _OUT_Z = np.ascontiguousarray(_OUT.T)
 _DOWN = np.sqrt(1.0 - (_OUT**2).sum(axis=-1))
 
 
-def lowest(ground: Ground, x: Array, z: Array, sole: Array | float) -> Array:
+def lowest_center_height(ground: Ground, x: Array, z: Array, sole: Array | float) -> Array:
     """Return the least heights (...) of a ball's middle at places x, z (...) [m].
 
     Args:
@@ -103,7 +104,7 @@ FINE = np.linspace(0.0, 1.0, 162)[1:-1]
 _EASE, _BUMP = ease(SAMPLES)[:, None], bump(SAMPLES)
 
 
-def lift_to_clear(
+def clearance_height(
     ground: Ground,
     start: Array,
     end: Array,
@@ -134,7 +135,7 @@ def lift_to_clear(
     return max(highest + margin, least)
 
 
-def arches(ground: Ground, start: Array, end: Array, sole: Array, least: Array) -> Array:
+def clearance_heights(ground: Ground, start: Array, end: Array, sole: Array, least: Array) -> Array:
     """Return how high swings without a bend must arch to clear the ground (N,) [m].
 
     Infinite where there are walls, which want a closer look.
@@ -147,7 +148,7 @@ def arches(ground: Ground, start: Array, end: Array, sole: Array, least: Array) 
         least: (N,) heights of the arches on level ground [m].
     """
     way = start[:, None] + _EASE * (end - start)[:, None]
-    rise = lowest(ground, way[..., 0], way[..., 2], sole[:, None]) - way[..., 1]
+    rise = lowest_center_height(ground, way[..., 0], way[..., 2], sole[:, None]) - way[..., 1]
     arch = np.maximum((rise / _BUMP).max(axis=-1) + 0.4 * least, least)
     walls = (np.abs(np.diff(rise, axis=1)) > sole[:, None]).any(axis=1)
     return np.where(walls, np.inf, arch)
@@ -175,8 +176,8 @@ def _rise(
     """
     n = len(s)
     bends = None if bend is None else _for_all(bend, s)
-    way = swing(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.zeros(n), s, bends)
-    rise = lowest(ground, way[:, 0], way[:, 2], sole) - way[:, 1]
+    way = swing_positions(np.tile(start, (n, 1)), np.tile(end, (n, 1)), np.zeros(n), s, bends)
+    rise = lowest_center_height(ground, way[:, 0], way[:, 2], sole) - way[:, 1]
     walls = np.abs(rise[1:] - rise[:-1]) > sole
     if not walls.any():
         return rise, 0.0
@@ -184,7 +185,7 @@ def _rise(
     return rise, max(float((high / np.minimum(arch[1:], arch[:-1]))[walls].max()), 0.0)
 
 
-def swing(
+def swing_positions(
     start: Array, end: Array, height: Array | float, s: Array, bend: Array | None = None
 ) -> Array:
     """Return the tips (L, 3) of feet at parts `s` (L,) of their swings [m].
@@ -196,7 +197,7 @@ def swing(
     along = ease(s)[:, None]
     p = start + along * (end - start)
     p[:, 1] += height * bump(s)
-    return p if bend is None else p + bent(bend, s)
+    return p if bend is None else p + offset_at(bend, s)
 
 
 LAST = np.linspace(0.9, 1.0, 9)
@@ -207,7 +208,7 @@ def _for_all(bend: Array, parts: Array) -> Array:
     return np.broadcast_to(bend, (len(parts), *bend.shape))
 
 
-def approach_speed(
+def touchdown_speed(
     start: Array,
     end: Array,
     height: float,
@@ -228,6 +229,6 @@ def approach_speed(
         time: of the whole swing [s].
         bend: of the swing.
     """
-    way = swing(start, end, height, LAST, None if bend is None else _for_all(bend, LAST))
+    way = swing_positions(start, end, height, LAST, None if bend is None else _for_all(bend, LAST))
     speeds = -np.diff(way @ normal) / _LAST_PARTS / time
     return float(max(speeds.max(), 0.0))

@@ -15,8 +15,8 @@ from audio.midi import write_midi
 from audio.voices import notes_of
 from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
-from pipeline.simulation.characters.mind.minds import AGAIN, DISTRESS
-from pipeline.simulation.characters.signals import SCREAM, WHIMPER, loudness
+from pipeline.simulation.characters.mind.mind_scheduler import AGAIN, DISTRESS
+from pipeline.simulation.characters.step_report import SCREAM, WHIMPER, loudness
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import SoundEvent, Take
 from pipeline.spec import Scene, read_scene

@@ -24,8 +24,8 @@ from pipeline.production.goldens.cues import Cues, cues_of
 from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film
 from pipeline.production.goldens.slates import slate
 from pipeline.production.interrupts import held_back
-from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
+from pipeline.production.sound.score_builder import build_score
 from pipeline.production.stills import spread
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
@@ -84,7 +84,7 @@ class Proof:
     @cached_property
     def score(self) -> Score:
         """What is heard."""
-        return score_of(self.scene, self.take, self._shooting.poses)[0]
+        return build_score(self.scene, self.take, self._shooting.poses)[0]
 
     @cached_property
     def _shooting(self) -> Shooting:

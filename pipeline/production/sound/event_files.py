@@ -1,4 +1,4 @@
-"""Events: the sound events of a take as lines of JSON and as a table."""
+"""Event files: the sound events of a take as JSON lines and as CSV."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
+from audio.files import put
+from pipeline.production.outputs import Outputs
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 
@@ -15,33 +17,39 @@ COLUMNS = (
     *("frame", "time", "duration", "cause", "who", "part", "other", "x", "y", "z"),
     *("strength", "energy", "size", "material", "surface"),
 )
-"""Of the table; as the words of the lines, but for the place."""
+"""CSV columns; the keys of the JSON lines, except that `place` is split into x, y and z."""
 
 
-def event_lines(take: Take) -> bytes:
-    """Return the events that a film of `take` shows, one object a line.
+def write_events(outputs: Outputs, take: Take) -> bool:
+    """Write the sound events of a take; return whether a file changed."""
+    changed = put(outputs.events, events_jsonl(take))
+    return put(outputs.event_table, events_csv(take)) or changed
 
-    `time` is that of the cause, in seconds; `frame` is the first that shows it.
+
+def events_jsonl(take: Take) -> bytes:
+    """Return the events within the film, one JSON object per line.
+
+    `time` is the time of the cause [s]; `frame` is the first frame that shows it.
     """
-    lines = (json.dumps(words, ensure_ascii=False) for words in _events(take))
+    lines = (json.dumps(record, ensure_ascii=False) for record in _records(take))
     return "".join(f"{line}\n" for line in lines).encode()
 
 
-def event_table(take: Take) -> bytes:
-    """Return the same events as comma-separated values in UTF-8, a line of names first.
+def events_csv(take: Take) -> bytes:
+    """Return the events within the film as CSV in UTF-8 with a header line.
 
     Source: RFC 4180 2005.
     """
     out = io.StringIO(newline="")
     table = csv.DictWriter(out, COLUMNS)
     table.writeheader()
-    for words in _events(take):
-        x, y, z = words.pop("place")
-        table.writerow({**words, "x": x, "y": y, "z": z})
+    for record in _records(take):
+        x, y, z = record.pop("place")
+        table.writerow({**record, "x": x, "y": y, "z": z})
     return out.getvalue().encode()
 
 
-def _events(take: Take) -> Iterator[dict[str, Any]]:
+def _records(take: Take) -> Iterator[dict[str, Any]]:
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     for event in take.events:

@@ -16,8 +16,8 @@ from audio.blows import blow_of, sounded
 from audio.motions import motion_of
 from audio.rubs import rub_of
 from audio.voices import notes_of
-from pipeline.production.events import event_lines
-from pipeline.production.scoring import score_of
+from pipeline.production.sound.event_files import events_jsonl
+from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from pipeline.spec.detect import Detect
@@ -40,7 +40,7 @@ def heard(
 ) -> tuple[float, float]:
     x, y, z = place
     event = replace(take.events[0], place=(x, y, z))
-    score, _ = score_of(scene, replace(take, events=(event,)), [pose] * take.header.frames)
+    score, _ = build_score(scene, replace(take, events=(event,)), [pose] * take.header.frames)
     return score.events[0].azimuth, score.events[0].distance
 
 
@@ -87,14 +87,14 @@ def test_events_after_the_last_frame_are_dropped_and_counted(scene: Scene, take:
     event = take.events[0]
     events = tuple(replace(event, frame=frame) for frame in (7, 8, 9, 9))
     late = replace(take, events=events)
-    score, dropped = score_of(scene, late, [AHEAD] * 8)
+    score, dropped = build_score(scene, late, [AHEAD] * 8)
     assert ([e.frame for e in score.events], dropped) == ([7, 8], 2)
-    lines = [json.loads(line) for line in event_lines(late).splitlines()]
+    lines = [json.loads(line) for line in events_jsonl(late).splitlines()]
     assert [line["frame"] for line in lines] == [7, 8]
 
 
 def test_a_score_keeps_times_and_words_of_its_events(scene: Scene, take: Take) -> None:
-    score, dropped = score_of(scene, take, [AHEAD] * take.header.frames)
+    score, dropped = build_score(scene, take, [AHEAD] * take.header.frames)
     assert (score.rate, score.frames, score.title) == (Fraction(24), 8, "Tiny")
     assert len(score.events) + dropped == len(take.events) > 0
     for event in score.events:
@@ -118,7 +118,7 @@ def test_what_passes_by_is_heard_where_it_comes_nearest(scene: Scene, take: Take
         places=tuple(place for place in places for _ in range(samples)),
         track=(0, 4 * samples - 1),
     )
-    score, _ = score_of(scene, replace(take, events=(event,)), poses)
+    score, _ = build_score(scene, replace(take, events=(event,)), poses)
     (heard_event,) = score.events
     assert heard_event.distance == pytest.approx(math.hypot(1, 3))
     assert heard_event.azimuth == pytest.approx(math.atan2(-1, 3))
@@ -128,7 +128,7 @@ def test_what_passes_by_is_heard_where_it_comes_nearest(scene: Scene, take: Take
 def test_every_cause_that_is_detected_is_heard(scene: Scene, take: Take, cause: str) -> None:
     event = replace(take.events[0], cause=cause, frame=1, step=0, fraction=0.0, place=(0, 0, -2))
     poses = [AHEAD] * take.header.frames
-    score, _ = score_of(scene, replace(take, events=(event,)), poses)
+    score, _ = build_score(scene, replace(take, events=(event,)), poses)
     (note,) = notes_of(score)
     assert -40 < note.level < 6
     blow, _ = blow_of(note, 1, 0, 2.0)

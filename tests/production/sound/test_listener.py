@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from pipeline.production.listening import Listener
+from pipeline.production.sound.listener import Listener
 from pipeline.simulation.clock import Clock
 from render.shot import CameraPose
 from render.words import Camera

@@ -12,7 +12,7 @@ from audio.score import Score
 from pipeline.production.edit_list import edit_list
 from pipeline.production.events import event_lines, event_table
 from pipeline.production.labels import label_lines
-from pipeline.production.outputs import Outputs
+from pipeline.production.run.outputs import Outputs
 from pipeline.simulation.take import Take
 
 

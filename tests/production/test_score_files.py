@@ -22,9 +22,9 @@ from pipeline.production.edit_list import edit_list
 from pipeline.production.events import event_lines, event_table
 from pipeline.production.labels import label_lines
 from pipeline.production.markers import markers_of
-from pipeline.production.outputs import Outputs
-from pipeline.production.produce import score_only
-from pipeline.production.reporting import Quiet
+from pipeline.production.run.outputs import Outputs
+from pipeline.production.run.production import score_only
+from pipeline.production.run.progress import Quiet
 from pipeline.production.score_files import write_cues
 from pipeline.production.timecode import counted_as, timecode
 from pipeline.simulation.simulate import simulate

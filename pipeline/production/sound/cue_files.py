@@ -15,7 +15,7 @@ from audio.conductor import cause_of, told
 from audio.files import put
 from audio.score import Score
 from audio.voices import openings
-from pipeline.production.outputs import Outputs
+from pipeline.production.run.outputs import Outputs
 
 TITLE_LENGTH = 70
 """Greatest length of an edit list's title [characters]."""

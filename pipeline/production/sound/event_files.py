@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from audio.files import put
-from pipeline.production.outputs import Outputs
+from pipeline.production.run.outputs import Outputs
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 

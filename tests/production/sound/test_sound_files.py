@@ -18,15 +18,18 @@ import symusic
 
 from audio.score import Marker, Score, ScoreEvent
 from audio.words import Sound
-from pipeline.production.edit_list import edit_list
-from pipeline.production.events import event_lines, event_table
-from pipeline.production.labels import label_lines
-from pipeline.production.markers import markers_of
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Quiet
-from pipeline.production.score_files import write_cues
-from pipeline.production.timecode import counted_as, timecode
+from pipeline.production.sound.cue_files import (
+    audacity_labels,
+    edit_list,
+    timecode,
+    timecode_base,
+    write_cues,
+)
+from pipeline.production.sound.event_files import events_csv, events_jsonl
+from pipeline.production.sound.score_builder import film_markers
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take, Told
 from render.shot import CameraPose
@@ -56,8 +59,8 @@ def scored(events: tuple[ScoreEvent, ...] = (), **words: object) -> Score:
 def test_the_table_says_what_the_lines_say(take: Take) -> None:
     named = tuple(replace(e, who='Käfer "甲", 1') for e in take.events)
     told = replace(take, events=named)
-    lines = [json.dumps(json.loads(line)) for line in event_lines(told).splitlines()]
-    rows = list(csv.DictReader(io.StringIO(event_table(told).decode(), newline="")))
+    lines = [json.dumps(json.loads(line)) for line in events_jsonl(told).splitlines()]
+    rows = list(csv.DictReader(io.StringIO(events_csv(told).decode(), newline="")))
     assert len(rows) == len(lines) > 0
     for line, row in zip(lines, rows, strict=True):
         words = json.loads(line)
@@ -68,13 +71,13 @@ def test_the_table_says_what_the_lines_say(take: Take) -> None:
 
 def test_no_events_are_a_table_of_names_alone(take: Take) -> None:
     none = replace(take, events=())
-    assert event_lines(none) == b""
-    assert event_table(none).count(b"\n") == 1
+    assert events_jsonl(none) == b""
+    assert events_csv(none).count(b"\n") == 1
 
 
 def test_an_event_that_lasts_says_how_long(take: Take) -> None:
     rolls = replace(take.events[0], track=(4, 22))
-    (words,) = map(json.loads, event_lines(replace(take, events=(rolls,))).splitlines())
+    (words,) = map(json.loads, events_jsonl(replace(take, events=(rolls,))).splitlines())
     assert words["duration"] == 18 / 4 / 24
 
 
@@ -87,7 +90,7 @@ def test_markers_stand_at_the_first_frames_of_cuts_and_none_at_the_begin(
     cuts = "[{}, {start: 0.05, view: side}, {start: 0.0625, follow: bug, view: top}, {start: 9}]"
     scene = unmade.load(f"camera={cuts}")
     # The second cut is over before a frame shows it: both begin on frame 3 of 24 a second.
-    assert markers_of(scene, take) == (Marker(3, "cut", "top of bug"),)
+    assert film_markers(scene, take) == (Marker(3, "cut", "top of bug"),)
 
 
 def test_markers_stand_where_the_script_speaks_also_when_it_waits(unmade: Studio) -> None:
@@ -99,7 +102,7 @@ def test_markers_stand_where_the_script_speaks_also_when_it_waits(unmade: Studio
         " {at: 99, who: bug, do: stop}]",
     )
     take = simulate(scene)
-    first, second = markers_of(scene, take)
+    first, second = film_markers(scene, take)
     assert first == Marker(3, "script", "bug: speed 0.5")
     assert (second.kind, second.text) == ("script", "bug: turn_deg 90")
     assert 3 < second.frame <= 72
@@ -108,7 +111,7 @@ def test_markers_stand_where_the_script_speaks_also_when_it_waits(unmade: Studio
 
 def test_what_is_told_after_the_last_frame_has_no_marker(unmade: Studio, take: Take) -> None:
     late = replace(take, told=(Told(28, "bug", "stop"), Told(29, "bug", "walk")))
-    assert markers_of(unmade.load(), late) == (Marker(8, "script", "bug: stop"),)
+    assert film_markers(unmade.load(), late) == (Marker(8, "script", "bug: stop"),)
 
 
 # --- labels ------------------------------------------------------------------------
@@ -119,7 +122,7 @@ def test_labels_are_seconds_tab_seconds_tab_text() -> None:
         (event(25), event(49, cause="roll", duration=0.5, part="", other="")),
         markers=(Marker(13, "cut", "side\tof\nbug"),),
     )
-    assert label_lines(score).decode() == (
+    assert audacity_labels(score).decode() == (
         "0.500000\t0.500000\tcut: side of bug\n"
         "1.000000\t1.000000\tfootfall: Käfer.l1 > terrain\n"
         "2.000000\t2.500000\troll: Käfer\n"
@@ -128,12 +131,12 @@ def test_labels_are_seconds_tab_seconds_tab_text() -> None:
 
 def test_labels_stand_where_the_sound_does() -> None:
     exact = scored((event(25, time=Fraction(95, 96)),), subframe=True)
-    assert label_lines(exact).startswith(b"0.989583\t")
+    assert audacity_labels(exact).startswith(b"0.989583\t")
 
 
 def test_what_is_muted_has_no_label_and_no_locator() -> None:
     score = scored((event(25),), sound=Sound.model_validate({"voices": [{"mute": True}]}))
-    assert label_lines(score) == b""
+    assert audacity_labels(score) == b""
     assert b"LOC" not in (edit_list(score, "f.mp4") or b"")
 
 
@@ -142,7 +145,7 @@ def test_what_is_muted_has_no_label_and_no_locator() -> None:
 
 @pytest.mark.parametrize("rate", RATES, ids=str)
 def test_an_edit_list_is_read_by_others_to_the_frame(rate: Fraction) -> None:
-    count = counted_as(rate)
+    count = timecode_base(rate)
     assert count is not None
     frames = 3700 * count
     sounds = (1, 2, count, count + 1, 60 * count, 60 * count + 1, 3601 * count, frames)

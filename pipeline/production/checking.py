@@ -24,7 +24,7 @@ def check_scene(scene: Scene) -> str:
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"
-    who = ", ".join(f"{member.name} ({member.called})" for member in scene.cast)
+    who = ", ".join(f"{member.name} ({member.kind_name})" for member in scene.cast)
     return f"right: {length}; {who}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
 
 
@@ -35,4 +35,4 @@ def remarks_on(scene: Scene) -> Iterator[Problem]:
         drawing = draw(words)
         for remark in analyse(drawing, words.parts).warnings:
             path = f"figures.{name}.{drawing.path_of(remark.node)}"
-            yield scene.places.placed(Problem(path, str(remark)))
+            yield scene.source_map.with_location(Problem(path, str(remark)))

@@ -22,7 +22,7 @@ from pipeline.simulation.figures.part_names import PartNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Node
 from pipeline.spec.cast import Group, Member, Prop
-from pipeline.spec.nearest import hint
+from pipeline.spec.suggestions import hint
 
 
 @dataclass(frozen=True, slots=True)

@@ -134,7 +134,7 @@ def refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
         if member.name in worms and member.look_at is not None
     ]
     if problems:
-        raise scene.places.located(SceneError(problems))
+        raise scene.source_map.with_locations(SceneError(problems))
 
 
 def _inches(performer: Performer) -> bool:

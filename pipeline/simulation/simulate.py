@@ -94,7 +94,7 @@ class Simulation:
             for groups in self._groups:
                 groups.look_around(self.recorder.nodes, self.recorder.meshes, figures)
         except SceneError as error:
-            raise scene.places.located(error) from None
+            raise scene.source_map.with_locations(error) from None
         self.recorder.hang(self.bonds)
         self._contacts = Contacts(OF_CONTACTS, detect, clock)
         self._voices = Voices(OF_HAPPENINGS, detect, clock)
@@ -124,7 +124,7 @@ class Simulation:
         try:
             self._keep()
         except SceneError as error:
-            raise scene.places.located(error) from None
+            raise scene.source_map.with_locations(error) from None
         contacts, notes = self._facts()
         self.recorder.happened(contacts, [], notes)
 

@@ -7,8 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from pipeline.spec.faults import fault
-from pipeline.spec.values import Name, Number
+from pipeline.spec.model_base import Name, Number, fault_error
 from render.words.base import PresetWords
 
 Factor = Annotated[Number, Field(ge=0.05, le=20)]
@@ -93,7 +92,7 @@ def _weighed(words: object) -> object:
 
 def _few(mix: dict[str, float]) -> dict[str, float]:
     if sum(mix.values()) > MOST:
-        raise fault(f"the weights of moods should not sum up to more than {MOST:g}")
+        raise fault_error(f"the weights of moods should not sum up to more than {MOST:g}")
     return mix
 
 

@@ -21,7 +21,7 @@ from pipeline.production.scoring import score_of as placed
 from pipeline.production.shooting import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import library
+from pipeline.spec.scene_library import library
 from render.words.material import MATERIALS
 
 ALIKE = ({"stone", "brick", "gravel"}, {"flesh", "soil", "sand", "grass", "snow"})

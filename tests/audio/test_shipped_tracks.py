@@ -17,7 +17,7 @@ from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 SLOW = {"squeaky_robot": pytest.mark.slow, "pass_by": pytest.mark.slow, "toy": pytest.mark.slow}
 SCENES = [

@@ -15,7 +15,7 @@ from pipeline.production.scoring import score_of
 from pipeline.production.shooting import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import SUFFIX, library
+from pipeline.spec.scene_library import SUFFIX, library
 
 pytestmark = pytest.mark.slow
 

@@ -23,7 +23,7 @@ from pipeline.production.cause_colors import CAUSES, color_of
 from pipeline.production.event_plot import Heard, axis_of, event_svg, plot_events, shown
 from pipeline.production.figure_picture import png_of
 from pipeline.production.reporting import Quiet
-from pipeline.spec.detect import Detect
+from pipeline.spec.sound_thresholds import Detect
 
 SVG = "{http://www.w3.org/2000/svg}"
 RATE = Fraction(24)

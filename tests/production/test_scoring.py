@@ -20,7 +20,7 @@ from pipeline.production.events import event_lines
 from pipeline.production.scoring import score_of
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from pipeline.spec.detect import Detect
+from pipeline.spec.sound_thresholds import Detect
 from render.shot import CameraPose
 
 if TYPE_CHECKING:

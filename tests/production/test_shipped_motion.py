@@ -12,7 +12,7 @@ from pipeline.errors import PronkError
 from pipeline.production.motion_golden import compare, read_golden
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 MOTION = Path(__file__).parents[1] / "goldens" / "motion"
 

@@ -12,7 +12,7 @@ from pipeline.simulation.dancers.dancers import Dancers
 from pipeline.simulation.dancers.dancing import Dancing
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import dump, read_scene
-from pipeline.spec.telling import instruction_of
+from pipeline.spec.rpc_instruction import instruction_of
 
 SCENE = """pronk: 1
 duration: {duration}

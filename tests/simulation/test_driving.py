@@ -20,9 +20,8 @@ from pipeline.simulation.spatial import Array, heading, matrix, rotation
 from pipeline.simulation.take import Take
 from pipeline.simulation.tracks import Track
 from pipeline.simulation.turning import Spun, Torqued
-from pipeline.spec.driving import ForceWords
 from pipeline.spec.keyframes import Ease
-from pipeline.spec.prop import BoxShape
+from pipeline.spec.prop import BoxShape, ForceWords
 
 from .conftest import scene_of
 

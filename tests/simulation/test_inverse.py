@@ -19,8 +19,8 @@ from pipeline.simulation.figures.reach import reach
 from pipeline.simulation.figures.reroot import base_pose, link_poses
 from pipeline.simulation.figures.skeleton import BODY, Limb, Link, Skeleton
 from pipeline.simulation.spatial import Array
-from pipeline.spec.shipped import library as folder_of_scenes
-from pipeline.spec.shipped import names_in
+from pipeline.spec.scene_library import library as folder_of_scenes
+from pipeline.spec.scene_library import names_in
 
 COUNTS = [
     pytest.param(100, marks=pytest.mark.slow),

@@ -13,7 +13,7 @@ from pipeline.simulation.locomotion.pronking.parameters import FORMULA, Jump, ju
 from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 SCENE = """\
 pronk: 1

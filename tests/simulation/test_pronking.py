@@ -15,7 +15,7 @@ from pipeline.simulation.locomotion.pronking.forces import drive, shared
 from pipeline.simulation.locomotion.pronking.parameters import Jump, heights_for, jump_of
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 from .conftest import SHIPPED, scene_of
 from .hops import Hops, hop_through

@@ -11,14 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pipeline.spec import (
-    Creature,
-    Figure,
-    FlatTerrain,
-    HillsTerrain,
-    Scene,
-    Walk,
-)
+from pipeline.spec import Creature, Figure, Scene, Walk
+from pipeline.spec.terrain.generated import FlatTerrain, HillsTerrain
 
 BUG = Figure(nodes={"head": [0, -1], "hip": [0, 0]}, chains=[["head", "hip"]])
 

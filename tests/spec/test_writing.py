@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pipeline.spec import Scene, dump, read_scene, scene_digest, simulation_key
-from pipeline.spec.values import NAME_PATTERN
+from pipeline.spec.model_base import NAME_PATTERN
 
 NAMES = st.from_regex(NAME_PATTERN.replace("*", "{0,9}"), fullmatch=True)
 WORDS = {

@@ -1,6 +1,6 @@
 """Arranging: where the bodies of a wall, a stack, a row, a pyramid or a heap begin.
 
-A new arrangement is a model in `pipeline/spec/many.py`, a function here and a line in
+A new arrangement is a model in `pipeline/spec/body.py`, a function here and a line in
 `LAYOUTS`.
 """
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.tracks import Track
-from pipeline.spec.many import Heap, Pyramid, Row, Stack, Wall
+from pipeline.spec.body import Heap, Pyramid, Row, Stack, Wall
 
 
 @dataclass(frozen=True, eq=False)

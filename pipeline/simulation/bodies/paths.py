@@ -20,9 +20,8 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.tracks import Cycle, Key, Track, turned
 from pipeline.simulation.turning import Spun, Torqued
 from pipeline.spec.cast import Prop
-from pipeline.spec.driving import ForceKey, ForceWords, VelocityKey
 from pipeline.spec.keyframes import Keyframe
-from pipeline.spec.prop import Shape
+from pipeline.spec.prop import ForceKey, ForceWords, Shape, VelocityKey
 
 NOTHING = (0.0, 0.0, 0.0)
 

@@ -15,9 +15,9 @@ import numpy as np
 from pipeline.errors import MassError, Problem, SceneError
 from pipeline.simulation.dynamics.hull import Hull, hull_of
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.terrain.mesh_vertices import NotRead, obj_vertices, ply_vertices
+from pipeline.simulation.terrain.height_files import MeshError, obj_vertices, ply_vertices
 from pipeline.spec.body import Box, Brick, Cube, HullBody, MeshBody, Regular, Upright
-from pipeline.spec.values import FAR
+from pipeline.spec.model_base import WORLD_LIMIT
 
 GOLDEN = (1.0 + 5.0**0.5) / 2.0
 
@@ -83,15 +83,15 @@ def mesh(words: MeshBody) -> Array:
     path = Path(words.file)
     reader = READERS.get(path.suffix.lower())
     if reader is None:
-        raise NotRead("it should end in .obj or .ply")
+        raise MeshError("it should end in .obj or .ply")
     try:
         if path.stat().st_size > MOST_BYTES:
-            raise NotRead(f"it is larger than {MOST_BYTES // 2**20} MiB")
+            raise MeshError(f"it is larger than {MOST_BYTES // 2**20} MiB")
         vertices = words.scale * reader(path.read_bytes())
     except OSError as error:
-        raise NotRead(f"{error.strerror}") from None
-    if not np.isfinite(vertices).all() or np.abs(vertices).max() > FAR:
-        raise NotRead(f"it reaches farther than {FAR:g} m; is its scale right?")
+        raise MeshError(f"{error.strerror}") from None
+    if not np.isfinite(vertices).all() or np.abs(vertices).max() > WORLD_LIMIT:
+        raise MeshError(f"it reaches farther than {WORLD_LIMIT:g} m; is its scale right?")
     return np.unique(vertices, axis=0)
 
 
@@ -120,7 +120,7 @@ def hull_of_words(words: Any, path: str) -> Hull:
     name = f"'{Path(words.file).name}' " if isinstance(words, MeshBody) else ""
     try:
         return hull_of(POINTS[type(words)](words))
-    except NotRead as error:
+    except MeshError as error:
         message = f"{name}cannot be read: {error}"
     except MassError as error:
         message = f"{name}is no solid: {error}"

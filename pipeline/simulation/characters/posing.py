@@ -13,7 +13,7 @@ from pipeline.simulation.characters.record import PELVIS, SWINGING
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.tracks import Run, Track
 from pipeline.spec.character import HANDS
-from pipeline.spec.pose import Frame, PoseKey
+from pipeline.spec.keyframes import Frame, PoseKey
 
 
 @dataclass(frozen=True, eq=False)

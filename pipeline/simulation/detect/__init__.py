@@ -1,6 +1,6 @@
 """Contacts, motions and happenings -> sound events, one file each (Sims 1987, ch. 13).
 
-A new cause is a model in `pipeline/spec/detect.py`, a file here and a line in one of the
+A new cause is a model in `pipeline/spec/sound_thresholds.py`, a file here and a line in one of the
 registries.
 """
 

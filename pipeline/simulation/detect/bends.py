@@ -18,7 +18,7 @@ from pipeline.simulation.detect.scenery import Scenery, Seen, Solid
 from pipeline.simulation.detect.spells import Spell, Spells
 from pipeline.simulation.spatial import Array, unturn
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Bending, Detect
+from pipeline.spec.sound_thresholds import Bending, Detect
 
 
 class Bends:

@@ -21,7 +21,7 @@ from pipeline.simulation.detect.scenery import Scenery, Seen, Solid
 from pipeline.simulation.detect.spells import Spell
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Boing, Detect
+from pipeline.spec.sound_thresholds import Boing, Detect
 
 AFTER = 0.08
 """How long what has pushed itself off flies at least [s]."""

@@ -17,7 +17,7 @@ from pipeline.simulation.detect.spells import Spell
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Breath, Detect
+from pipeline.spec.sound_thresholds import Breath, Detect
 
 OUT = 0.4
 """Part of a breath in which it goes out, and is heard."""

@@ -12,7 +12,7 @@ from math import inf
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect.hearing import event_of, fits
 from pipeline.simulation.take import Contact, SoundEvent
-from pipeline.spec.detect import Blow, Cause, Detect
+from pipeline.spec.sound_thresholds import Blow, Cause, Detect
 
 IsOne = Callable[[Contact], bool]
 

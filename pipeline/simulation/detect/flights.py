@@ -11,7 +11,7 @@ from pipeline.simulation.detect.scenery import Scenery, Seen, Solid
 from pipeline.simulation.detect.spells import Spells
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Moving
+from pipeline.spec.sound_thresholds import Moving
 
 
 class Flights:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.detect.scenery import Scenery, Seen
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, SoundEvent
-from pipeline.spec.detect import Cause, Detect
+from pipeline.spec.sound_thresholds import Cause, Detect
 
 NEIGHBOURS = 2
 """Rows that are kept for the next batch: the last one told, and the one that waits."""

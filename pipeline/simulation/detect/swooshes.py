@@ -12,7 +12,7 @@ import numpy as np
 from pipeline.simulation.detect.flights import Flights
 from pipeline.simulation.detect.hearing import fits
 from pipeline.simulation.detect.scenery import Scenery
-from pipeline.spec.detect import Detect
+from pipeline.spec.sound_thresholds import Detect
 
 
 class Swooshes(Flights):

@@ -12,7 +12,7 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect.hearing import fits
 from pipeline.simulation.happenings import Happening
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Detect, Voiced
+from pipeline.spec.sound_thresholds import Detect, Voiced
 
 SKIN = "skin"
 """What people sound like, where the voice does not say."""

@@ -16,8 +16,7 @@ from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.standing_out import standing_out
 from pipeline.simulation.dynamics.vectors import Vector, row
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.terrain.heightfield import HeightField
-from pipeline.simulation.terrain.quadfield import QuadField
+from pipeline.simulation.terrain.heightfield import HeightField, QuadField
 
 TILE = 8
 """Cells along a tile, of which the height is known as a whole."""

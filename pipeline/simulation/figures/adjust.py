@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.stance import Stance
-from pipeline.spec.joints import JointWords
+from pipeline.spec.figure import JointWords
 
 
 @dataclass(frozen=True, eq=False)

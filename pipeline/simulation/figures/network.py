@@ -32,7 +32,7 @@ from pipeline.simulation.figures.kinds import (
     kinds_of,
     side_of,
 )
-from pipeline.spec.nearest import hint
+from pipeline.spec.suggestions import hint
 
 __all__ = ["ARM", "FEELER", "HEAD", "LEG", "TAIL", "Anatomy", "Appendage", "Remark", "analyse"]
 

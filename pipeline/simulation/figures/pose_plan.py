@@ -18,9 +18,8 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.part_names import PartNames
 from pipeline.simulation.figures.point_goals import LimbPoint
 from pipeline.simulation.tracks import Run, Track
-from pipeline.spec.keyframes import Ease
-from pipeline.spec.nearest import hint
-from pipeline.spec.pose import GOALS, Frame, PoseKey
+from pipeline.spec.keyframes import GOALS, Ease, Frame, PoseKey
+from pipeline.spec.suggestions import hint
 
 BODY = "body"
 

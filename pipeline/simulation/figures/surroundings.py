@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.pose import Frame
+from pipeline.spec.keyframes import Frame
 
 
 @dataclass(frozen=True, eq=False)

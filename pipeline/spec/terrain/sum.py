@@ -3,47 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.terrain.built import DitchesTerrain, RampTerrain, StairsTerrain, StonesTerrain
-from pipeline.spec.terrain.files import ImageTerrain
-from pipeline.spec.terrain.ground import CELLS, WORDS_OF_THE_WHOLE, Cells, Grid
-from pipeline.spec.terrain.names import ShortForms, written_out
-from pipeline.spec.terrain.wild import BouldersTerrain, FlatTerrain, FractalTerrain, HillsTerrain
+from pipeline.spec.model_base import Fault, raise_faults
+from pipeline.spec.terrain.base import (
+    CELLS,
+    SHARED_KEYS,
+    TERRAIN_KINDS,
+    Cells,
+    GridTerrain,
+    ShortForms,
+    TerrainConfig,
+    terrain_kind,
+    written_out,
+)
 
 GRID = ("size", "cells")
 
-
-def _term(words: Any) -> Any:
-    """Write a term out; the material of a preset and the like are the sum's to say."""
-    return written_out(words, without=WORDS_OF_THE_WHOLE)
+TERM_KINDS = tuple(kind for kind in TERRAIN_KINDS.values() if "size" in kind.model_fields)
+"""Terrains that fit any grid."""
 
 
-Term = Annotated[
-    FlatTerrain
-    | FractalTerrain
-    | HillsTerrain
-    | BouldersTerrain
-    | StairsTerrain
-    | RampTerrain
-    | DitchesTerrain
-    | StonesTerrain
-    | ImageTerrain,
-    Field(discriminator="kind"),
-    BeforeValidator(_term),
-    ShortForms(),
-]
+def _term(value: Any) -> Any:
+    """Write a term out; the material of a preset and the like belong to the sum."""
+    return written_out(value, without=SHARED_KEYS)
 
 
-class SumTerrain(Grid):
+if TYPE_CHECKING:
+    Term = TerrainConfig
+else:
+    Term = Annotated[
+        Union[TERM_KINDS],  # noqa: UP007 - made of the registry
+        Field(discriminator="kind"),
+        BeforeValidator(_term),
+        ShortForms(),
+    ]
+
+
+@terrain_kind()
+class SumTerrain(GridTerrain):
     """Terrains whose heights are added, such as stairs and the roughness of their stone.
 
-    What concerns the whole, such as the size, the cells and the material, is said once,
-    beside `of`.
+    Keys that concern the whole, such as the size, the cells and the material, stand beside
+    `of`.
     """
 
     kind: Literal["sum"] = Field("sum", description="Terrains that are added.")
@@ -54,43 +59,42 @@ class SumTerrain(Grid):
 
     @model_validator(mode="before")
     @classmethod
-    def _one_grid(cls, words: Any) -> Any:
-        """Give the terms the grid of the whole, by which they judge what they can show."""
-        if not isinstance(words, Mapping) or not isinstance(words.get("of"), list | tuple):
-            return words
+    def _one_grid(cls, value: Any) -> Any:
+        """Give the terms the grid of the whole, against which they check their features."""
+        if not isinstance(value, Mapping) or not isinstance(value.get("of"), list | tuple):
+            return value
         fields = cls.model_fields
-        grid = {key: words.get(key, fields[key].default) for key in GRID}
-        if not all(_is_pair(value) for value in grid.values()):
-            return words
-        return {**words, "of": tuple(_with(term, grid) for term in words["of"])}
+        grid = {key: value.get(key, fields[key].default) for key in GRID}
+        if not all(_is_pair(side) for side in grid.values()):
+            return value
+        return {**value, "of": tuple(_with_grid(term, grid) for term in value["of"])}
 
     @field_validator("of", mode="after")
     @classmethod
-    def _said_once(cls, of: tuple[Term, ...], info: ValidationInfo) -> tuple[Term, ...]:
-        refuse(_said_twice(of, info.data))
-        return tuple(
-            term.model_copy(update={key: info.data[key] for key in WORDS_OF_THE_WHOLE})
-            if all(key in info.data for key in WORDS_OF_THE_WHOLE)
-            else term
-            for term in of
-        )
+    def _one_ground(cls, of: tuple[Term, ...], info: ValidationInfo) -> tuple[Term, ...]:
+        """Give the terms the keys of the whole."""
+        raise_faults(_faults_of_shared_keys(of, info.data))
+        if not all(key in info.data for key in SHARED_KEYS):
+            return of
+        shared = {key: info.data[key] for key in SHARED_KEYS}
+        return tuple(term.model_copy(update=shared) for term in of)
 
 
-def _with(term: Any, grid: Mapping[str, Any]) -> Any:
+def _with_grid(term: Any, grid: Mapping[str, Any]) -> Any:
     try:
         term = _term(term)
     except PydanticCustomError:
-        return term  # It is refused where it stands, when the terms are read.
+        return term  # It is refused again, at its own place, when the terms are read.
     return {**grid, **term} if isinstance(term, Mapping) else term
 
 
-def _said_twice(of: tuple[Term, ...], whole: Mapping[str, Any]) -> Iterator[Fault]:
+def _faults_of_shared_keys(of: tuple[Term, ...], whole: Mapping[str, Any]) -> Iterator[Fault]:
     for i, term in enumerate(of):
-        for key in WORDS_OF_THE_WHOLE:
+        for key in SHARED_KEYS:
             if key not in term.model_fields_set or key not in whole:
                 continue
             if getattr(term, key) != whole[key]:
-                yield Fault((i, key), "is said once for the whole sum, beside 'of'")
+                yield Fault((i, key), "belongs to the whole sum; write it beside 'of'")
 
 
 def _is_pair(value: Any) -> bool:

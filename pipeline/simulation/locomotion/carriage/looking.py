@@ -24,7 +24,7 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.ways.route import Route, direction
 from pipeline.simulation.spatial import Array, heading, turn
 from pipeline.spec.cast import Creature
-from pipeline.spec.values import Target
+from pipeline.spec.model_base import Target
 
 LEAD = 0.8
 """How long before it is somewhere a creature looks there [s]."""

@@ -9,7 +9,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, written
 from pipeline.simulation.locomotion.gaits.named import NEEDS, gaits_of
 from pipeline.simulation.locomotion.gaits.rows import Rows
-from pipeline.spec.nearest import hint
+from pipeline.spec.suggestions import hint
 from pipeline.spec.walk import GaitWords, Manner
 
 

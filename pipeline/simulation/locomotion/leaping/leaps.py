@@ -46,7 +46,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import World
 from pipeline.spec.cast import Creature
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 from pipeline.spec.script import (
     Do,
     GoTo,

@@ -16,7 +16,7 @@ from pipeline.simulation.locomotion.pronking.hopping import Hopping
 from pipeline.simulation.locomotion.pronking.parameters import Jump, jump_of
 from pipeline.simulation.locomotion.pronking.pronker import LIFTS, Pronker
 from pipeline.simulation.spatial import Array
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 from pipeline.spec.script import Do, GoTo, HopOver, JumpOnce, JumpWords, SetSpeed, TurnBy, Wait
 
 Solids = Mapping[str, Sequence[Array]]

@@ -18,7 +18,7 @@ from pipeline.simulation.locomotion.pronking.hopping import Hopping
 from pipeline.simulation.locomotion.pronking.pronker import Pronker
 from pipeline.simulation.locomotion.pronking.state import State
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 REHEARSED = 3
 """Jumps after which one is like the other."""

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 CONTRADICTION = 1e-3
 """Relative difference between a speed and that of the formula that is rounding."""

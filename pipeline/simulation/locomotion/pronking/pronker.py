@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.pronking.parameters import Jump, above, belo
 from pipeline.simulation.locomotion.pronking.silhouette import Silhouette
 from pipeline.simulation.locomotion.pronking.spin import Rows
 from pipeline.simulation.spatial import Array
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 LIFTS, LANDS, HOLDS = 0.955, 0.93, 0.975
 """How far a leg is stretched where it leaves the ground and where it comes down, and at most

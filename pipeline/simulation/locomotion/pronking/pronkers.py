@@ -32,7 +32,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, World
 from pipeline.spec.cast import Creature
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
 
 SLIP = 1e-4

@@ -28,7 +28,7 @@ from pipeline.spec.script import Instruction
 from pipeline.spec.sound_thresholds import SceneSound
 from pipeline.spec.source_tree import SourceMap, SourceNode
 from pipeline.spec.terrain import Terrain
-from pipeline.spec.terrain.generated import FlatTerrain
+from pipeline.spec.terrain.kinds import FlatTerrain
 from pipeline.spec.timing import (
     DEFAULT_ROWS_PER_FRAME,
     DEFAULT_STEPS,

@@ -10,7 +10,7 @@ from pipeline.production.landscape import GROWTH, RINGS, ground_meshes
 from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import Terrain
-from pipeline.spec.terrain.generated import FlatTerrain, FractalTerrain, HillsTerrain
+from pipeline.spec.terrain.kinds import FlatTerrain, FractalTerrain, HillsTerrain
 
 TERRAINS: list[Terrain] = [
     FlatTerrain(size=(8, 8), cells=(8, 8)),

@@ -15,7 +15,7 @@ from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.simulation.terrain.ground import forbidden_cells
 from pipeline.simulation.terrain.heightfield import SURFACES, HeightField, QuadField
 from pipeline.spec.terrain.base import Polygons
-from pipeline.spec.terrain.generated import FlatTerrain, FractalTerrain, HillsTerrain
+from pipeline.spec.terrain.kinds import FlatTerrain, FractalTerrain, HillsTerrain
 
 ROUGH = FractalTerrain(size=(6.0, 4.0), cells=(30, 25), height=1.5, roughness=0.6)
 ALL = get_args(Polygons)

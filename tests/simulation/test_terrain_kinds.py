@@ -18,15 +18,15 @@ from pipeline.simulation.terrain.generators import GENERATORS
 from pipeline.simulation.terrain.natural import scattered_boulders
 from pipeline.spec import Terrain
 from pipeline.spec.terrain.base import TERRAIN_PRESETS, GridTerrain, TerrainConfig
-from pipeline.spec.terrain.generated import (
+from pipeline.spec.terrain.kinds import (
     BouldersTerrain,
     DitchesTerrain,
     HillsTerrain,
     RampTerrain,
     StairsTerrain,
     StonesTerrain,
+    SumTerrain,
 )
-from pipeline.spec.terrain.sum import SumTerrain
 
 KINDS = get_args(get_args(Terrain)[0])
 SEEDED = ("fractal", "hills", "boulders", "ditches", "stones")

@@ -6,7 +6,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.spec import read_scene
-from pipeline.spec.terrain.generated import FlatTerrain, HillsTerrain
+from pipeline.spec.terrain.kinds import FlatTerrain, HillsTerrain
 
 SCENE = """\
 pronk: 1

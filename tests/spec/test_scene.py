@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from pipeline.spec import Creature, Figure, Scene, Walk
-from pipeline.spec.terrain.generated import FlatTerrain, HillsTerrain
+from pipeline.spec.terrain.kinds import FlatTerrain, HillsTerrain
 
 BUG = Figure(nodes={"head": [0, -1], "hip": [0, 0]}, chains=[["head", "hip"]])
 

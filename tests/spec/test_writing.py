@@ -59,7 +59,7 @@ def test_everything_is_written_out_and_read_back():
     ],
 )
 def test_terrains_are_written_out_and_read_back(terrain, monkeypatch):
-    monkeypatch.setattr("pipeline.spec.terrain.files._cannot_be_read", lambda path: "")
+    monkeypatch.setattr("pipeline.spec.terrain.kinds._cannot_be_read", lambda path: "")
     given = scene(terrain=terrain)
     assert read_scene(dump(given)) == given
 

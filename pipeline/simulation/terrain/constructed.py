@@ -16,7 +16,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.generators import generates
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.terrain.base import GridTerrain
-from pipeline.spec.terrain.generated import (
+from pipeline.spec.terrain.kinds import (
     DitchesTerrain,
     RampTerrain,
     StairsTerrain,

@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.errors import SceneError
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.terrain.base import TerrainConfig
-from pipeline.spec.terrain.sum import SumTerrain
+from pipeline.spec.terrain.kinds import SumTerrain
 
 Generator = TypeVar("Generator", bound=Callable[[Any, np.random.Generator], HeightField])
 

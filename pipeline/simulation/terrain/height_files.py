@@ -17,7 +17,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.generators import generates
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.model_base import WORLD_LIMIT
-from pipeline.spec.terrain.files import ImageTerrain, MeshTerrain
+from pipeline.spec.terrain.kinds import ImageTerrain, MeshTerrain
 
 
 def refused(message: str) -> SceneError:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Union
 
 from pydantic import BeforeValidator, Field
 
-from pipeline.spec.terrain import sum
+from pipeline.spec.terrain import kinds  # noqa: F401 - registers all kinds
 from pipeline.spec.terrain.base import TERRAIN_KINDS, ShortForms, TerrainConfig, written_out
 
 if TYPE_CHECKING:

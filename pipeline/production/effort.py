@@ -128,7 +128,7 @@ def legged_of(scene: Scene) -> list[tuple[Walkers, int]]:
             "nobody in this scene stands on legs, so there is no effort to tell; "
             "give it a creature with legs"
         )
-    if scene.n_frames * scene.samples < LEAST_ROWS:
+    if scene.n_frames * scene.rows_per_frame < LEAST_ROWS:
         raise UsageError(
             f"{scene.n_frames} frames are too few to tell accelerations; give the scene a "
             f"longer `duration`, {LEAST_ROWS} frames or more"

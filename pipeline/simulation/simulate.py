@@ -77,7 +77,7 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene, key: str = "", directed: bool = False) -> None:
-        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
+        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
         try:
             ground = build_ground(scene.terrain, scene.seed)
             detect = scene.sound.detect
@@ -362,7 +362,7 @@ def _header(scene: Scene, key: str) -> Header:
         title=scene.title,
         rate=scene.rate,
         frames=scene.n_frames,
-        samples=scene.samples,
+        samples=scene.rows_per_frame,
         steps=scene.steps,
         seed=scene.seed,
         versions=versions(),

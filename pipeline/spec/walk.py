@@ -108,8 +108,8 @@ class Manner(ConfigModel):
     stride: Length | None = Field(
         None, description="Length of one gait cycle over the ground, speed * cycle [m]."
     )
-    bounciness: LengthOrZero | None = Field(
-        None, description="Amplitude of the bounce of the body within a cycle [m]."
+    body_bob: LengthOrZero | None = Field(
+        None, description="Amplitude of the vertical bob of the body within a cycle [m]."
     )
     body_height: Length | None = Field(None, description="Height of the body above the ground [m].")
     step_height: LengthOrZero | None = Field(

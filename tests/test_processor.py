@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.processor import HELD, UNITS, class_of, units
 
-TELL = "import pipeline; from pipeline.simulation.simulate import processor_class as c; print(c())"
+TELL = "import pipeline; from pipeline.simulation.versions import processor_class as c; print(c())"
 NAMES = (*HELD, "NPY_DISABLE_CPU_FEATURES")
 
 able = pytest.mark.skipif(not units() >= UNITS, reason="this processor has no AVX2, or is no x86")

@@ -33,9 +33,10 @@ from pipeline.production.shooting import Shooting
 from pipeline.production.track_report import facts_of_track, loudness_told
 from pipeline.production.workers import Share, film_in_processes
 from pipeline.simulation.casting import makes_machine_code
-from pipeline.simulation.simulate import simulate, versions
+from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
+from pipeline.simulation.versions import versions
 from pipeline.spec import Scene, simulation_key
 from render.backend import Backend
 from render.codecs import CODECS

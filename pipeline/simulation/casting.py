@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
-from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.groups.groups import Groups
 from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.figures.figure import Figure, build_figure
@@ -114,27 +113,6 @@ def _alone(scene: Scene, world: World) -> list[Troupe]:
     from pipeline.simulation.bodies.tumblers import Tumblers
 
     return [Tumblers(alone, world, [member.material or THING for _, member in alone])]
-
-
-def refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
-    """Refuse instructions to those who follow none, and looks of those who have none.
-
-    Raises:
-        SceneError: if there are any.
-    """
-    worms = {w.name for troupe in troupes if isinstance(troupe, Inchworms) for w in troupe.worms}
-    problems = [
-        Problem(f"script[{i}].who", f"'{one.who}' is an inchworm, which follows no script")
-        for i, one in enumerate(scene.script)
-        if one.who in worms
-    ]
-    problems += [
-        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
-        for i, member in scene.creatures
-        if member.name in worms and member.look_at is not None
-    ]
-    if problems:
-        raise scene.places.located(SceneError(problems))
 
 
 def _inches(performer: Performer) -> bool:

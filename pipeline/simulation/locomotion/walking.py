@@ -36,7 +36,7 @@ from pipeline.simulation.locomotion.ways.wayfinding import route_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 
@@ -47,7 +47,7 @@ UNKNOWN = 10.0
 """Likewise where it is not known what it will be asked."""
 
 
-class Walkers:
+class Walkers(Troupe):
     """All creatures on legs: their state, and how it advances.
 
     Attributes of the state:
@@ -103,11 +103,11 @@ class Walkers:
 
     # --- the passes of the step -------------------------------------------------
 
-    def sought(self, orders: Orders) -> Collection[str]:
+    def solids_needed(self, orders: Orders) -> Collection[str]:
         """Return over whom somebody is to jump."""
         return self.leaps.sought(orders)
 
-    def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
+    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
         """Take in where those are."""
         self.leaps.see(solids)
 
@@ -164,14 +164,14 @@ class Walkers:
             speed *= UNKNOWN
         return speed * float(clock.time_of(clock.last_step)) + stride
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
+    def prepare(self, instruction: Instruction, path: str) -> None:
         """Refuse what legs cannot do, and be ready for jumps."""
         if isinstance(instruction.do, ChangeGait) and instruction.who in self.herd.names:
             c = self.herd.names.index(instruction.who)
-            self.going.manners.possible(c, instruction.do, f"{where}.do")
-        self.leaps.prepare(instruction, where)
+            self.going.manners.possible(c, instruction.do, f"{path}.do")
+        self.leaps.prepare(instruction, path)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         feet = self.feet
         self._kept.append(

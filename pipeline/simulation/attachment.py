@@ -39,7 +39,7 @@ class Grip:
 
 
 @dataclass(eq=False)
-class Bond:
+class Attachment:
     """What one performer goes along with.
 
     Attributes:
@@ -89,7 +89,9 @@ class Bond:
         R[own], p[own] = X_WB[:3, :3], X_WB[:3, 3]
 
 
-def split(bonds: Sequence[Bond], late: Sequence[int]) -> tuple[list[Bond], list[Bond]]:
+def split(
+    bonds: Sequence[Attachment], late: Sequence[int]
+) -> tuple[list[Attachment], list[Attachment]]:
     """Return the bonds, parents first, that have nothing to do with some nodes, and the rest.
 
     Args:
@@ -97,7 +99,7 @@ def split(bonds: Sequence[Bond], late: Sequence[int]) -> tuple[list[Bond], list[
         late: nodes whose poses are known later than others'.
     """
     waiting = set(late)
-    early, rest = list[Bond](), list[Bond]()
+    early, rest = list[Attachment](), list[Attachment]()
     for bond in bonds:
         if waiting.isdisjoint([bond.parent, *(grip.node for grip in bond.grips)]):
             early.append(bond)
@@ -113,12 +115,12 @@ def _pose(R: Array, p: Array, node: int) -> Array:
     return X
 
 
-def bonds_of(
+def attachments_of(
     cast: Sequence[Member],
     figures: Mapping[str, Figure],
     nodes: Sequence[Node],
     clock: Clock,
-) -> list[Bond]:
+) -> list[Attachment]:
     """Return what goes along with what, parents first.
 
     Args:
@@ -134,7 +136,7 @@ def bonds_of(
     problems = list[Problem]()
 
     def node_of(whom: str, path: str) -> int:
-        found = number_of(whom, figures, numbers)
+        found = node_number(whom, figures, numbers)
         if isinstance(found, str):
             problems.append(Problem(path, found))
             return -1
@@ -155,13 +157,13 @@ def bonds_of(
             )
             for k, hold in enumerate(holds)
         )
-        bonds[member.name] = Bond(member.name, np.array(own), parent, grips)
+        bonds[member.name] = Attachment(member.name, np.array(own), parent, grips)
     if problems:
         raise SceneError(problems)
     return _parents_first(bonds, nodes, [member.name for member in cast])
 
 
-def number_of(whom: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]) -> int | str:
+def node_number(whom: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]) -> int | str:
     """Return the number of the node that a performer or a part of one is called by.
 
     Args:
@@ -209,8 +211,8 @@ def _row(time: float | None, clock: Clock) -> int:
 
 
 def _parents_first(
-    bonds: Mapping[str, Bond], nodes: Sequence[Node], names: Sequence[str]
-) -> list[Bond]:
+    bonds: Mapping[str, Attachment], nodes: Sequence[Node], names: Sequence[str]
+) -> list[Attachment]:
     """Return the bonds in an order in which each comes after all that it depends on.
 
     Raises:

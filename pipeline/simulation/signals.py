@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-KINDS: Mapping[str, str] = {
+SIGNAL_KINDS: Mapping[str, str] = {
     "arrived": "somebody has come to the end of its way, or has done what it was told",
     "touch": "a character begins to touch another, or something that is in its way",
     "pain": "somebody is hurt, by whom or what",
@@ -16,11 +16,11 @@ KINDS: Mapping[str, str] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
+class Signal:
     """Something that happened in a step.
 
     Attributes:
-        kind: one of `KINDS`.
+        kind: one of `SIGNAL_KINDS`.
         who: a performer.
         other: with whom, or by what; "" for nobody.
         part: of `who`, of what is heard.

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from audio.score import Marker
-from pipeline.production.camera import first_frames
+from pipeline.production.camera.cuts import first_frames
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
-from render.words import Camera
+from render.config import Camera
 
 
 def markers_of(scene: Scene, take: Take) -> tuple[Marker, ...]:

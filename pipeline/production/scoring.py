@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from operator import attrgetter
 
 from audio.score import Score, ScoreEvent
-from pipeline.production.contact_spots import ContactSpots
 from pipeline.production.listening import Listener
 from pipeline.production.markers import markers_of
+from pipeline.production.sound.strike_position import ContactSpots
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import SoundEvent, Take
 from pipeline.spec.scene import Scene

@@ -15,7 +15,7 @@ import symusic
 
 from audio.midi import write_midi
 from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import SUFFIX, library, shipped_scenes

@@ -14,7 +14,7 @@ from audio.grid import sample_at
 from audio.modal import write_wav
 from audio.voices import notes_of
 from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import SUFFIX, library, shipped_scenes

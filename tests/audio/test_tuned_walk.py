@@ -12,7 +12,7 @@ from audio.chords import parse_steps
 from audio.score import Score
 from audio.voices import Note, voiced
 from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import SUFFIX, library

@@ -16,7 +16,7 @@ from pipeline.production.reports.figure_picture import figure_svg, png_of
 from pipeline.production.reports.figure_report import report
 from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
 from pipeline.production.reports.figure_views import FRONT, SIDE, Standing
-from pipeline.production.shading import Painted, shaded
+from pipeline.production.shots.solid_preview import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.inertia import Inertia
 from pipeline.simulation.figures.solids import ball

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shading import Painted, shaded
+from pipeline.production.shots.solid_preview import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import Tree
 from pipeline.simulation.figures.skeleton import BODY

@@ -18,7 +18,6 @@ from audio.midi import write_midi
 from audio.modal import write_wav
 from audio.score import Score
 from pipeline.errors import FilmingError, ScoringError, StoreError
-from pipeline.production.filming import due, film_frames
 from pipeline.production.run.frame_ranges import (
     contiguous,
     counted,
@@ -35,7 +34,8 @@ from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import Share, film_in_processes
 from pipeline.production.score_files import facts_of, shifts_line, write_cues, write_events
 from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.frame_rendering import due, film_frames
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.track_report import facts_of_track, loudness_told
 from pipeline.simulation.casting import makes_machine_code
 from pipeline.simulation.simulate import simulate, versions
@@ -46,8 +46,8 @@ from render.backend import Backend
 from render.codecs import CODECS
 from render.color import developed, developed16
 from render.errors import RenderError
-from render.film import Picture, film_key, write_film
-from render.pictures import read_exr, read_png
+from render.film_encoder import Picture, film_key, write_film
+from render.image_files import read_exr, read_png
 from render.renderer import Renderer, Split
 
 

@@ -14,7 +14,7 @@ from audio.instruments import program_of
 from audio.midi import write_midi
 from audio.voices import notes_of
 from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.characters.mind.minds import AGAIN, DISTRESS
 from pipeline.simulation.characters.signals import SCREAM, WHIMPER, loudness
 from pipeline.simulation.simulate import Simulation

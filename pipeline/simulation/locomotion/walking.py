@@ -26,7 +26,7 @@ from pipeline.simulation.locomotion.inventory import (
     NodeTable,
     describe,
 )
-from pipeline.simulation.locomotion.leaping.leaps import Leaps
+from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.ways.body_path import BodyPath
@@ -77,7 +77,7 @@ class Walkers:
         self.going = Going(herd, path, manners, world.clock.dt)
         self.going.looks = looks_in(herd, cast)
         self.feet = Feet(cast, world, self.going, Footfalls(herd, world, self.postures, materials))
-        self.leaps = Leaps(cast, world, self.going, self.feet, materials)
+        self.leaps = WalkerJumps(cast, world, self.going, self.feet, materials)
         self._notes: list[Note] = []
         self._told: list[Note] = []
         self._late: list[Note] = []

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.surfacenets import surface_nets
+from pipeline.simulation.figures.solids import surface_nets
 from pipeline.simulation.people.fields import Field
 from pipeline.simulation.people.frames import FRAMES
 from pipeline.simulation.spatial import Array

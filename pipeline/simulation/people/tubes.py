@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.simulation.figures.solids import lofted
+from pipeline.simulation.figures.solids import loft
 from pipeline.simulation.people.patches import Surface
 from pipeline.simulation.spatial import Array, cross, normalized
 
@@ -38,7 +38,7 @@ def tube(points: Array, radii: Array, around: int) -> Surface:
     ring = np.cos(angle)[:, None] * y[:, None] + np.sin(angle)[:, None] * z[:, None]
     rings = np.array(places)[:, None] + np.array(sizes)[:, None, None] * ring
     ends = np.stack([points[0] - radii[0] * along[0], points[-1] + radii[-1] * along[-1]])
-    solid = lofted(rings, ends)
+    solid = loft(rings, ends)
     return Surface(solid.vertices, solid.faces)
 
 
@@ -55,5 +55,5 @@ def globe(centre: Array, radii: Array, rings: int, around: int) -> Surface:
         axis=-1,
     )
     poles = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
-    solid = lofted(ring * radii + centre, poles * radii + centre)
+    solid = loft(ring * radii + centre, poles * radii + centre)
     return Surface(solid.vertices, solid.faces)

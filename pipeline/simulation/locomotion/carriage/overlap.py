@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, TAIL
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.locomotion.carriage.joint_room import JointRoom
@@ -74,7 +74,7 @@ class Overlap:
 
     def __init__(
         self,
-        tree: Tree,
+        tree: JointTree,
         room: JointRoom,
         owner: NDArray[np.int64],
         limbs: Sequence[Hanging],
@@ -121,7 +121,7 @@ class Overlap:
         return [np.flatnonzero(depth == d) for d in range(int(depth.max(initial=-1)) + 1)]
 
     @cached_property
-    def _carriers(self) -> tuple[NDArray[np.int64], Tree, NDArray[np.int64]]:
+    def _carriers(self) -> tuple[NDArray[np.int64], JointTree, NDArray[np.int64]]:
         """Joints that something hangs on, with all before them, their tree, and their places."""
         carry, above = np.zeros(len(self.owner), dtype=bool), np.unique(self._carrier)
         while (above := above[above != BODY]).size:
@@ -132,7 +132,9 @@ class Overlap:
         place[chosen] = np.arange(len(chosen))
         t = self.tree
         # Place -1, the last entry, stands for the body.
-        tree = Tree(place[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen])
+        tree = JointTree(
+            place[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen]
+        )
         return chosen, tree, place
 
     def _springs_of(self, tier: NDArray[np.int64]) -> Oscillators:

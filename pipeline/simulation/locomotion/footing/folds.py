@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.chains import chains_of
-from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.figures.limb_chains import group_chains
+from pipeline.simulation.figures.rest_ik import solve_near_rest
 from pipeline.simulation.locomotion.herd import REACH, Herd
 from pipeline.simulation.spatial import Array
 
@@ -43,7 +43,7 @@ def _folds(herd: Herd, own: NDArray[np.int64]) -> Array:
     at_rest = np.linalg.norm(way, axis=-1)
     way /= np.maximum(at_rest, 1e-9)[:, None]
     goals = herd.hips[own] + (DISTANCES[:, None] * legs.lengths)[..., None] * way
-    residual = settle(legs, chains_of(legs, herd.owner[own]), goals).residual
+    residual = solve_near_rest(legs, group_chains(legs, herd.owner[own]), goals).residual
     # Where a foot rests it is, whatever limits stretched legs come to.
     nearer = DISTANCES[:, None] * legs.lengths < at_rest
     missed = nearer & (residual > MISSES * legs.lengths)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.settling import brought
+from pipeline.simulation.figures.rest_ik import solve_each_near_rest
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 
@@ -59,7 +59,7 @@ class Grasp:
         """
         herd, shape = self.herd, ways.shape[:2]
         rows = np.repeat(legs, shape[1])
-        q, residual = brought(herd.legs, herd.chains, rows, ways.reshape(-1, 3))
+        q, residual = solve_each_near_rest(herd.legs, herd.chains, rows, ways.reshape(-1, 3))
         reached = (residual <= MISSES * herd.legs.lengths[rows]).reshape(shape).all(axis=1)
         turned = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
         return np.asarray(reached & (turned < JUMP).all(axis=(1, 2)))
@@ -81,6 +81,6 @@ class Grasp:
         row, moment = np.nonzero(~known)
         if len(row):
             herd, asked = self.herd, legs[row]
-            _, residual = brought(herd.legs, herd.chains, asked, goals[row, moment])
+            _, residual = solve_each_near_rest(herd.legs, herd.chains, asked, goals[row, moment])
             known[row, moment] = residual <= MISSES * herd.legs.lengths[asked]
         return known

@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits.paces import Step
 from pipeline.simulation.locomotion.swings.bend import POINTS
 from pipeline.simulation.locomotion.swings.least_effort import least_effort
@@ -82,7 +82,7 @@ class SwingPlans:
     @cached_property
     def _models(self) -> Mapping[int, LegModel]:
         """Of the legs whose swings are planned."""
-        inertias = {c: Inertia(self.herd.figures[c]) for c in self.kinds}
+        inertias = {c: FigureMass(self.herd.figures[c]) for c in self.kinds}
         return {
             leg: LegModel.of(self.herd, leg, inertias[int(c)])
             for leg, c in enumerate(self.herd.owner)

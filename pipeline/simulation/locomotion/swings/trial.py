@@ -13,12 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.figures.chains import Chains, chains_of
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.inverse_dynamics import FrameMasses, Load, Motion, inverse_dynamics
-from pipeline.simulation.figures.kinematics import LimbBatch, Tree
-from pipeline.simulation.figures.row_motion import motion_of_rows
-from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.inverse_dynamics import (
+    FigureMotion,
+    FrameMasses,
+    JointLoad,
+    finite_difference_motion,
+    inverse_dynamics,
+)
+from pipeline.simulation.figures.kinematics import JointTree, LimbBatch
+from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
+from pipeline.simulation.figures.rest_ik import solve_near_rest
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swings.swing import swing
 from pipeline.simulation.spatial import Array, unturn
@@ -45,12 +50,12 @@ class LegModel:
     """
 
     batch: LimbBatch
-    chains: Sequence[Chains]
-    tree: Tree
+    chains: Sequence[ChainGroup]
+    tree: JointTree
     masses: FrameMasses
 
     @staticmethod
-    def of(herd: Herd, leg: int, inertia: Inertia) -> LegModel:
+    def of(herd: Herd, leg: int, inertia: FigureMass) -> LegModel:
         """Model one leg of a herd.
 
         Args:
@@ -62,14 +67,14 @@ class LegModel:
         number = leg - int(np.argmax(herd.owner == herd.owner[leg]))
         joints, batch = skeleton.legs[number].joints, herd.legs.rows(np.array([leg]))
         count = batch.is_joint.shape[1]
-        tree = Tree(np.arange(count) - 1, batch.axes[0], batch.places[0], batch.prismatic[0])
+        tree = JointTree(np.arange(count) - 1, batch.axes[0], batch.places[0], batch.prismatic[0])
         whole = FrameMasses.of(skeleton, inertia.links)
-        chains = chains_of(batch, np.zeros(1, dtype=np.int64))
+        chains = group_chains(batch, np.zeros(1, dtype=np.int64))
         return LegModel(batch, chains, tree, whole.limb(joints, count))
 
     def settled(self, goals: Array) -> tuple[Array, Array]:
         """Return joint values (..., n) and what is left of goals (..., 3) of the tip [m]."""
-        found = settle(self.batch, self.chains, goals.reshape(-1, 1, 3))
+        found = solve_near_rest(self.batch, self.chains, goals.reshape(-1, 1, 3))
         return found.q.reshape(*goals.shape[:-1], -1), found.residual.reshape(goals.shape[:-1])
 
 
@@ -97,7 +102,7 @@ class SwingTrial:
         """Time between two rows [s]."""
         return self.time / ROWS
 
-    def motion(self, tips: Array) -> tuple[Motion, Array]:
+    def motion(self, tips: Array) -> tuple[FigureMotion, Array]:
         """Return the motions of the leg with its tip at `tips` (rows, K, 3), and what they miss.
 
         The rows of the motion are those of the swing itself; what is missed is (K,) [m].
@@ -105,9 +110,9 @@ class SwingTrial:
         R = np.broadcast_to(self.R_WB[:, None], (*tips.shape, 3))
         p = np.broadcast_to(self.p_WB[:, None], tips.shape)
         q, left = self.model.settled(unturn(R, tips - p))
-        return motion_of_rows(q, R, p, self.dt), left.max(axis=0)
+        return finite_difference_motion(q, R, p, self.dt), left.max(axis=0)
 
-    def load(self, motion: Motion) -> Load:
+    def load(self, motion: FigureMotion) -> JointLoad:
         """Return what a motion of the leg needs, its foot in the air."""
         return inverse_dynamics(self.model.tree, self.model.masses, motion)
 

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from pipeline.production.filming import due, film_frames
-from pipeline.production.outputs import Outputs
+from pipeline.production.run.outputs import Outputs
 from pipeline.production.shooting import Shooting
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import find_scene, load_scene

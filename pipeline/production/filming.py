@@ -13,8 +13,8 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from pipeline.errors import FilmingError
-from pipeline.production.interrupts import held_back
-from pipeline.production.outputs import Outputs
+from pipeline.production.run.interrupts import held_back
+from pipeline.production.run.outputs import Outputs
 from pipeline.production.shooting import Shooting
 from render.errors import DeviceMemoryShort, RenderError
 from render.frame import Frame

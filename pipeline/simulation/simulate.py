@@ -13,7 +13,7 @@ import numpy as np
 
 import pipeline
 from pipeline.errors import SceneError, SimulationError
-from pipeline.processor import class_of
+from pipeline.processor import class_name
 from pipeline.simulation.attaching import Bond, bonds_of, split
 from pipeline.simulation.casting import figures_of, refuse_to_direct, troupes_of
 from pipeline.simulation.clock import Clock
@@ -353,7 +353,7 @@ def code_digest() -> str:
 def processor_class() -> str:
     """Return the class of processor: within it, equal scenes give equal bytes."""
     simd = np.show_config(mode="dicts")["SIMD Extensions"]
-    return class_of(simd.get("found", []), pipeline.HELD)
+    return class_name(simd.get("found", []), pipeline.HELD)
 
 
 def _header(scene: Scene, key: str) -> Header:

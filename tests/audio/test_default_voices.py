@@ -17,8 +17,8 @@ from audio.motions import MOTIONS
 from audio.rubs import RUBS
 from audio.scales import parse_scale
 from audio.voices import Note, notes_of
-from pipeline.production.scoring import score_of as placed
 from pipeline.production.shooting import Shooting
+from pipeline.production.sound.score_builder import build_score as placed
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import library

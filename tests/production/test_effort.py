@@ -13,8 +13,8 @@ import pytest
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.errors import UsageError
-from pipeline.production.effort import Effort, efforts, legged_of
-from pipeline.production.effort_report import facts, torques_csv
+from pipeline.production.reports.effort import Effort, efforts, legged_of
+from pipeline.production.reports.effort_report import facts, torques_csv
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.inverse_dynamics import finite_difference_motion
 from pipeline.simulation.simulate import simulate

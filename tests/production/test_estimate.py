@@ -6,7 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.production.estimate import MOST, Estimate, remembered, spoken, work_of
+from pipeline.production.run.time_estimate import (
+    MOST,
+    Estimate,
+    remembered,
+    spoken,
+    work_of,
+)
 from render.backend import Backend
 from render.words import Film
 

@@ -11,11 +11,11 @@ import pytest
 from PIL import Image
 
 from pipeline.errors import SceneError, UsageError
-from pipeline.production.figure_canvas import Panel
-from pipeline.production.figure_picture import figure_svg, png_of
-from pipeline.production.figure_report import report
-from pipeline.production.figure_sheet import figure_sheet, figures_of
-from pipeline.production.figure_views import FRONT, SIDE, Standing
+from pipeline.production.reports.canvas import Panel
+from pipeline.production.reports.figure_picture import figure_svg, png_of
+from pipeline.production.reports.figure_report import report
+from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
+from pipeline.production.reports.figure_views import FRONT, SIDE, Standing
 from pipeline.production.shading import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass

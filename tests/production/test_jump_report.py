@@ -12,7 +12,7 @@ import pytest
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.errors import UsageError
-from pipeline.production.jump_report import Hop, facts, hops_of, report_jumps, table
+from pipeline.production.reports.jump_report import Hop, facts, hops_of, report_jumps, table
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 from pipeline.production.filming import frame_key
-from pipeline.production.produce import score_only, simulate_only, take_key
-from pipeline.production.reporting import Quiet
+from pipeline.production.run.production import score_only, simulate_only, take_key
+from pipeline.production.run.progress import Quiet
 from pipeline.production.shooting import Shooting
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_take

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from pipeline.production.speed_report import Speed, clock, told
+from pipeline.production.reports.render_speed import Speed, clock, told
 
 
 def test_the_table_names_every_preset_and_says_what_the_film_would_take() -> None:

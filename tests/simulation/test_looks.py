@@ -10,7 +10,7 @@ import pytest
 import trimesh
 import yaml
 
-from pipeline.production.motion_golden.digest import motion_digest
+from pipeline.production.goldens.motion_digest import motion_digest
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.figure_skin import FOOT_MAKERS, extremity_skins

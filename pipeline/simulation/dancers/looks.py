@@ -11,9 +11,8 @@ from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dynamics.linkage import Capsule
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.obstacles import directions
-from pipeline.simulation.people.clothes import Clothes
-from pipeline.simulation.people.flesh import dressed, worn
-from pipeline.simulation.people.frames import FRAMES, frame_origins
+from pipeline.simulation.people.body_frames import FRAMES, frame_origins
+from pipeline.simulation.people.person_mesh import Clothes, dressed, worn
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array

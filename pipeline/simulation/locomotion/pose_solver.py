@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
-from pipeline.simulation.figures.posed_limb import Miss
-from pipeline.simulation.figures.settling import Settled, settle
-from pipeline.simulation.figures.surroundings import Surroundings
+from pipeline.simulation.figures.figure_posture import FigureFrames, GoalMiss
+from pipeline.simulation.figures.rest_ik import RestSolution, solve_near_rest
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
@@ -32,8 +31,8 @@ from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
-from pipeline.simulation.locomotion.leaping.aloft import Aloft, Carried
-from pipeline.simulation.locomotion.pronking.reaching import Reaching
+from pipeline.simulation.locomotion.leaping.jump_handover import JumpHandover, JumpingBody
+from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, Ways
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
@@ -78,7 +77,7 @@ class HerdSnapshot:
     routes: Sequence[Route]
     looks: Mapping[int, LookTarget]
     bend: Array | None = None
-    aloft: Mapping[int, Aloft] = field(default_factory=dict)
+    aloft: Mapping[int, JumpingBody] = field(default_factory=dict)
 
 
 ALONE = ("step", "bearing", "ways", "routes", "looks", "bend", "aloft")
@@ -149,7 +148,7 @@ class PoseSolver:
         planned = p_WB[..., 1].copy()
         p_WB[..., 1] -= _stooped(herd, stoop, s)
         tall = self.path.paces.value("body_height", creature, phase.ravel()).reshape(phase.shape)
-        carried = Carried(herd, [moment.aloft for moment in moments])
+        carried = JumpHandover(herd, [moment.aloft for moment in moments])
         carried.bodies(R_WB, p_WB)
         self.give.apply(R_WB, p_WB)
         around = self._posed_bodies(steps * self.dt, way, tall, R_WB, p_WB)
@@ -194,12 +193,14 @@ class PoseSolver:
             ],
         )
 
-    def _settled(self, goals: Array, R_WB: Array, p_WB: Array, carried: Carried) -> Settled:
-        """Return legs at goals (n, L, 3) relative to their bodies; see `Reaching`."""
+    def _settled(
+        self, goals: Array, R_WB: Array, p_WB: Array, carried: JumpHandover
+    ) -> RestSolution:
+        """Return legs at goals (n, L, 3) relative to their bodies; see `LegSolver`."""
         herd = self.herd
         if carried.down.all():
-            return settle(herd.legs, herd.chains, goals)
-        reaching = Reaching(herd, self.path.ground, self.yielding.folds)
+            return solve_near_rest(herd.legs, herd.chains, goals)
+        reaching = LegSolver(herd, self.path.ground, self.yielding.folds)
         limp = carried.limp[:, herd.owner]
         return reaching.settled(goals, R_WB, p_WB, carried.down, limp)
 
@@ -261,7 +262,7 @@ class PoseSolver:
 
     def _posed_bodies(
         self, times: Array, way: Array, tall: Array, R_WB: Array, p_WB: Array
-    ) -> dict[int, Surroundings]:
+    ) -> dict[int, FigureFrames]:
         """Put bodies where they are asked to be; return what that is relative to."""
         if not self.postures.of:
             return {}
@@ -272,11 +273,11 @@ class PoseSolver:
         }
         self.postures.move_bodies(times, turned, R_WB, p_WB)
         return {
-            c: Surroundings(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)
+            c: FigureFrames(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)
             for c, ground in grounds.items()
         }
 
-    def _missed(self, steps: NDArray[np.int64], c: int, miss: Miss) -> Note:
+    def _missed(self, steps: NDArray[np.int64], c: int, miss: GoalMiss) -> Note:
         text = f"{100.0 * miss.gap:.2g} % of its length from what it is asked for"
         return Note("clamped", int(steps[miss.row]), f"{self.herd.names[c]}.{miss.limb}", text)
 

@@ -22,7 +22,7 @@ from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
-from pipeline.simulation.locomotion.leaping.leaps import Leaps
+from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import plan_route
@@ -79,7 +79,7 @@ class Walkers:
         self.feet = Feet(
             cast, world, self.going, FootContacts(herd, world, self.postures, materials)
         )
-        self.leaps = Leaps(cast, world, self.going, self.feet, materials)
+        self.leaps = WalkerJumps(cast, world, self.going, self.feet, materials)
         self._notes: list[Note] = []
         self._told: list[Note] = []
         self._late: list[Note] = []

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import bounded
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, TAIL
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, Trailing
@@ -110,7 +110,7 @@ class FollowThrough:
 
     def __init__(
         self,
-        tree: Tree,
+        tree: JointTree,
         room: SoftJointLimits,
         owner: NDArray[np.int64],
         limbs: Sequence[FreeLimb],
@@ -157,7 +157,7 @@ class FollowThrough:
         return [np.flatnonzero(depth == d) for d in range(int(depth.max(initial=-1)) + 1)]
 
     @cached_property
-    def _carriers(self) -> tuple[NDArray[np.int64], Tree, NDArray[np.int64]]:
+    def _carriers(self) -> tuple[NDArray[np.int64], JointTree, NDArray[np.int64]]:
         """Joints that something hangs on, with all before them, their tree, and their places."""
         carry, above = np.zeros(len(self.owner), dtype=bool), np.unique(self._carrier)
         while (above := above[above != BODY]).size:
@@ -168,7 +168,9 @@ class FollowThrough:
         place[chosen] = np.arange(len(chosen))
         t = self.tree
         # Place -1, the last entry, stands for the body.
-        tree = Tree(place[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen])
+        tree = JointTree(
+            place[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen]
+        )
         return chosen, tree, place
 
     def _springs_of(self, tier: NDArray[np.int64]) -> Oscillators:

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.chains import chains_of
-from pipeline.simulation.figures.settling import brought, settle
+from pipeline.simulation.figures.limb_chains import group_chains
+from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
 from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
@@ -61,7 +61,7 @@ class LegReachability:
         """
         herd, shape = self.herd, ways.shape[:2]
         rows = np.repeat(legs, shape[1])
-        q, residual = brought(herd.legs, herd.chains, rows, ways.reshape(-1, 3))
+        q, residual = solve_each_near_rest(herd.legs, herd.chains, rows, ways.reshape(-1, 3))
         reached = (residual <= MISSES * herd.legs.lengths[rows]).reshape(shape).all(axis=1)
         turned = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
         return np.asarray(reached & (turned < JUMP).all(axis=(1, 2)))
@@ -83,7 +83,7 @@ class LegReachability:
         row, moment = np.nonzero(~known)
         if len(row):
             herd, asked = self.herd, legs[row]
-            _, residual = brought(herd.legs, herd.chains, asked, goals[row, moment])
+            _, residual = solve_each_near_rest(herd.legs, herd.chains, asked, goals[row, moment])
             known[row, moment] = residual <= MISSES * herd.legs.lengths[asked]
         return known
 
@@ -117,7 +117,7 @@ def _folds(herd: Herd, own: NDArray[np.int64]) -> Array:
     at_rest = np.linalg.norm(way, axis=-1)
     way /= np.maximum(at_rest, 1e-9)[:, None]
     goals = herd.hips[own] + (DISTANCES[:, None] * legs.lengths)[..., None] * way
-    residual = settle(legs, chains_of(legs, herd.owner[own]), goals).residual
+    residual = solve_near_rest(legs, group_chains(legs, herd.owner[own]), goals).residual
     # Where a foot rests it is, whatever limits stretched legs come to.
     nearer = DISTANCES[:, None] * legs.lengths < at_rest
     missed = nearer & (residual > FOLD_MISSES * legs.lengths)

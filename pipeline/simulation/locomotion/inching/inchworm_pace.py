@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY, timing
+from pipeline.simulation.locomotion.gaits.pace import GRAVITY, cycle_and_stride
 from pipeline.simulation.locomotion.inching.inchworm_chain import (
     MAX_AMPLITUDE,
     MIN_AMPLITUDE,
@@ -89,7 +89,7 @@ def resolve_inchworm_pace(number: int, member: Creature, chain: InchwormChain) -
     shortest = min(_shortest_chord(chain), longest)
     most = longest - shortest
     natural = CYCLE_PERIODS * math.sqrt(chain.length / GRAVITY)
-    cycle, stride = timing(words, natural, DEFAULT_STRIDE * most)
+    cycle, stride = cycle_and_stride(words, natural, DEFAULT_STRIDE * most)
     if member.walk is not None and (stride > most or most <= 0.0):
         raise SceneError([Problem(f"cast[{number}].walk", _stride_message(member, stride, most))])
     # A worm that takes short steps neither stretches nor loops as far as it could.

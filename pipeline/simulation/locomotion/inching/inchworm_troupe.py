@@ -28,8 +28,13 @@ from pipeline.simulation.locomotion.inching.inchworm_steps import (
     InchwormStep,
     feet_at,
 )
-from pipeline.simulation.locomotion.inventory import links_above, skins, solids, with_looks
-from pipeline.simulation.locomotion.swings.swing import approach_speed
+from pipeline.simulation.locomotion.inventory import (
+    assign_looks,
+    creature_skins,
+    creature_solids,
+    parent_links,
+)
+from pipeline.simulation.locomotion.swing.swing_trajectory import touchdown_speed
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, World
@@ -150,7 +155,7 @@ class InchwormTroupe:
         x, z = middles[1, 0], middles[1, 2]
         normal = track.ground.normal(x, z)
         time = 0.5 * worm.pace.cycle
-        speed = approach_speed(middles[0], middles[1], taken.height, normal, time)
+        speed = touchdown_speed(middles[0], middles[1], taken.height, normal, time)
         mass = FigureMass(worm.chain.figure).mass_of(foot.limb.links)
         self._contacts.append(
             Contact(
@@ -224,7 +229,7 @@ def describe(worms: Sequence[Inchworm], materials: Sequence[str], rows: int) -> 
     for worm, material in zip(worms, materials, strict=True):
         figure, first = worm.chain.figure, len(nodes)
         links = figure.skeleton.links
-        for link, above in zip(links, links_above(figure), strict=True):
+        for link, above in zip(links, parent_links(figure), strict=True):
             x, y, z = (float(c) for c in link.ends[0])
             parent = -1 if above is None else first + above
             nodes.append(Node(f"{worm.name}.{link.name}", worm.name, parent, (x, y, z)))
@@ -232,8 +237,8 @@ def describe(worms: Sequence[Inchworm], materials: Sequence[str], rows: int) -> 
         channels.append(Channel(f"{worm.name}.speed", "m/s"))
         names = figure.skeleton.joint_names
         channels.extend(Channel(f"{worm.name}.{joint}", "rad") for joint in names)
-        own = solids(worm.name, figure, first, len(meshes), material, rows)
+        own = creature_solids(worm.name, figure, first, len(meshes), material, rows)
         meshes.extend(own[0])
-        parts.extend(with_looks(own[1], figure, len(looks)))
-        looks.extend(skins(figure, first))
+        parts.extend(assign_looks(own[1], figure, len(looks)))
+        looks.extend(creature_skins(figure, first))
     return Inventory(tuple(nodes), tuple(channels), tuple(meshes), tuple(parts), looks=tuple(looks))

@@ -25,9 +25,13 @@ from pipeline.simulation.locomotion.pronking.initial_stance import (
     crouched_state,
     standing_state,
 )
-from pipeline.simulation.locomotion.ways.directing import obey
-from pipeline.simulation.locomotion.ways.going import Going
-from pipeline.simulation.locomotion.ways.route import Route, direction, joining
+from pipeline.simulation.locomotion.routes.route import (
+    Route,
+    connecting_route,
+    heading_vector,
+)
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
+from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.script import GoTo
@@ -46,7 +50,7 @@ REJOIN_RATIO = 3.0
 
 
 def plan_approach(
-    going: Going, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
+    going: RouteProgress, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
     """Return the way that ends where solids are jumped over, or why there is none.
 
@@ -65,14 +69,14 @@ def plan_approach(
 
 
 def _plan_approach(
-    going: Going, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
+    going: RouteProgress, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
     route = going.path.routes[c]
     at = _meeting_point(route, float(going.way[c]), of, solids)
     if at is None:
         corners = np.concatenate(list(solids))[:, [0, 2]]
         x, z = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
-        obey(going, c, GoTo(go_to=(x, z)))
+        apply_order(going, c, GoTo(go_to=(x, z)))
         route, at = going.path.routes[c], going.path.routes[c].length
     xz, turned = (a[0] for a in route.at(np.array([at])))
     hurdle = hurdle_profile(solids, xz, float(turned), clearance_half_width(of))
@@ -98,7 +102,7 @@ def _stopping_problem(
     """Return why a hurdle cannot be jumped over from so far along the way; empty if it can."""
     if hurdle.near - way < front_reach(of) + CLEARANCE * of.leg:
         return "it is too near to stop before it"
-    state = shifted_state(of, there, ground, way * direction(turned))
+    state = shifted_state(of, there, ground, way * heading_vector(turned))
     one = plan_vault(of, state, ground, hurdle.from_here(way), turned)
     return one if isinstance(one, str) else ""
 
@@ -127,7 +131,7 @@ def route_onward(
     xz, heading_there = (a[0] for a in rest.at(np.array([way])))
     if np.linalg.norm(xz - place) < 0.1 * stride or rest.length - ways[nearest] < 0.1 * stride:
         return None
-    return joining((place, turned), (xz, float(heading_there))).then(rest.beyond(way))
+    return connecting_route((place, turned), (xz, float(heading_there))).then(rest.beyond(way))
 
 
 def _meeting_point(route: Route, way: float, of: Hopper, solids: Sequence[Array]) -> float | None:

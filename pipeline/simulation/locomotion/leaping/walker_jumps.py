@@ -22,9 +22,8 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import ease
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.rest_ik import solve_near_rest
-from pipeline.simulation.locomotion.feet import Feet
-from pipeline.simulation.locomotion.footing.folds import folds_of
-from pipeline.simulation.locomotion.footing.footholds import Foothold
+from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.leaping.hurdle_approach import (
     plan_approach,
@@ -44,9 +43,13 @@ from pipeline.simulation.locomotion.pronking.jump_orders import (
     Solids,
     scripted_jump,
 )
-from pipeline.simulation.locomotion.ways.directing import obey
-from pipeline.simulation.locomotion.ways.going import CLOSING, Going
-from pipeline.simulation.locomotion.ways.route import Route, straight, turning
+from pipeline.simulation.locomotion.routes.route import Route, straight_route, turn_in_place
+from pipeline.simulation.locomotion.routes.route_progress import (
+    CLOSING_CYCLES,
+    RouteProgress,
+)
+from pipeline.simulation.locomotion.routes.walk_orders import apply_order
+from pipeline.simulation.locomotion.stepping import Feet
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
@@ -114,7 +117,7 @@ class WalkerJumps:
         self,
         cast: Sequence[tuple[int, Creature, Figure]],
         world: World,
-        going: Going,
+        going: RouteProgress,
         feet: Feet,
         materials: Sequence[str],
     ) -> None:
@@ -141,7 +144,7 @@ class WalkerJumps:
 
     @cached_property
     def _folds(self) -> Array:
-        return folds_of(self.herd)
+        return shortest_reaches(self.herd)
 
     def prepare(self, one: Instruction, where: str) -> None:
         """Find out how somebody jumps who is asked to.
@@ -212,7 +215,7 @@ class WalkerJumps:
             else:
                 going.lead(c, found)
         elif not cause:
-            obey(going, c, "stop")
+            apply_order(going, c, "stop")
             spot = order.jump.land_at if isinstance(order, JumpOnce) else None
             if spot is not None:
                 self._face(c, np.array(spot))
@@ -237,7 +240,7 @@ class WalkerJumps:
         angle = math.remainder(towards, 2.0 * math.pi)
         if abs(angle) > TURN_TOLERANCE and np.linalg.norm(way) > 0.1 * self.of[c].leg:
             radius = float(np.hypot(*self.herd.footprint[c]))
-            spin = turning(route.xz[-1], float(route.heading[-1]), angle, radius)
+            spin = turn_in_place(route.xz[-1], float(route.heading[-1]), angle, radius)
             self.going.lead(c, route.then(spin))
 
     # --- a step -------------------------------------------------------------------
@@ -344,7 +347,7 @@ class WalkerJumps:
         own = np.flatnonzero(self.herd.owner == c)
         astray = any(feet.is_astray(leg) for leg in own.tolist())
         going.closed[c] = feet.about_to_lift(
-            c, float(going.phase[c]) + (CLOSING if astray else 0.0)
+            c, float(going.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
         )
 
     def _go_on(self, step: int, c: int, trip: WalkerJump) -> None:
@@ -362,7 +365,7 @@ class WalkerJumps:
                 self.arrived.append(self.herd.names[c])
         for order in trip.later:
             if not self.take(step, c, order):
-                obey(going, c, order)
+                apply_order(going, c, order)
 
     # --- rows ---------------------------------------------------------------------
 
@@ -394,7 +397,7 @@ class WalkerJumps:
             return routes
         if self._routes is None or self._routes[0] is not routes or self._routes[1] != away:
             seen = [
-                straight(route.xz[-1], float(route.heading[-1])) if c in away else route
+                straight_route(route.xz[-1], float(route.heading[-1])) if c in away else route
                 for c, route in enumerate(routes)
             ]
             self._routes = routes, away, seen
@@ -407,7 +410,7 @@ def _route_to_landing(route: Route, place: Array, turned: float) -> Route:
     length = float(np.linalg.norm(place - start))
     if length < 1e-6:
         angle = math.remainder(turned - before, 2.0 * math.pi)
-        return turning(start, before, angle, 1.0)
+        return turn_in_place(start, before, angle, 1.0)
     return Route(
         np.array([0.0, length]), np.array([start, place]), np.array([before, turned]), stops=True
     )

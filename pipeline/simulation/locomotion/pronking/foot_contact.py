@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.locomotion.pronking.hop_events import HopEvent, HopEvents
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState, HopState, SwingPath
 from pipeline.simulation.locomotion.pronking.hopper import STANCE_STRETCH, Hopper
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.scalar_rotation import matrix_rows
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
@@ -75,7 +75,7 @@ def touch(
     v = state.v + np.cross(state.turning[1], tips - state.p) + moves.T
     if not state.down.any():
         state.first = float(state.p[1])
-    caught, floors = list[int](), lowest(ground, tips[:, 0], tips[:, 2], of.soles)
+    caught, floors = list[int](), lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles)
     for leg in legs.tolist():
         (x, y, z), least = tips[leg].tolist(), float(floors[leg])
         if met[leg] and least - y > WALL_HEIGHT * of.leg:
@@ -174,7 +174,9 @@ def event_margins(
         tips = at.points(state.swing.tips(at.time))
         if float(tips[:, 1].min()) - float(of.soles.max()) < highest + 0.05:
             air = ~state.down & ~state.released
-            touch[air] = (tips[:, 1] - lowest(ground, tips[:, 0], tips[:, 2], of.soles))[air]
+            touch[air] = (
+                tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles)
+            )[air]
     if state.down.any() and state.phase not in ("standing",):
         way = at.points(of.hips) - state.tips
         far = np.sqrt((way * way).sum(axis=-1))
@@ -202,5 +204,7 @@ def lift_above_ground(of: Hopper, ground: Ground, tips: Array, highest: float) -
     if float(tips[:, 1].min()) - float(of.soles.max()) > highest:
         return tips
     result = tips.copy()
-    np.maximum(tips[:, 1], lowest(ground, tips[:, 0], tips[:, 2], of.soles), out=result[:, 1])
+    np.maximum(
+        tips[:, 1], lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles), out=result[:, 1]
+    )
     return result

@@ -21,7 +21,7 @@ from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.network import LEG
 from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.footing.folds import folds_of
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.pronking.jump_parameters import (
     Jump,
@@ -145,7 +145,7 @@ def build_hoppers(herd: Herd, numbers: Sequence[int], words: Sequence[Pronk]) ->
     Raises:
         SceneError: one cannot hop as it is asked to.
     """
-    folds = folds_of(herd)
+    folds = shortest_reaches(herd)
     problems, found = list[Problem](), list[Hopper]()
     for c, (number, one) in enumerate(zip(numbers, words, strict=True)):
         try:

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.rest_ik import RestSolution
-from pipeline.simulation.locomotion.carriage.bearing import Bearing
-from pipeline.simulation.locomotion.carriage.carriage import Carriage
-from pipeline.simulation.locomotion.carriage.idle import Idlers
-from pipeline.simulation.locomotion.carriage.looking import Look, Rows
+from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
+from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
+from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
 from pipeline.simulation.locomotion.pronking.hop_state import BodyState
 from pipeline.simulation.locomotion.pronking.hopper_fall import JointState
 from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
-from pipeline.simulation.locomotion.ways.route import straight
+from pipeline.simulation.locomotion.routes.route import straight_route
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
@@ -52,7 +52,7 @@ class HopperSnapshot:
     down: NDArray[np.bool_]
     phase: Array
     speed: Array
-    looks: Mapping[int, Look]
+    looks: Mapping[int, LookTarget]
     limp: NDArray[np.bool_]
     hanging: Mapping[int, Array] = field(default_factory=dict)
 
@@ -74,7 +74,7 @@ class HopperPoser:
         self,
         herd: Herd,
         ground: Ground,
-        idlers: Idlers,
+        idlers: FreeJoints,
         table: NodeTable,
         folds: Array,
         row_dt: float,
@@ -82,10 +82,10 @@ class HopperPoser:
         self.herd, self.idlers, self.table = herd, idlers, table
         self.reaching = LegSolver(herd, ground, folds)
         self.row_dt = row_dt
-        self.carriage = Carriage(herd, idlers, ground, row_dt)
-        self.bearing = Bearing.neutral(len(herd.names))
+        self.carriage = FreeLimbMotion(herd, idlers, ground, row_dt)
+        self.bearing = MotionStyle.neutral(len(herd.names))
         self._routes = [
-            straight(start, float(angle))
+            straight_route(start, float(angle))
             for start, angle in zip(herd.starts, herd.headings, strict=True)
         ]
         self._limp: Array | None = None
@@ -103,12 +103,12 @@ class HopperPoser:
         solution = self.reaching.settled(goals, R, p, down, limp[:, herd.owner])
         n, still = len(moments), np.zeros_like(phase)
         q = self.carriage.values(
-            Rows(
+            BodyMotion(
                 time,
                 still,
                 still,
                 still,
-                Bearing.stacked([self.bearing] * n),
+                MotionStyle.stacked([self.bearing] * n),
                 [self._routes] * n,
                 [moment.looks for moment in moments],
                 R,

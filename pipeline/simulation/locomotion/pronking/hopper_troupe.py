@@ -14,11 +14,14 @@ from functools import partial
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.carriage.idle import gather_idlers
-from pipeline.simulation.locomotion.carriage.looking import looks_in, told_to_look
-from pipeline.simulation.locomotion.footing.folds import folds_of
-from pipeline.simulation.locomotion.herd import gather
-from pipeline.simulation.locomotion.inventory import NodeTable, describe
+from pipeline.simulation.locomotion.body_motion.gaze import (
+    initial_look_targets,
+    set_look_target,
+)
+from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
+from pipeline.simulation.locomotion.herd import build_herd
+from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
 from pipeline.simulation.locomotion.pronking.hop_events import HopEventRecorder
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hopper import build_hoppers
@@ -61,8 +64,8 @@ class HopperTroupe:
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
         self.world = world
-        self.herd = herd = gather(cast, world.moods)
-        idlers = gather_idlers(herd, world.seed)
+        self.herd = herd = build_herd(cast, world.moods)
+        idlers = collect_free_joints(herd, world.seed)
         table = NodeTable.of(herd, idlers)
         words = [member.pronk or Pronk() for _, member, _ in cast]
         self.pronkers = build_hoppers(herd, [number for number, _, _ in cast], words)
@@ -70,9 +73,9 @@ class HopperTroupe:
         for i, one in enumerate(world.script):
             self.prepare(one, f"script[{i}]")
         row_dt = world.clock.dt * world.clock.steps / world.clock.samples
-        self.posing = HopperPoser(herd, world.ground, idlers, table, folds_of(herd), row_dt)
+        self.posing = HopperPoser(herd, world.ground, idlers, table, shortest_reaches(herd), row_dt)
         self.kept = HopperPoseBuffer(self.posing, world.clock.dt)
-        self.looks = looks_in(herd, cast)
+        self.looks = initial_look_targets(herd, cast)
         self.hoppings = [
             HopSimulation(
                 of,
@@ -83,7 +86,7 @@ class HopperTroupe:
             )
             for c, (of, up) in enumerate(zip(self.pronkers, above, strict=True))
         ]
-        self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
+        self.inventory = describe_herd(herd, idlers, table, materials, world.clock.rows)
         self._telling = HopEventRecorder(herd, world, materials)
         self.step = 0
         self._contacts: list[Contact] = []
@@ -124,7 +127,7 @@ class HopperTroupe:
     def _look(self, c: int, order: LookAt | LookAhead) -> None:
         at = order.look_at if isinstance(order, LookAt) else None
         try:
-            self.looks = told_to_look(self.looks, self.herd, c, at)
+            self.looks = set_look_target(self.looks, self.herd, c, at)
         except ValueError as error:
             self._told.append(Note("clamped", self.step, self.herd.names[c], str(error)))
 

@@ -26,7 +26,7 @@ from pipeline.simulation.locomotion.pronking.jump_planner import (
     plan_requested_jump,
 )
 from pipeline.simulation.locomotion.pronking.leg_forces import phase_force
-from pipeline.simulation.locomotion.ways.route import direction
+from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.scalar_rotation import matrix_rows
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
@@ -98,7 +98,7 @@ def plan_vault(
     found, cause = list[Vault](), "it is too long for its legs"
     for extra in landings:
         way = behind + extra * of.leg
-        x, z = (middle + way * direction(heading)).tolist()
+        x, z = (middle + way * heading_vector(heading)).tolist()
         best = _lowest_vault(of, state, ground, hurdle, (x, z), heading)
         if isinstance(best, Vault):
             found.append(best)
@@ -123,7 +123,7 @@ def plan_take_off(
     found, cause = list[tuple[float, Vault]](), "it is too high for its legs"
     for extra in STANDOFFS:
         way = nearest + extra * of.leg
-        there = shifted_state(of, state, ground, (hurdle.near - way) * direction(heading))
+        there = shifted_state(of, state, ground, (hurdle.near - way) * heading_vector(heading))
         seen = hurdle.from_here(hurdle.near - way)
         # What is easiest is about as far on either side.
         one = plan_vault(of, there, ground, seen, heading, (extra,))
@@ -225,7 +225,7 @@ def _clearance(
     )
     body = np.broadcast_to(of.silhouette.body, (len(feet), *of.silhouette.body.shape))
     points = origins[:, None] + np.concatenate([body, of.silhouette.legs(feet)], axis=1) @ R.T
-    along = ((points - start)[..., [0, 2]] * direction(heading)).sum(axis=-1)
+    along = ((points - start)[..., [0, 2]] * heading_vector(heading)).sum(axis=-1)
     return float(hurdle.spare(along, points[..., 1], CLEARANCE * of.leg).min())
 
 
@@ -309,7 +309,7 @@ def hurdle_profile(
         heading: of the strip [rad].
         half_width: of the strip [m].
     """
-    ahead = direction(heading)
+    ahead = heading_vector(heading)
     # Forward is (c, -s) and to the right (s, c) in x and z.
     right = np.array([-ahead[1], ahead[0]])
     outlines = [_clip_to_strip(corners, place, ahead, right, half_width) for corners in solids]

@@ -27,7 +27,7 @@ from pipeline.simulation.locomotion.pronking.jump_planner import (
     leaning_attitude,
 )
 from pipeline.simulation.locomotion.pronking.leg_forces import ZERO_VECTOR
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.scalar_rotation import matrix_rows
 from pipeline.simulation.spatial import Array, quaternion
 from pipeline.simulation.terrain import Ground
@@ -52,7 +52,7 @@ def _standing_on_ground(of: Hopper, ground: Ground) -> HopState:
     R = np.array(matrix_rows(state.turning[0]))
     x, z = (float(c) for c in of.start)
     feet = of.rest @ R.T + [x, 0.0, z]
-    feet[:, 1] = lowest(ground, feet[:, 0], feet[:, 2], of.soles)
+    feet[:, 1] = lowest_center_height(ground, feet[:, 0], feet[:, 2], of.soles)
     floor = float((feet[:, 1] - of.soles).mean())
     origin = np.array([x, standing_height(of, R, feet, floor + of.stand, x, z), z])
     # Legs that stand on a slope may come to limits of their joints before they are long.
@@ -77,7 +77,9 @@ def _held_above_ground(of: Hopper, ground: Ground, above: float) -> HopState:
     state.swing, state.a = SwingPath.still(feet), FREE_FALL
     now = state.now(of)
     tips = now.points(feet)
-    deep = float((lowest(ground, tips[:, 0], tips[:, 2], of.soles) - tips[:, 1]).max())
+    deep = float(
+        (lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles) - tips[:, 1]).max()
+    )
     state.p[1] += max(deep, -body_clearance(of, ground, now), 0.0)
     return state
 

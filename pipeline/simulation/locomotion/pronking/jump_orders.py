@@ -25,7 +25,7 @@ from pipeline.simulation.locomotion.pronking.hurdle_jump import (
     plan_vault,
 )
 from pipeline.simulation.locomotion.pronking.jump_parameters import Jump, resolve_jump
-from pipeline.simulation.locomotion.ways.route import direction
+from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.pronk import Pronk
@@ -182,7 +182,7 @@ class HurdleJump:
             found = plan_take_off(of, state, ground, hurdle, self.heading)
             if isinstance(found, str):
                 return f"cannot jump over '{self.name}': {found}"
-            x, z = (here + (hurdle.near - found[0]) * direction(self.heading)).tolist()
+            x, z = (here + (hurdle.near - found[0]) * heading_vector(self.heading)).tolist()
             self.stand, self.tries = (x, z), EXTRA_ATTEMPTS
             self.tries += math.ceil(abs(hurdle.near - found[0]) / max(0.1, of.jump.distance))
         self.tries -= 1

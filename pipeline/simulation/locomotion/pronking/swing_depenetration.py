@@ -19,7 +19,7 @@ from pipeline.simulation.figures.rest_ik import (
     solve_near_rest,
 )
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.swings.sole import lowest
+from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
@@ -126,7 +126,10 @@ class LegSolver:
         """Return which of some feet are in the ground, and how deep [m]."""
         c = self.herd.owner[legs]
         tips = p[rows, c] + turn(R[rows, c], self._tips(found, rows, legs))
-        deep = lowest(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs]) - tips[:, 1]
+        deep = (
+            lowest_center_height(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs])
+            - tips[:, 1]
+        )
         low = deep > LIFT_DEPTH
         return rows[low], legs[low], deep[low]
 
@@ -199,7 +202,7 @@ def free_foot_place(
     places = hip + (far[:, None, None] * _sphere_directions()).reshape(-1, 3)
     places = places[np.argsort(((places - goal) ** 2).sum(axis=-1), kind="stable")]
     feet = places @ R.T + p
-    least = lowest(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
+    least = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
     places = places[feet[:, 1] >= least + FREE_HEIGHT]
     legs = np.full(len(places), leg)
     _, gap = solve_each_near_rest(herd.legs, herd.chains, legs, places)

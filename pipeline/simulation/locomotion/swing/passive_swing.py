@@ -28,7 +28,7 @@ import numpy as np
 
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.figures.row_motion import motion_of_rows
+from pipeline.simulation.figures.inverse_dynamics import finite_difference_motion
 from pipeline.simulation.locomotion.swing.swing_dynamics import DURING, ROWS, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     KNOTS,
@@ -150,7 +150,7 @@ def _pull(
     near = slice(row - 1, row + 2)
     R = np.broadcast_to(trial.R_WB[near, None], (3, many, 3, 3))
     p = np.broadcast_to(trial.p_WB[near, None], (3, many, 3))
-    motion = motion_of_rows(q, R, p, trial.dt)
+    motion = finite_difference_motion(q, R, p, trial.dt)
     needed = trial.load(motion).torques + damping * motion.speeds
     result: Array = (needed[0] * turned).sum(axis=-1)
     return result

@@ -18,7 +18,7 @@ import numpy as np
 
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits.gait_transition import StepTiming
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
 from pipeline.simulation.locomotion.swing.passive_swing import passive
@@ -175,7 +175,7 @@ class SwingPlanner:
     @cached_property
     def _models(self) -> Mapping[int, LegModel]:
         """Of the legs whose swings are planned."""
-        inertias = {c: Inertia(self.herd.figures[c]) for c in self.kinds}
+        inertias = {c: FigureMass(self.herd.figures[c]) for c in self.kinds}
         return {
             leg: LegModel.of(self.herd, leg, inertias[int(c)])
             for leg, c in enumerate(self.herd.owner)

@@ -1,1 +1,1 @@
-"""Sound."""
+"""Take and camera -> score; the files beside MIDI and WAV."""

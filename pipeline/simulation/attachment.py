@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.part_names import PartNames
+from pipeline.simulation.figures.pose_plan import PartNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Node
 from pipeline.spec.cast import Group, Member, Prop

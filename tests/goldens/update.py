@@ -14,13 +14,10 @@ import sys
 from pathlib import Path
 
 from pipeline.errors import GoldenMissing, PronkError, UsageError
-from pipeline.production.motion_golden import (
-    Outcome,
-    compare,
-    golden_of,
-    read_golden,
-    write_golden,
-)
+from pipeline.production.goldens.motion_comparison import compare
+from pipeline.production.goldens.motion_file import read_golden, write_golden
+from pipeline.production.goldens.motion_golden import golden_of
+from pipeline.production.goldens.motion_verdict import Outcome
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene

@@ -19,10 +19,16 @@ from audio.score import Marker, Score, ScoreEvent
 from audio.voices import notes_of
 from audio.waveform import outline
 from audio.words import Sound
-from pipeline.production.cause_colors import CAUSES, color_of
-from pipeline.production.event_plot import Heard, axis_of, event_svg, plot_events, shown
-from pipeline.production.figure_picture import png_of
-from pipeline.production.reporting import Quiet
+from pipeline.production.reports.cause_colors import CAUSES, color_of
+from pipeline.production.reports.event_plot import (
+    Heard,
+    axis_of,
+    event_svg,
+    plot_events,
+    shown,
+)
+from pipeline.production.reports.figure_picture import png_of
+from pipeline.production.run.progress import Quiet
 from pipeline.spec.detect import Detect
 
 SVG = "{http://www.w3.org/2000/svg}"

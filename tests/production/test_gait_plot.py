@@ -15,9 +15,9 @@ from PIL import Image
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.errors import UsageError
-from pipeline.production.figure_picture import png_of
-from pipeline.production.gait_bars import CreatureBars, bars_of, walkers_of
-from pipeline.production.gait_plot import gait_svg
+from pipeline.production.reports.figure_picture import png_of
+from pipeline.production.reports.gait_contacts import CreatureBars, bars_of, walkers_of
+from pipeline.production.reports.gait_plot import gait_svg
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Scene, read_scene

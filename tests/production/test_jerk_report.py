@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.production.jerk_fit import fit_jerk
-from pipeline.production.jerk_report import report_jerk
-from pipeline.production.jerk_trials import agreements, trials_of
-from pipeline.production.order import Order
-from pipeline.production.reporting import reporter_for
+from pipeline.production.reports.jerk_fit import fit_jerk
+from pipeline.production.reports.jerk_report import report_jerk
+from pipeline.production.reports.jerk_trials import agreements, trials_of
+from pipeline.production.run.order import Order
+from pipeline.production.run.progress import reporter_for
 from pipeline.simulation.dancers.figure_three import COLUMNS
 from pipeline.spec import read_scene
 

@@ -11,24 +11,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.characters.actor import Stage
-from pipeline.simulation.characters.appearance import appearance
-from pipeline.simulation.characters.around import Around
-from pipeline.simulation.characters.barriers import Barriers
-from pipeline.simulation.characters.bearing import feet_of, gaze_of
-from pipeline.simulation.characters.direction import Direction
-from pipeline.simulation.characters.events import new_log
-from pipeline.simulation.characters.footfalls import footfalls
-from pipeline.simulation.characters.layout import crowd_of
-from pipeline.simulation.characters.making import before_of, plan_of, proportions_of, start_of
-from pipeline.simulation.characters.mind.minds import Minds
-from pipeline.simulation.characters.mind.surroundings import Surroundings
-from pipeline.simulation.characters.neighbours import room_for
-from pipeline.simulation.characters.record import persons_of
-from pipeline.simulation.characters.rolling import DEEP, Rolling
-from pipeline.simulation.characters.signals import Signals
-from pipeline.simulation.characters.stepping import advance
-from pipeline.simulation.characters.telling import Telling
+from pipeline.simulation.characters.body_plan import crowd_of
+from pipeline.simulation.characters.broad_phase import room_for
+from pipeline.simulation.characters.character_plans import (
+    before_of,
+    plan_of,
+    proportions_of,
+    start_of,
+)
+from pipeline.simulation.characters.contact_response import new_log
+from pipeline.simulation.characters.mind.mind_scheduler import Minds
+from pipeline.simulation.characters.mind.perception import Surroundings
+from pipeline.simulation.characters.person_controller import Stage
+from pipeline.simulation.characters.person_record import persons_of
+from pipeline.simulation.characters.pose_output import DEEP, Rolling, appearance, feet_of, gaze_of
+from pipeline.simulation.characters.solid_arrays import Around
+from pipeline.simulation.characters.step_report import Signals, Telling, footfalls
+from pipeline.simulation.characters.task_dispatcher import Direction
+from pipeline.simulation.characters.verlet_step import advance
+from pipeline.simulation.characters.visibility_route import Barriers
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.grid import grid_of

@@ -21,7 +21,7 @@ from pipeline.simulation.dancers.programme import Programme
 from pipeline.simulation.dancers.repertoire import SIDES, repertoire_of
 from pipeline.simulation.dancers.telling import Directed
 from pipeline.simulation.dancers.touching import Strike
-from pipeline.simulation.people.clothes import clothes_of
+from pipeline.simulation.people.person_mesh import clothes_of
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading

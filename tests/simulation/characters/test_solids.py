@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters.bumping import gap_of
-from pipeline.simulation.characters.layout import NOBODY, SOLID
-from pipeline.simulation.characters.solids import Solids, solids_of
+from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
+from pipeline.simulation.characters.solid_arrays import Solids, solids_of
+from pipeline.simulation.characters.solid_kinematics import gap_of
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.solid import Obstacle

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.processor import class_of
+from pipeline.processor import class_name
 from pipeline.simulation.take import Header
 from pipeline.spec.scene import VERSION, Scene
 
@@ -39,7 +39,7 @@ def code_digest() -> str:
 def processor_class() -> str:
     """Returns the class of processor; within one, equal scenes give equal bytes."""
     simd = np.show_config(mode="dicts")["SIMD Extensions"]
-    return class_of(simd.get("found", []), pipeline.HELD)
+    return class_name(simd.get("found", []), pipeline.HELD)
 
 
 def header_of(scene: Scene, key: str) -> Header:

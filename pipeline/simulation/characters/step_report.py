@@ -16,8 +16,8 @@ from pipeline.simulation.characters.playthings import MATERIALS
 from pipeline.simulation.characters.task_dispatcher import Direction
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.dynamics.compiled import Record, Records
-from pipeline.simulation.happenings import Happening
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
+from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
@@ -210,7 +210,7 @@ class Signals:
         self._pains_now = direction.stage.crowd.owners["pain"]
         self._hugged: list[Hug | None] = [None for _ in self._owners]
 
-    def of_step(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Happening, ...]:
+    def of_step(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Signal, ...]:
         """Return what has begun in the last step.
 
         Args:
@@ -219,7 +219,7 @@ class Signals:
         """
         return (*self._pains(), *(self._cry(*cry) for cry in cries), *self._hugs())
 
-    def _pains(self) -> Iterator[Happening]:
+    def _pains(self) -> Iterator[Signal]:
         stage = self.direction.stage
         before, self._pain = self._pain, self._pains_now[self._owners]
         more = self._pain - before
@@ -232,24 +232,22 @@ class Signals:
             by = int(own["touched_owner"][int(np.argmax(own["energy"]))])
             whom = stage.names[by] if by >= 0 else ""
             much = float(self._pain[k] - before[k])
-            yield Happening("pain", self.direction.actors[k].name, whom)
+            yield Signal("pain", self.direction.actors[k].name, whom)
             if much > CRIES and k not in self.direction.minded:
                 yield self._cry(k, by, loudness(much))
 
-    def _cry(self, k: int, by: int, strength: float) -> Happening:
+    def _cry(self, k: int, by: int, strength: float) -> Signal:
         size = THROAT * float(self.direction.actors[k].me.height)
         return self._voice("cry", k, by, "head", strength, size)
 
-    def _voice(
-        self, kind: str, k: int, by: int, part: str, strength: float, size: float
-    ) -> Happening:
+    def _voice(self, kind: str, k: int, by: int, part: str, strength: float, size: float) -> Signal:
         actor, stage = self.direction.actors[k], self.direction.stage
         joint = HEAD if part == "head" else SHOULDERS
         x, y, z = stage.nodes(int(actor.me.owner))[joint].tolist()
         whom = stage.names[by] if by >= 0 else ""
-        return Happening(kind, actor.name, whom, f"{actor.name}.{part}", (x, y, z), strength, size)
+        return Signal(kind, actor.name, whom, f"{actor.name}.{part}", (x, y, z), strength, size)
 
-    def _hugs(self) -> Iterator[Happening]:
+    def _hugs(self) -> Iterator[Signal]:
         for k in range(len(self.direction.actors)):
             errand = self.direction.errand(k)
             hug = errand if isinstance(errand, Hug) and errand.touched > CLOSES else None

@@ -197,6 +197,34 @@ class InchwormTroupe(Troupe):
         return whole
 
 
+def _refuse_direction(
+    cast: Sequence[tuple[int, Creature, Figure]], script: Sequence[Instruction]
+) -> None:
+    """Refuses instructions to inchworms, and their `look_at`.
+
+    Raises:
+        SceneError: if there are any.
+    """
+    names = {member.name for _, member, _ in cast}
+    problems = [
+        _undirected(instruction, f"script[{i}]")
+        for i, instruction in enumerate(script)
+        if instruction.who in names
+    ]
+    problems += [
+        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
+        for i, member, _ in cast
+        if member.look_at is not None
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
+def _undirected(instruction: Instruction, path: str) -> Problem:
+    message = f"'{instruction.who}' is an inchworm, which follows no script"
+    return Problem(f"{path}.who", message)
+
+
 def _build_inchworm(number: int, member: Creature, figure: Figure, world: World) -> Inchworm:
     chain = InchwormChain.of(figure)
     x, z = member.at[0], member.at[-1]

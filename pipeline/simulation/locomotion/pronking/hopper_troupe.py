@@ -38,7 +38,7 @@ from pipeline.simulation.locomotion.pronking.jump_orders import (
 )
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, Note
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.pronk import Pronk
 from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
@@ -52,7 +52,7 @@ PHASE_INTERVALS = {"flight": (0.0, 0.5), "landing": (0.5, 0.25), "pushing": (0.7
 FALL_MODELS: dict[str, Callable[[Figure], Fall]] = {"ragdoll": RagdollFall, "rigid": RigidFall}
 
 
-class HopperTroupe:
+class HopperTroupe(Troupe):
     """All creatures that hop.
 
     Attributes:
@@ -96,7 +96,7 @@ class HopperTroupe:
         self._arrived: list[str] = []
         self._solids: Solids = {}
 
-    def sought(self, orders: Orders) -> Collection[str]:
+    def solids_needed(self, orders: Orders) -> Collection[str]:
         """Return over whom somebody is to jump now."""
         return {
             order.hop_over
@@ -105,15 +105,15 @@ class HopperTroupe:
             if isinstance(order, HopOver)
         }
 
-    def see(self, solids: Solids) -> None:
+    def see_solids(self, solids: Solids) -> None:
         """Take in where those are."""
         self._solids = {**self._solids, **solids}
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
+    def prepare(self, instruction: Instruction, path: str) -> None:
         """Refuse a jump that there is none of."""
         if instruction.who in self.herd.names and isinstance(instruction.do, JumpOnce):
             of = self.pronkers[self.herd.names.index(instruction.who)]
-            scripted_jump(of, instruction.do.jump, f"{where}.do.jump")
+            scripted_jump(of, instruction.do.jump, f"{path}.do.jump")
 
     def read(self, orders: Orders) -> None:
         """Take in what the script asks from this step on."""
@@ -150,7 +150,7 @@ class HopperTroupe:
         ]
         self.step = step + 1
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         poses = [hopping.pose() for hopping in self.hoppings]
         hanging = ((c, one.fall.q) for c, one in enumerate(self.hoppings))

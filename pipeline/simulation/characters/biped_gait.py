@@ -71,7 +71,7 @@ TOES = math.radians(16.0)
 @compiled
 def home(person: Record, k: int, x: float, z: float, heading: float) -> tuple[float, float]:
     """Return the place below hip k of one whose pelvis is at x, z."""
-    narrow = person.hips * (1.0 - 0.42 * person.walking)
+    narrow = person.hips * (1.0 - 0.42 * person.walk_blend)
     aside = narrow if k == 1 else -narrow
     return x + aside * math.sin(heading), z + aside * math.cos(heading)
 
@@ -80,7 +80,7 @@ def home(person: Record, k: int, x: float, z: float, heading: float) -> tuple[fl
 def astray(person: Record, k: int) -> float:
     """Return how far from below its hip a foot stands; 1 is as far as it may."""
     x, z = home(person, k, person.at[0], person.at[1], person.heading)
-    away = math.hypot(person.stood[k, 0] - x, person.stood[k, 2] - z)
+    away = math.hypot(person.stance_place[k, 0] - x, person.stance_place[k, 2] - z)
     turned = abs(wrapped(person.yaw[k] - person.heading))
     return max(away / (TOLERANCE * leg_of(person)), turned / AWRY)
 
@@ -105,13 +105,13 @@ def tread(person: Record, frame: Record, vertices: Array, dt: float) -> None:
         before = person.phase
         person.phase = (before + rate * dt) % 1.0
     for k in range(2):
-        if person.doing[k] == SWING:
+        if person.foot_state[k] == SWING:
             _swing(person, k, (rate, stance, dt), frame, vertices)
         elif person.stepping and _is_due(person, k, rate * dt, walks):
             _lift(person, k, frame, vertices)
-        if person.doing[k] == STANCE:
+        if person.foot_state[k] == STANCE:
             _stand(person, k, stance, frame, vertices)
-    still = person.doing[0] == STANCE and person.doing[1] == STANCE and not walks
+    still = person.foot_state[0] == STANCE and person.foot_state[1] == STANCE and not walks
     if person.stepping and still:
         person.stepping = not _is_closed(person)
 
@@ -124,11 +124,11 @@ def _is_closed(person: Record) -> bool:
     time after it.
     """
     leg, near = leg_of(person), CLOSED / TOLERANCE
-    x = 0.5 * (person.stood[0, 0] + person.stood[1, 0])
-    z = 0.5 * (person.stood[0, 2] + person.stood[1, 2])
+    x = 0.5 * (person.stance_place[0, 0] + person.stance_place[1, 0])
+    z = 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2])
     for k in range(2):
         to_x, to_z = home(person, k, x, z, person.heading)
-        away = math.hypot(person.stood[k, 0] - to_x, person.stood[k, 2] - to_z)
+        away = math.hypot(person.stance_place[k, 0] - to_x, person.stance_place[k, 2] - to_z)
         turned = abs(wrapped(person.yaw[k] - person.heading))
         if away > CLOSED * leg or turned > near * AWRY or astray(person, k) > EVEN:
             return False
@@ -156,14 +156,14 @@ def _is_due(person: Record, k: int, gone: float, walks: bool) -> bool:
 @compiled
 def _lift(person: Record, k: int, frame: Record, vertices: Array) -> None:
     """Let a foot leave the ground."""
-    person.doing[k] = SWING
-    person.left[k] = person.ankles[k]
-    person.yaw_left[k] = person.yaw[k]
-    person.pitch_left[k] = person.pitch[k]
-    person.way_left[k] = person.heading
+    person.foot_state[k] = SWING
+    person.liftoff_place[k] = person.ankles[k]
+    person.liftoff_yaw[k] = person.yaw[k]
+    person.liftoff_pitch[k] = person.pitch[k]
+    person.liftoff_heading[k] = person.heading
     other = _other(person, k)
     person.pivot[k, 0], person.pivot[k, 1] = other[0], other[2]
-    person.arch[k] = 0.0
+    person.swing_height[k] = 0.0
     _aim(person, k, 1.0, 1.0, frame, vertices)
 
 
@@ -184,31 +184,41 @@ def _aim(person: Record, k: int, left: float, share: float, frame: Record, verti
     time = left * (1.0 - stance) / rate
     # For the weight is not on it alone before the other one leaves the ground.
     shared = max(stance - 0.5, 0.0) / rate
-    heading = person.heading + person.turning * (time + shared)
+    heading = person.heading + person.yaw_rate * (time + shared)
     while_gaining = (1.0 - math.exp(-GAIN * time)) / GAIN
-    vx = person.going[0] + person.gaining[0] * while_gaining
-    vz = person.going[1] + person.gaining[1] * while_gaining
-    x = person.at[0] + 0.5 * (person.going[0] + vx) * time
-    z = person.at[1] + 0.5 * (person.going[1] + vz) * time
+    vx = person.velocity[0] + person.acceleration[0] * while_gaining
+    vz = person.velocity[1] + person.acceleration[1] * while_gaining
+    x = person.at[0] + 0.5 * (person.velocity[0] + vx) * time
+    z = person.at[1] + 0.5 * (person.velocity[1] + vz) * time
     x, z = home(person, k, x, z, heading)
     # Weight goes from heel to toes, so the ankle is behind the middle of the stance.
-    back = (0.35 + 0.25 * running(speed_of(person), leg_of(person))) * person.foot * person.walking
+    back = (
+        (0.35 + 0.25 * running(speed_of(person), leg_of(person))) * person.foot * person.walk_blend
+    )
     ahead = 0.5 * stance / rate
     x += vx * ahead - back * math.cos(heading)
     z += vz * ahead + back * math.sin(heading)
     x, z = _beside(person, k, x, z, heading)
-    x = person.land[k, 0] + share * (x - person.land[k, 0])
-    z = person.land[k, 2] + share * (z - person.land[k, 2])
+    x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
+    z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
     y, _ = surface(frame, vertices, x, z)
-    person.land[k, 0], person.land[k, 1], person.land[k, 2] = x, y + person.ankle, z
-    person.yaw_land[k] += share * wrapped(heading - person.yaw_land[k])
+    person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
+        x,
+        y + person.ankle,
+        z,
+    )
+    person.landing_yaw[k] += share * wrapped(heading - person.landing_yaw[k])
     _arch(person, k, frame, vertices)
 
 
 @compiled
 def _other(person: Record, k: int) -> Vector:
     """Return where the ankle of the foot that is not k stands, or is to stand."""
-    return row(person.stood, 1 - k) if person.doing[1 - k] == STANCE else row(person.land, 1 - k)
+    return (
+        row(person.stance_place, 1 - k)
+        if person.foot_state[1 - k] == STANCE
+        else row(person.landing_place, 1 - k)
+    )
 
 
 @compiled
@@ -225,16 +235,16 @@ def _beside(person: Record, k: int, x: float, z: float, heading: float) -> tuple
 @compiled
 def _arch(person: Record, k: int, frame: Record, vertices: Array) -> None:
     """Raise the arch of a swing until the foot clears the ground on its way."""
-    a, b = row(person.left, k), row(person.land, k)
+    a, b = row(person.liftoff_place, k), row(person.landing_place, k)
     run = running(speed_of(person), leg_of(person))
-    clear = (0.035 + 0.02 * person.walking + 0.13 * run) * leg_of(person)
+    clear = (0.035 + 0.02 * person.walk_blend + 0.13 * run) * leg_of(person)
     for i in range(1, 6):
         u = i / 6.0
         x, y, z = a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2])
         ground, _ = surface(frame, vertices, x, z)
         need = (ground + person.ankle + 0.5 * clear - y) / (4.0 * u * (1.0 - u))
         clear = max(clear, need)
-    person.arch[k] = max(person.arch[k], min(clear, 0.6 * leg_of(person)))
+    person.swing_height[k] = max(person.swing_height[k], min(clear, 0.6 * leg_of(person)))
 
 
 @compiled
@@ -260,9 +270,9 @@ def _round(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[flo
         u: of its time that is over, 0 to 1.
         s: of its way that is done, 0 to 1.
     """
-    at_x, at_z, from_heading = person.pivot[k, 0], person.pivot[k, 1], person.way_left[k]
-    turn = wrapped(person.yaw_land[k] - from_heading)
-    a, b = _seen(person.left[k, 0] - at_x, person.left[k, 2] - at_z, from_heading)
+    at_x, at_z, from_heading = person.pivot[k, 0], person.pivot[k, 1], person.liftoff_heading[k]
+    turn = wrapped(person.landing_yaw[k] - from_heading)
+    a, b = _seen(person.liftoff_place[k, 0] - at_x, person.liftoff_place[k, 2] - at_z, from_heading)
     c, d = _seen(end[0] - at_x, end[2] - at_z, from_heading + turn)
     x, z = a + s * (c - a), b + s * (d - b)
     side = 1.0 if k == 1 else -1.0
@@ -280,7 +290,7 @@ def _round(person: Record, k: int, end: Vector, u: float, s: float) -> tuple[flo
 @compiled
 def _leans(person: Record, k: int, heading: float) -> float:
     """Return how far a leg is to the right of its foot where the other foot passes it [m]."""
-    foot, hip = row(person.ankles, k), row(person.wanted, HIP + k)
+    foot, hip = row(person.ankles, k), row(person.targets, HIP + k)
     up: float = max(person.ankles[1 - k, 1] - foot[1], 0.0) / leg_of(person)
     _, right = _seen(hip[0] - foot[0], hip[2] - foot[2], heading)
     return up * right
@@ -309,27 +319,29 @@ def _swing(
     rate, stance, dt = pace
     u = cycle_of(person, k) / (1.0 - stance)
     if u >= 1.0:
-        person.doing[k] = STANCE
-        person.landed[k] += 1
-        person.landed_at[k] = person.since
-        person.landing[k] = 3.0 * person.arch[k] * rate / (1.0 - stance)
-        person.stood[k] = person.land[k]
-        person.yaw[k] = person.yaw_land[k]
+        person.foot_state[k] = STANCE
+        person.touchdowns[k] += 1
+        person.touchdown_time[k] = person.report_time
+        person.touchdown_speed[k] = 3.0 * person.swing_height[k] * rate / (1.0 - stance)
+        person.stance_place[k] = person.landing_place[k]
+        person.yaw[k] = person.landing_yaw[k]
         return
     if u < 0.75:
         _aim(person, k, 1.0 - u, 1.0 - math.exp(-SETTLES * dt), frame, vertices)
     s = reached(u)
-    toes = TOES * person.walking * (1.0 - running(speed_of(person), leg_of(person)))
-    land = row(person.land, k)
-    slope = incline(frame, vertices, land, person.yaw_land[k])
-    end = plus(land, on_ground(person, person.yaw_land[k], toes, slope))
+    toes = TOES * person.walk_blend * (1.0 - running(speed_of(person), leg_of(person)))
+    land = row(person.landing_place, k)
+    slope = incline(frame, vertices, land, person.landing_yaw[k])
+    end = plus(land, on_ground(person, person.landing_yaw[k], toes, slope))
     person.ankles[k, 0], person.ankles[k, 2] = _round(person, k, end, u, s)
-    person.ankles[k, 1] = (1.0 - s) * person.left[k, 1] + s * end[1]
+    person.ankles[k, 1] = (1.0 - s) * person.liftoff_place[k, 1] + s * end[1]
     # Level at both ends: a foot that falls to the ground bumps, and one that is torn off it jerks.
-    person.ankles[k, 1] += 16.0 * person.arch[k] * (u * (1.0 - u)) ** 2
-    person.yaw[k] = person.yaw_left[k] + s * wrapped(person.yaw_land[k] - person.yaw_left[k])
+    person.ankles[k, 1] += 16.0 * person.swing_height[k] * (u * (1.0 - u)) ** 2
+    person.yaw[k] = person.liftoff_yaw[k] + s * wrapped(
+        person.landing_yaw[k] - person.liftoff_yaw[k]
+    )
     turn = eased(u / 0.8)
-    person.pitch[k] = (1.0 - turn) * person.pitch_left[k] + turn * toes
+    person.pitch[k] = (1.0 - turn) * person.liftoff_pitch[k] + turn * toes
 
 
 @compiled
@@ -337,7 +349,7 @@ def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array
     """Keep a foot where it is, and turn it about its heel or its ball."""
     done = (cycle_of(person, k) - (1.0 - stance)) / stance if person.stepping else 0.3
     done = min(max(done, 0.0), 1.0)
-    rise = HEEL * min(person.walking, 1.0) * eased((done - ROLL) / (1.0 - ROLL) * 0.5) * 2.0
+    rise = HEEL * min(person.walk_blend, 1.0) * eased((done - ROLL) / (1.0 - ROLL) * 0.5) * 2.0
     rise *= 1.0 - _bars(person, k)
     wanted = -rise if person.stepping else 0.0
     if done < ROLL:
@@ -346,7 +358,7 @@ def _stand(person: Record, k: int, stance: float, frame: Record, vertices: Array
         person.pitch[k] *= 1.0 - eased(min(done / down, 1.0)) * 0.25
     else:
         person.pitch[k] = wanted
-    stood = row(person.stood, k)
+    stood = row(person.stance_place, k)
     slope = incline(frame, vertices, stood, person.yaw[k])
     moved = on_ground(person, person.yaw[k], person.pitch[k], slope)
     put(person.ankles, k, plus(stood, moved))
@@ -360,7 +372,7 @@ def _bars(person: Record, k: int) -> float:
     across, and towards the other leg.
     """
     other = _other(person, k)
-    x, z = other[0] - person.stood[k, 0], other[2] - person.stood[k, 2]
+    x, z = other[0] - person.stance_place[k, 0], other[2] - person.stance_place[k, 2]
     away = max(math.hypot(x, z), 1e-9)
     ahead, _ = _seen(x, z, person.yaw[k])
     near = (CLOSE - away / (BESIDE * person.hips)) / (CLOSE - 1.0)

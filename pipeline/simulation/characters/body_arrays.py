@@ -28,29 +28,29 @@ NODE = np.dtype(
     [
         # Where it is, where it was one sub-step ago, where it is locked, where it was when it was
         # last looked whether it rests [m]; what control adds to gravity in this sub-step [m/s²].
-        *((name, "f8", 3) for name in ("p", "before", "place", "anchor", "acceleration")),
+        *((name, "f8", 3) for name in ("p", "previous", "lock_place", "anchor", "acceleration")),
         # 0 stays where it is; and in this sub-step, also 0 if it is locked [1/kg].
         ("inverse_mass", "f8"),
-        ("give", "f8"),
+        ("mobility", "f8"),
         # Radius of what is there [m].
         ("radius", "f8"),
         # Damping against the world; and the owner's where it touches the ground, else 0, and where
         # it touches others [1/s].
-        ("air", "f8"),
-        ("grounded", "f8"),
-        ("rubbed", "f8"),
+        ("air_damping", "f8"),
+        ("ground_damping", "f8"),
+        ("contact_damping", "f8"),
         # Of one that is locked: how far what is in its links would have it give way [m].
-        ("pressed", "f8", 3),
+        ("contact_push", "f8", 3),
         # FREE, LOCKED or LANDING; whose; the link with which it touches the ground.
         ("lock", "i8"),
         ("owner", "i8"),
-        ("link", "i8"),
+        ("ground_link", "i8"),
         # Whose the node is that it is held together with by a grip, or NOBODY.
-        ("holds", "i8"),
+        ("grip_partner", "i8"),
         # How far from what it has closed around a hand is yet [m].
-        ("gap", "f8"),
+        ("grip_gap", "f8"),
         # Whether it runs on a level bearing, at the height of its place.
-        ("glides", "?"),
+        ("on_bearing", "?"),
     ],
     align=True,
 )
@@ -60,13 +60,13 @@ LINK = np.dtype(
     [
         # Nodes, of a ball the same twice; least and most distance of these, equal if rigid [m].
         ("ends", "i8", 2),
-        ("reach", "f8", 2),
+        ("length_limits", "f8", 2),
         # Radius, 0 of one that cannot be touched [m]; damping of one end against the other [1/s].
-        ("girth", "f8"),
+        ("radius", "f8"),
         ("damping", "f8"),
         ("owner", "i8"),
         # Whether it is one of an arm, which passes through those of whom it embraces.
-        ("arm", "?"),
+        ("is_arm", "?"),
         # The link that it touches, or NOBODY, TERRAIN, SOLID - k, and whose that is, or NOBODY.
         ("touched", "i8"),
         ("touched_owner", "i8"),
@@ -92,30 +92,30 @@ OWNER = np.dtype(
         ("friction", "f8"),
         ("bounciness", "f8"),
         # How fast what touches the ground is damped [1/s].
-        ("ground", "f8"),
+        ("ground_damping", "f8"),
         # The kinetic energy of a touch above which it hurts, infinite for things [J]; how much
         # it hurts now: 1 for a touch of twice that, and less from then on.
-        ("threshold", "f8"),
+        ("pain_threshold", "f8"),
         ("pain", "f8"),
         # Radius of the edges of a box, whose nodes are its eight corners; 0 of what is none [m].
-        ("edge", "f8"),
+        ("edge_radius", "f8"),
         # Whether some of its nodes glide.
-        ("glides", "?"),
+        ("on_bearing", "?"),
         # How deep something was found in it, or it in something, in this sub-step [m].
-        ("deep", "f8"),
+        ("penetration", "f8"),
         # Whether its own links are deep in one another, and for how long [s].
-        ("knotted", "?"),
-        ("tangled", "f8"),
+        ("self_penetrating", "?"),
+        ("tangled_time", "f8"),
         # Whether it is gone through now.
-        ("busy", "?"),
+        ("active", "?"),
         # Whom its arms are put around, or NOBODY.
         ("embraces", "i8"),
         # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s],
         # and how often it did not go far; how fast its fastest node is [m/s].
         ("acts", "?"),
         ("asleep", "?"),
-        ("watched", "f8"),
-        ("drowsy", "i8"),
+        ("watch_time", "f8"),
+        ("still_count", "i8"),
         ("speed", "f8"),
         # The box around it, with its girth [m].
         ("low", "f8", 3),
@@ -153,8 +153,8 @@ LIMB = np.dtype(
 """A limb of two links, whose joint bends one way."""
 
 
-class Crowd(NamedTuple):
-    """All characters. The columns of nodes have names of their own in Python, as `crowd.p`.
+class CharacterArrays(NamedTuple):
+    """All characters. The columns of nodes have names of their own in Python, as `arrays.p`.
 
     Attributes:
         nodes: (N,) `NODE`.
@@ -181,9 +181,9 @@ class Crowd(NamedTuple):
         return result
 
     @property
-    def before(self) -> Array:
+    def previous(self) -> Array:
         """(N, 3) nodes one sub-step ago [m]."""
-        result: Array = self.nodes["before"]
+        result: Array = self.nodes["previous"]
         return result
 
     @property

@@ -13,7 +13,7 @@ from pipeline.simulation.characters.body_arrays import (
     NOBODY,
     NODE,
     OWNER,
-    Crowd,
+    CharacterArrays,
     Numbers,
     Structures,
 )
@@ -33,14 +33,14 @@ class Link(NamedTuple):
     """
 
     ends: tuple[int, int]
-    girth: float = 0.0
+    radius: float = 0.0
     least: float | None = None
     most: float | None = None
     damping: float = 0.0
-    arm: bool = False
+    is_arm: bool = False
 
 
-class Plan(NamedTuple):
+class BodyPlan(NamedTuple):
     """What one character is made of; nodes and links count from its own first.
 
     Attributes:
@@ -58,7 +58,7 @@ class Plan(NamedTuple):
         threshold: energy of a touch that hurts [J].
         grips: how many things it can hold.
         edge: radius of the edges of a box, whose nodes are its eight corners [m].
-        gliding: nodes that run on a level bearing.
+        bearing_nodes: nodes that run on a level bearing.
     """
 
     rest: Array
@@ -68,23 +68,23 @@ class Plan(NamedTuple):
     middles: tuple[tuple[int, int, int], ...] = ()
     limbs: Structures = np.zeros(0, LIMB)
     pairs: tuple[tuple[int, int], ...] = ()
-    air: float = 0.2
-    ground: float = 6.0
+    air_damping: float = 0.2
+    ground_damping: float = 6.0
     friction: float = 0.6
     bounciness: float = 0.0
-    threshold: float = np.inf
+    pain_threshold: float = np.inf
     grips: int = 0
-    edge: float = 0.0
-    gliding: tuple[int, ...] = ()
+    edge_radius: float = 0.0
+    bearing_nodes: tuple[int, ...] = ()
 
 
-def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
+def character_arrays(plans: Sequence[BodyPlan], places: Sequence[Array]) -> CharacterArrays:
     """Return the arrays of characters whose nodes (n, 3) are at `places`, at rest."""
     firsts = _firsts([len(plan.rest) for plan in plans])
     link_firsts = _firsts([len(plan.links) for plan in plans])
     links = _links(plans, firsts)
     limbs = [_moved(plan.limbs, a) for plan, a in zip(plans, firsts, strict=True)]
-    return Crowd(
+    return CharacterArrays(
         nodes=_nodes(plans, places, links),
         links=links,
         middles=_numbered([plan.middles for plan in plans], firsts, 3),
@@ -95,32 +95,32 @@ def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
     )
 
 
-def _nodes(plans: Sequence[Plan], places: Sequence[Array], links: Structures) -> Structures:
+def _nodes(plans: Sequence[BodyPlan], places: Sequence[Array], links: Structures) -> Structures:
     counts = [len(plan.rest) for plan in plans]
     nodes = np.zeros(sum(counts), NODE).view(np.recarray)
-    for name in ("p", "before", "place", "anchor"):
+    for name in ("p", "previous", "lock_place", "anchor"):
         nodes[name] = np.concatenate([np.zeros((0, 3)), *places])
     mass = np.concatenate([np.zeros(0), *(plan.mass for plan in plans)])
-    nodes["inverse_mass"] = nodes["give"] = 1.0 / mass
+    nodes["inverse_mass"] = nodes["mobility"] = 1.0 / mass
     nodes["radius"] = np.concatenate([np.zeros(0), *(plan.radius for plan in plans)])
-    nodes["air"] = np.repeat([plan.air for plan in plans], counts)
+    nodes["air_damping"] = np.repeat([plan.air_damping for plan in plans], counts)
     nodes["owner"] = np.repeat(np.arange(len(plans)), counts)
-    nodes["holds"] = NOBODY
+    nodes["grip_partner"] = NOBODY
     for plan, first in zip(plans, _firsts(counts), strict=True):
-        nodes["glides"][[first + k for k in plan.gliding]] = True
-    nodes["link"] = _links_of(links["ends"], links["girth"], len(nodes))
+        nodes["on_bearing"][[first + k for k in plan.bearing_nodes]] = True
+    nodes["ground_link"] = _links_of(links["ends"], links["radius"], len(nodes))
     return nodes
 
 
-def _links(plans: Sequence[Plan], firsts: Numbers) -> Structures:
+def _links(plans: Sequence[BodyPlan], firsts: Numbers) -> Structures:
     counts = [len(plan.links) for plan in plans]
     links = np.zeros(sum(counts), LINK).view(np.recarray)
     each = [(plan, link) for plan in plans for link in plan.links]
     links["ends"] = _numbered([[link.ends for link in plan.links] for plan in plans], firsts, 2)
-    links["reach"] = np.array([_reach(plan, link) for plan, link in each]).reshape(-1, 2)
-    links["girth"] = [link.girth for _, link in each]
+    links["length_limits"] = np.array([_reach(plan, link) for plan, link in each]).reshape(-1, 2)
+    links["radius"] = [link.radius for _, link in each]
     links["damping"] = [link.damping for _, link in each]
-    links["arm"] = [link.arm for _, link in each]
+    links["is_arm"] = [link.is_arm for _, link in each]
     links["owner"] = np.repeat(np.arange(len(plans)), counts)
     links["touched"] = links["touched_owner"] = NOBODY
     links["age"] = np.inf
@@ -137,7 +137,7 @@ def _links_of(ends: Numbers, girths: Array, count: int) -> Numbers:
     return found
 
 
-def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Structures:
+def _owners(plans: Sequence[BodyPlan], firsts: Numbers, link_firsts: Numbers) -> Structures:
     owners = np.zeros(len(plans), OWNER).view(np.recarray)
     spans = {
         "nodes": (firsts, [len(plan.rest) for plan in plans]),
@@ -148,15 +148,15 @@ def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Str
         spans[name] = _firsts(counts), counts
     for name, (first, counts) in spans.items():
         owners[name] = np.stack([first, counts], axis=1)
-    for name in ("friction", "bounciness", "ground", "threshold", "edge"):
+    for name in ("friction", "bounciness", "ground_damping", "pain_threshold", "edge_radius"):
         owners[name] = [getattr(plan, name) for plan in plans]
-    owners["glides"] = [bool(plan.gliding) for plan in plans]
+    owners["on_bearing"] = [bool(plan.bearing_nodes) for plan in plans]
     owners["embraces"] = NOBODY
     owners["mass"] = [plan.mass[np.isfinite(plan.mass)].sum() for plan in plans]
     return owners
 
 
-def _reach(plan: Plan, link: Link) -> tuple[float, float]:
+def _reach(plan: BodyPlan, link: Link) -> tuple[float, float]:
     apart = plan.rest[link.ends[0]] - plan.rest[link.ends[1]]
     rest = float(np.sqrt((apart * apart).sum()))
     least = rest if link.least is None else link.least

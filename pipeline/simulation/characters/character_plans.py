@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import LIMB, PERSON_NODES, Structures
-from pipeline.simulation.characters.body_plan import Link, Plan
+from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.characters.person_record import standing
 from pipeline.simulation.characters.playthings import (
     BALL,
@@ -106,7 +106,7 @@ LINK_NAMES = (*SEGMENTS, "skull")
 """Of a person's first links."""
 
 
-def person_plan(proportions: Proportions, led: bool = False) -> Plan:
+def person_plan(proportions: Proportions, led: bool = False) -> BodyPlan:
     """Return a person of these measures, whose legs are led or limp.
 
     Source: Horswill 2008, "Geometric and kinematic modeling": 13 links and 16 nodes. The
@@ -118,7 +118,7 @@ def person_plan(proportions: Proportions, led: bool = False) -> Plan:
             _ends(*ends),
             _girth(name) * proportions.height,
             damping=_damping(name),
-            arm=name.startswith(("upper_arm", "forearm")),
+            is_arm=name.startswith(("upper_arm", "forearm")),
         )
         for name, ends in SEGMENTS.items()
     ]
@@ -127,7 +127,7 @@ def person_plan(proportions: Proportions, led: bool = False) -> Plan:
     links += _limits(rest)
     numbers = {name: k for k, name in enumerate(LINK_NAMES)}
     meetings = MEETINGS if led else MEETINGS + LEGS_MEET
-    return Plan(
+    return BodyPlan(
         rest=rest,
         mass=_masses(proportions.mass),
         radius=_radii(proportions, skull),
@@ -138,7 +138,7 @@ def person_plan(proportions: Proportions, led: bool = False) -> Plan:
         ),
         limbs=_limbs(rest),
         pairs=tuple((numbers[a], numbers[b]) for a, b in meetings),
-        threshold=HURTS * proportions.mass,
+        pain_threshold=HURTS * proportions.mass,
         grips=3,
     )
 
@@ -276,7 +276,7 @@ def proportions_of(member: Character) -> Proportions | None:
     return replace(like, height=like.height * member.scale, mass=like.mass * member.scale**3)
 
 
-def plan_of(member: Character) -> Plan:
+def plan_of(member: Character) -> BodyPlan:
     """Return what a character is made of."""
     proportions = proportions_of(member)
     if proportions is not None:
@@ -289,7 +289,7 @@ def plan_of(member: Character) -> Plan:
     return box_plan(size_of(member), BOXES[member.character][1] * scale**3)
 
 
-def start_of(member: Character, plan: Plan, ground: Ground) -> Array:
+def start_of(member: Character, plan: BodyPlan, ground: Ground) -> Array:
     """Return where the nodes (n, 3) of a character begin [m]."""
     x, z = member.at[0], member.at[-1]
     proportions = proportions_of(member)
@@ -300,7 +300,7 @@ def start_of(member: Character, plan: Plan, ground: Ground) -> Array:
     p += [x, 0.0, z]
     floor = float((p[:, 1] - plan.radius).min())
     over = float((p[:, 1] - plan.radius - ground.height(p[:, 0], p[:, 2])).min())
-    if plan.gliding:
+    if plan.bearing_nodes:
         # What runs on a bearing stands on a base of that height: it would drag over the ground.
         floor, over = 0.0, min(over, -float(ground.height(np.array(x), np.array(z))))
     if len(member.at) == 3:
@@ -319,7 +319,7 @@ def before_of(member: Character, p: Array, mass: Array, h: float) -> Array:
     return np.where(free[:, None], p - h * v, p)
 
 
-def _turned(member: Character, plan: Plan) -> Array:
+def _turned(member: Character, plan: BodyPlan) -> Array:
     """Return the nodes (n, 3) about the origin, turned as they begin [m]."""
     R = heading(math.radians(member.heading_deg))
     if any(member.rotation_deg):

@@ -40,8 +40,8 @@ def avoid(persons: Records) -> None:
         order[n] = i
     for n in range(len(order)):
         one = persons[order[n]]
-        if not one.goes:
-            one.aside[0], one.aside[1] = 0.0, 0.0
+        if not one.has_goal:
+            one.sidestep[0], one.sidestep[1] = 0.0, 0.0
             continue
         x = z = 0.0
         for way in (-1, 1):
@@ -64,8 +64,8 @@ def _turn_aside(person: Record, x: float, z: float) -> None:
     most = 0.8 * person.pace
     if size > most:
         x, z = x * most / size, z * most / size
-    person.aside[0] += SMOOTH * (x - person.aside[0])
-    person.aside[1] += SMOOTH * (z - person.aside[1])
+    person.sidestep[0] += SMOOTH * (x - person.sidestep[0])
+    person.sidestep[1] += SMOOTH * (z - person.sidestep[1])
 
 
 @compiled
@@ -78,7 +78,7 @@ def _away(one: Record, other: Record) -> tuple[float, float]:
     room = 0.5 * PERSONAL_SPACE * (one.height + other.height)
     if other.posture == SITTING:
         room *= 1.4
-    u, w = other.going[0] - one.going[0], other.going[1] - one.going[1]
+    u, w = other.velocity[0] - one.velocity[0], other.velocity[1] - one.velocity[1]
     quick = u * u + w * w
     when = 0.0 if quick < 1e-6 else min(max(-(x * u + z * w) / quick, 0.0), AHEAD)
     near_x, near_z = x + u * when, z + w * when
@@ -87,7 +87,7 @@ def _away(one: Record, other: Record) -> tuple[float, float]:
     if when > 0.0 and near < 1.5 * room:
         # Across its own way, to the side on which the other will not be.
         speed = max(speed_of(one), 1e-6)
-        right_x, right_z = -one.going[1] / speed, one.going[0] / speed
+        right_x, right_z = -one.velocity[1] / speed, one.velocity[0] / speed
         side = near_x * right_x + near_z * right_z
         turn = -1.0 if side > 0.15 * room else 1.0
         much = one.pace * (1.0 - when / AHEAD) * (1.0 - near / (1.5 * room)) * 1.6
@@ -122,7 +122,7 @@ def hold_back(person: Record, mass: float, solids: Solids, h: float) -> None:
         return
     for s in range(len(solids.bodies)):
         solid = solids.bodies[s]
-        if solid.here and _is_near(person, solid):
+        if solid.is_present and _is_near(person, solid):
             _slow(person, mass, solids, s)
             if _bars(solid, mass) > 0.0:
                 _clear(person, solids, s, h)
@@ -132,12 +132,12 @@ def hold_back(person: Record, mass: float, solids: Solids, h: float) -> None:
 def slide(person: Record, nodes: Records, h: float) -> None:
     """Let feet that stand give way to whoever presses them, for a sub-step of `h` [s]."""
     for k in range(2):
-        if person.doing[k] == STANCE:
-            pressed = nodes[person.node + FEET + k].pressed
+        if person.foot_state[k] == STANCE:
+            pressed = nodes[person.node + FEET + k].contact_push
             far = math.hypot(pressed[0], pressed[2])
             share = min(SLIDES * h / max(far, 1e-9), 1.0)
-            person.stood[k, 0] += share * pressed[0]
-            person.stood[k, 2] += share * pressed[2]
+            person.stance_place[k, 0] += share * pressed[0]
+            person.stance_place[k, 2] += share * pressed[2]
 
 
 @inlined
@@ -178,13 +178,13 @@ def _slow(person: Record, mass: float, solids: Solids, s: int) -> None:
     size = math.hypot(normal[0], normal[2])
     x, z = normal[0] / size, normal[2] / size
     v = velocity_at(solid, minus(where, triple(solid.p)))
-    towards = (person.going[0] - v[0]) * x + (person.going[1] - v[2]) * z
+    towards = (person.velocity[0] - v[0]) * x + (person.velocity[1] - v[2]) * z
     left = max(least - STANDOFF * person.height, 0.0)
     most = SLOWS * left + (1.0 - bars) * person.pace
     if -towards > most:
         more = -towards - most
-        person.going[0] += more * x
-        person.going[1] += more * z
+        person.velocity[0] += more * x
+        person.velocity[1] += more * z
 
 
 @compiled
@@ -192,15 +192,15 @@ def _clear(person: Record, solids: Solids, s: int, h: float) -> None:
     """Move a foot that stands in a solid out of it, and land one that swings beside it."""
     room = FOOT * person.height
     for k in range(2):
-        if person.doing[k] == STANCE:
-            x, z, deep = _out(solids, s, triple(person.stood[k]), room)
+        if person.foot_state[k] == STANCE:
+            x, z, deep = _out(solids, s, triple(person.stance_place[k]), room)
             deep = min(deep, SLIDES * h)
-            person.stood[k, 0] += deep * x
-            person.stood[k, 2] += deep * z
+            person.stance_place[k, 0] += deep * x
+            person.stance_place[k, 2] += deep * z
         else:
-            x, z, deep = _out(solids, s, triple(person.land[k]), room)
-            person.land[k, 0] += deep * x
-            person.land[k, 2] += deep * z
+            x, z, deep = _out(solids, s, triple(person.landing_place[k]), room)
+            person.landing_place[k, 0] += deep * x
+            person.landing_place[k, 2] += deep * z
 
 
 @inlined

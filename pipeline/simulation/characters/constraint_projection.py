@@ -43,10 +43,10 @@ def project(
     first = owner.limbs[0]
     for n in range(first, first + owner.limbs[1]):
         straighten(nodes, limbs[n])
-    if owner.glides:
+    if owner.on_bearing:
         for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
-            if nodes[i].glides:
-                nodes[i].p[1] = nodes[i].before[1] = nodes[i].place[1]
+            if nodes[i].on_bearing:
+                nodes[i].p[1] = nodes[i].previous[1] = nodes[i].lock_place[1]
     return worst
 
 
@@ -65,7 +65,7 @@ def draw_in(nodes: Records, grips: Numbers, h: float) -> None:
     for n in range(len(grips)):
         if grips[n, 0] >= 0:
             node = nodes[grips[n, 0]]
-            node.gap = max(node.gap - DRAWS * h, 0.0)
+            node.grip_gap = max(node.grip_gap - DRAWS * h, 0.0)
 
 
 @inlined
@@ -80,16 +80,16 @@ def hold(nodes: Records, grips: Numbers) -> float:
         if grips[n, 0] < 0 or grips[n, 1] < 0:
             continue
         one, other = nodes[grips[n, 0]], nodes[grips[n, 1]]
-        weight = one.give + other.give
+        weight = one.mobility + other.mobility
         apart = length(minus(triple(one.p), triple(other.p)))
-        if apart <= one.gap or weight == 0.0:
+        if apart <= one.grip_gap or weight == 0.0:
             continue
-        worst = max(worst, apart - one.gap)
-        share = (apart - one.gap) / (apart * weight)
+        worst = max(worst, apart - one.grip_gap)
+        share = (apart - one.grip_gap) / (apart * weight)
         for k in range(3):
             move = share * (one.p[k] - other.p[k])
-            one.p[k] -= one.give * move
-            other.p[k] += other.give * move
+            one.p[k] -= one.mobility * move
+            other.p[k] += other.mobility * move
     return worst
 
 
@@ -108,12 +108,12 @@ def hold_fast(
     for _ in range(MOST):
         worst = 0.0
         for c in range(len(owners)):
-            if owners[c].busy:
+            if owners[c].active:
                 worst = max(worst, project(nodes, links, middles, limbs, owners[c]))
         if hold(nodes, grips) <= FAST and worst <= ENOUGH:
             break
     for c in range(len(owners)):
-        if owners[c].busy:
+        if owners[c].active:
             _set_joints(nodes, limbs, owners[c])
 
 
@@ -122,12 +122,12 @@ def _find_who_hold(nodes: Records, owners: Records, grips: Numbers) -> bool:
     """Choose those who hold or are held to be gone through; tell whether there are any."""
     some = False
     for c in range(len(owners)):
-        owners[c].busy = False
+        owners[c].active = False
     for n in range(len(grips)):
         if grips[n, 0] >= 0 and grips[n, 1] >= 0:
             some = True
             for k in range(2):
-                owners[nodes[grips[n, k]].owner].busy = True
+                owners[nodes[grips[n, k]].owner].active = True
     return some
 
 
@@ -143,7 +143,10 @@ def _set_joints(nodes: Records, limbs: Records, owner: Record) -> None:
 def are_held(nodes: Records, one: Record, other: Record) -> bool:
     """Tell whether one of two links is held at one of its ends by whose the other is."""
     for k in range(2):
-        if nodes[one.ends[k]].holds == other.owner or nodes[other.ends[k]].holds == one.owner:
+        if (
+            nodes[one.ends[k]].grip_partner == other.owner
+            or nodes[other.ends[k]].grip_partner == one.owner
+        ):
             return True
     return False
 
@@ -154,14 +157,14 @@ def _link(one: Record, other: Record, link: Record) -> float:
     p, q = one.p, other.p
     x, y, z = p[0] - q[0], p[1] - q[1], p[2] - q[2]
     squared = x * x + y * y + z * z
-    least, most = link.reach[0], link.reach[1]
-    weight = one.give + other.give
+    least, most = link.length_limits[0], link.length_limits[1]
+    weight = one.mobility + other.mobility
     if least * least <= squared <= most * most or weight == 0.0 or squared == 0.0:
         return 0.0
     apart = math.sqrt(squared)
     wanted = least if apart < least else most
     share = (apart - wanted) / (apart * weight)
-    a, b = share * one.give, share * other.give
+    a, b = share * one.mobility, share * other.mobility
     p[0] -= a * x
     p[1] -= a * y
     p[2] -= a * z
@@ -176,7 +179,7 @@ def _link(one: Record, other: Record, link: Record) -> float:
 @inlined
 def _middle(middle: Record, one: Record, other: Record) -> float:
     """Move three nodes so that one is in the middle of two; return how far it was."""
-    weight = middle.give + 0.25 * (one.give + other.give)
+    weight = middle.mobility + 0.25 * (one.mobility + other.mobility)
     if weight == 0.0:
         return 0.0
     squared = 0.0
@@ -184,7 +187,7 @@ def _middle(middle: Record, one: Record, other: Record) -> float:
         apart = middle.p[k] - 0.5 * (one.p[k] + other.p[k])
         squared += apart * apart
         apart /= weight
-        middle.p[k] -= middle.give * apart
-        one.p[k] += 0.5 * one.give * apart
-        other.p[k] += 0.5 * other.give * apart
+        middle.p[k] -= middle.mobility * apart
+        one.p[k] += 0.5 * one.mobility * apart
+        other.p[k] += 0.5 * other.mobility * apart
     return math.sqrt(squared)

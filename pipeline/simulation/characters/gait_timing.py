@@ -85,7 +85,7 @@ def leg_of(person: Record) -> float:
 @compiled
 def speed_of(person: Record) -> float:
     """Return how fast somebody goes over the ground [m/s]."""
-    return math.hypot(person.going[0], person.going[1])
+    return math.hypot(person.velocity[0], person.velocity[1])
 
 
 @compiled

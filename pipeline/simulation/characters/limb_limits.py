@@ -59,7 +59,7 @@ def straighten(nodes: Records, limb: Record) -> None:
 @inlined
 def settle(nodes: Records, limb: Record) -> None:
     """Put a joint where both links have their lengths and it points where it may."""
-    if nodes[limb.joint].give == 0.0:
+    if nodes[limb.joint].mobility == 0.0:
         return
     x, y, z = trunk(nodes, limb)
     root, along = (
@@ -180,13 +180,13 @@ def _push(nodes: Records, limb: Record, way: Vector) -> None:
     root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
     # Half of the way for the joint, which lies about half as far out; the root takes on what
     # the two are given.
-    weight = tip.give + 0.25 * joint.give + 2.25 * root.give
+    weight = tip.mobility + 0.25 * joint.mobility + 2.25 * root.mobility
     if weight == 0.0:
         return
     share = 1.0 / weight
-    _move(tip, times(share * tip.give, way))
-    _move(joint, times(0.5 * share * joint.give, way))
-    _move(root, times(-1.5 * share * root.give, way))
+    _move(tip, times(share * tip.mobility, way))
+    _move(joint, times(0.5 * share * joint.mobility, way))
+    _move(root, times(-1.5 * share * root.mobility, way))
 
 
 @inlined
@@ -194,25 +194,25 @@ def _swing(nodes: Records, limb: Record, way: Vector) -> None:
     """Move the joint by `way` against root and tip, which take on half each."""
     root, joint, tip = nodes[limb.root], nodes[limb.joint], nodes[limb.tip]
     size = length(way)
-    lifted = min(LIFTS / size, 1.0) if way[1] < 0.0 and joint.grounded > 0.0 else 0.0
+    lifted = min(LIFTS / size, 1.0) if way[1] < 0.0 and joint.ground_damping > 0.0 else 0.0
     for k in range(2):
         # What lies on the ground is borne by it: root and tip rise instead, but not at a jerk.
-        a = joint.give * (BORNE if k == 1 else 1.0)
-        weight = a + 0.25 * (root.give + tip.give)
+        a = joint.mobility * (BORNE if k == 1 else 1.0)
+        weight = a + 0.25 * (root.mobility + tip.mobility)
         share = (lifted if k == 1 else 1.0 - lifted) / weight if weight > 0.0 else 0.0
         if share > 0.0:
             _move(joint, times(share * a, way))
-            _move(root, times(-0.5 * share * root.give, way))
-            _move(tip, times(-0.5 * share * tip.give, way))
+            _move(root, times(-0.5 * share * root.mobility, way))
+            _move(tip, times(-0.5 * share * tip.mobility, way))
 
 
 @inlined
 def _move(node: Record, way: Vector) -> None:
     """Move a node so that this stops what it does against it, and gives it no speed."""
-    went = minus(triple(node.p), triple(node.before))
+    went = minus(triple(node.p), triple(node.previous))
     against, squared = -dot(went, way), dot(way, way)
     if squared == 0.0:
         return
     stopped = min(max(against / squared, 0.0), 1.0)
     set_triple(node.p, plus(triple(node.p), way))
-    set_triple(node.before, plus(triple(node.before), times(1.0 - stopped, way)))
+    set_triple(node.previous, plus(triple(node.previous), times(1.0 - stopped, way)))

@@ -65,14 +65,16 @@ ARM_SWING_ANGLE = math.radians(23.0)
 def stoop(person: Record, dt: float) -> None:
     """Bow, and then crouch, as far as hands have to go down; bow alone to somebody small."""
     low = 0.0
-    leans = 1.0 if person.down > 0.0 else 0.0
-    person.leans, person.leans_rate = sprung(person.leans, person.leans_rate, leans, 4.0, dt)
+    leans = 1.0 if person.stoop_depth > 0.0 else 0.0
+    person.embrace_lean, person.embrace_lean_rate = sprung(
+        person.embrace_lean, person.embrace_lean_rate, leans, 4.0, dt
+    )
     arm = person.upper_arm + person.forearm
     height = person.hip_height + person.belly + person.chest
     for k in range(2):
-        if person.arm[k] >= PLACED and person.seated == 0.0:
-            low = max(low, person.floor + height - 0.8 * arm - person.arm_at[k, 1])
-    bow = min(max(low, person.down) / (BOWS * height), 1.0) * DEEPEST_BOW
+        if person.arm_mode[k] >= PLACED and person.sit_blend == 0.0:
+            low = max(low, person.floor + height - 0.8 * arm - person.arm_target[k, 1])
+    bow = min(max(low, person.stoop_depth) / (BOWS * height), 1.0) * DEEPEST_BOW
     person.bow, person.bow_rate = sprung(person.bow, person.bow_rate, bow, 4.0, dt)
     lowered = (person.belly + person.chest) * (1.0 - 1.0 / math.sqrt(1.0 + person.bow**2))
     crouch = min(max(low - lowered, 0.0) / person.hip_height, DEEPEST_CROUCH)
@@ -84,30 +86,30 @@ def hold_arms(person: Record, dt: float) -> None:
     """Say where elbows and hands should be."""
     chest, frame = chest_frame(person)
     for k in range(2):
-        shoulder = row(person.wanted, SHOULDER + k)
+        shoulder = row(person.targets, SHOULDER + k)
         swung = _swung(person, k)
         place = swung
-        if person.arm[k] != SWINGING:
+        if person.arm_mode[k] != SWINGING:
             place = _asked(person, k, chest, frame)
         elif person.posture == SITTING:
             place = _in_lap(person, k, chest, frame)
-        wants = 0.0 if person.arm[k] == SWINGING and person.posture != SITTING else 1.0
-        person.told[k], person.told_rate[k] = sprung(
-            person.told[k], person.told_rate[k], wants, HAND_RATE, dt
+        wants = 0.0 if person.arm_mode[k] == SWINGING and person.posture != SITTING else 1.0
+        person.hand_blend[k], person.hand_blend_rate[k] = sprung(
+            person.hand_blend[k], person.hand_blend_rate[k], wants, HAND_RATE, dt
         )
-        person.wraps[k], person.wraps_rate[k] = sprung(
-            person.wraps[k],
-            person.wraps_rate[k],
-            1.0 if person.arm[k] == HUGGING else 0.0,
+        person.embrace_blend[k], person.embrace_blend_rate[k] = sprung(
+            person.embrace_blend[k],
+            person.embrace_blend_rate[k],
+            1.0 if person.arm_mode[k] == HUGGING else 0.0,
             HAND_RATE,
             dt,
         )
         for c in range(3):
-            person.hand[k, c], person.hand_rate[k, c] = sprung(
-                person.hand[k, c], person.hand_rate[k, c], place[c], 1.6 * HAND_RATE, dt
+            person.hand_place[k, c], person.hand_velocity[k, c] = sprung(
+                person.hand_place[k, c], person.hand_velocity[k, c], place[c], 1.6 * HAND_RATE, dt
             )
-        share = person.told[k]
-        own = row(person.hand, k)
+        share = person.hand_blend[k]
+        own = row(person.hand_place, k)
         local = plus(times(1.0 - share, swung), times(share, own))
         hand = from_frame(chest, frame, local[0], local[1], local[2])
         _bend(person, k, shoulder, hand, frame)
@@ -121,7 +123,7 @@ def _swung(person: Record, k: int) -> Vector:
     _, stance = pace_of(person)
     # A hand is ahead when the foot of the other side comes down.
     swing = turn_of(person, 1.0 - stance + (0.5 if k == 0 else 0.0))
-    some = person.walking * min(relative(speed, leg) / 0.47, 1.0)
+    some = person.walk_blend * min(relative(speed, leg) / 0.47, 1.0)
     angle = ARM_SWING_ANGLE * some * swing * (0.9 + 0.5 * run) + AT_EASE[0]
     bend = AT_EASE[1] + some * math.radians(9.0) * (1.0 + 0.8 * swing)
     bend += run * math.radians(62.0)
@@ -148,16 +150,16 @@ def _local(place: Vector, chest: Vector, frame: Frame) -> Vector:
 def _asked(person: Record, k: int, chest: Vector, frame: Frame) -> Vector:
     """Return where a hand is to be that does not swing, in the frame of the chest [m]."""
     side = 1.0 if k == 1 else -1.0
-    if person.arm[k] == REACHING:
+    if person.arm_mode[k] == REACHING:
         ahead = OUTSTRETCHED_FRACTION * (person.upper_arm + person.forearm)
         return (ahead, -0.1 * ahead, side * 0.8 * person.shoulders)
-    return _local(row(person.arm_at, k), chest, frame)
+    return _local(row(person.arm_target, k), chest, frame)
 
 
 @compiled
 def _in_lap(person: Record, k: int, chest: Vector, frame: Frame) -> Vector:
     """Return the place of a hand on the thigh of one who sits."""
-    hip, knee = row(person.wanted, HIP + k), row(person.wanted, KNEE + k)
+    hip, knee = row(person.targets, HIP + k), row(person.targets, KNEE + k)
     place = plus(times(0.35, hip), times(0.65, knee))
     place = (place[0], place[1] + 0.075 * person.height * 0.9, place[2])
     return _local(place, chest, frame)
@@ -176,9 +178,9 @@ def _bend(person: Record, k: int, shoulder: Vector, hand: Vector, frame: Frame) 
     pole = plus(pole, times(-0.06, frame[0]))
     # Round somebody elbows go aside, so that forearms close behind.
     aside = plus(times(side, frame[2]), times(-HANGS, frame[1]))
-    pole = plus(times(1.0 - person.wraps[k], pole), times(person.wraps[k], aside))
-    put(person.wanted, ELBOW + k, bent(shoulder, hand, upper, fore, pole))
-    put(person.wanted, HAND + k, hand)
+    pole = plus(times(1.0 - person.embrace_blend[k], pole), times(person.embrace_blend[k], aside))
+    put(person.targets, ELBOW + k, bent(shoulder, hand, upper, fore, pole))
+    put(person.targets, HAND + k, hand)
 
 
 @compiled
@@ -236,8 +238,8 @@ SLANT = 0.6
 def hold_legs(person: Record) -> None:
     """Say where knees and feet should be."""
     for k in range(2):
-        hip, ankle = row(person.wanted, HIP + k), row(person.ankles, k)
-        if person.doing[k] == SWING:
+        hip, ankle = row(person.targets, HIP + k), row(person.ankles, k)
+        if person.foot_state[k] == SWING:
             longest = STRETCHED * (person.thigh + person.shin)
             ankle = within(hip, ankle, 0.0, longest)
             put(person.ankles, k, ankle)
@@ -249,10 +251,10 @@ def hold_legs(person: Record) -> None:
         pole = cross(right, minus(ankle, hip))
         side = 1.0 if k == 1 else -1.0
         size = person.thigh + person.shin
-        out = side * (OUTWARD + 0.25 * person.seated + SQUATS * person.crouch) * size
+        out = side * (OUTWARD + 0.25 * person.sit_blend + SQUATS * person.crouch) * size
         knee = bent(hip, ankle, person.thigh, person.shin, plus(pole, times(out, right)))
-        put(person.wanted, KNEE + k, knee)
-        put(person.wanted, FOOT + k, ankle)
+        put(person.targets, KNEE + k, knee)
+        put(person.targets, FOOT + k, ankle)
     _part_knees(person)
 
 
@@ -262,19 +264,19 @@ def _part_knees(person: Record) -> None:
     ahead = (math.cos(person.heading), 0.0, -math.sin(person.heading))
     right = (math.sin(person.heading), 0.0, math.cos(person.heading))
     room = KNEES * person.height
-    first = 0 if person.doing[0] == SWING else 1
+    first = 0 if person.foot_state[0] == SWING else 1
     for n in range(2):
         k = first if n == 0 else 1 - first
         side = 1.0 if k == 1 else -1.0
-        apart = minus(row(person.wanted, KNEE + k), row(person.wanted, KNEE + 1 - k))
+        apart = minus(row(person.targets, KNEE + k), row(person.targets, KNEE + 1 - k))
         near = max(1.0 - (dot(apart, ahead) / (NEAR * room)) ** 2, 0.0)
         # Two thighs that lean to a side are nearer than their knees are.
-        thigh = minus(row(person.wanted, KNEE + k), row(person.wanted, HIP + k))
+        thigh = minus(row(person.targets, KNEE + k), row(person.targets, HIP + k))
         leans = min(abs(dot(thigh, right)) / person.thigh, SLANT)
         lacks = room / math.sqrt(1.0 - leans * leans) * near * near - side * dot(apart, right)
         if lacks > 0.0:
-            hip, ankle = row(person.wanted, HIP + k), row(person.wanted, FOOT + k)
-            put(person.wanted, KNEE + k, _turned_out(person, k, hip, ankle, lacks, right))
+            hip, ankle = row(person.targets, HIP + k), row(person.targets, FOOT + k)
+            put(person.targets, KNEE + k, _turned_out(person, k, hip, ankle, lacks, right))
 
 
 @compiled
@@ -282,7 +284,7 @@ def _turned_out(
     person: Record, k: int, hip: Vector, ankle: Vector, much: float, right: Vector
 ) -> Vector:
     """Return where a knee is that goes so far outward about the line from hip to ankle [m]."""
-    knee, along = row(person.wanted, KNEE + k), minus(ankle, hip)
+    knee, along = row(person.targets, KNEE + k), minus(ankle, hip)
     line = times(1.0 / length(along), along)
     off = minus(knee, hip)
     off = minus(off, times(dot(off, line), line))

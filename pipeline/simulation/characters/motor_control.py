@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from pipeline.simulation.characters.biped_gait import tread
-from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, Crowd
+from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, CharacterArrays
 from pipeline.simulation.characters.collision_avoidance import avoid, hold_back, slide
 from pipeline.simulation.characters.gait_timing import sprung, wrapped
 from pipeline.simulation.characters.limb_posture import hold_arms, hold_legs, stoop
@@ -42,13 +42,13 @@ KNOCK, KNOCKED = 0.5, 1.5
 @compiled
 def feel(person: Record, nodes: Records, links: Records, owners: Records, dt: float) -> None:
     """Take in what others strike, and what throws somebody off, and recover from it."""
-    person.dazed *= max(1.0 - RECOVERS * dt, 0.0)
+    person.stun *= max(1.0 - RECOVERS * dt, 0.0)
     pelvis = nodes[person.node + PELVIS]
-    x = (pelvis.p[0] - pelvis.before[0]) / dt - person.going[0]
-    z = (pelvis.p[2] - pelvis.before[2]) / dt - person.going[1]
-    if person.seated == 0.0 and not person.frozen:
+    x = (pelvis.p[0] - pelvis.previous[0]) / dt - person.velocity[0]
+    z = (pelvis.p[2] - pelvis.previous[2]) / dt - person.velocity[1]
+    if person.sit_blend == 0.0 and not person.frozen:
         off = (math.hypot(x, z) - KNOCK) / (KNOCKED - KNOCK)
-        person.dazed = max(person.dazed, min(off, 1.0))
+        person.stun = max(person.stun, min(off, 1.0))
     owner = owners[person.owner]
     first, count = owner.links[0], owner.links[1]
     for link in range(first, first + count):
@@ -56,7 +56,7 @@ def feel(person: Record, nodes: Records, links: Records, owners: Records, dt: fl
         if (other >= 0 and other != person.owner) or links[link].touched <= SOLID:
             blow = links[link].energy / (STUNS * owner.mass)
             if blow > LEAST:
-                person.dazed = max(person.dazed, min(blow, 1.0))
+                person.stun = max(person.stun, min(blow, 1.0))
 
 
 GAZE_RATE = 8.0
@@ -69,11 +69,11 @@ ASIDE, UP, DOWN = math.radians(72.0), math.radians(45.0), math.radians(50.0)
 @compiled
 def look(person: Record, dt: float) -> None:
     """Turn the head by one sub-step."""
-    yaw, pitch = person.heading + 0.25 * person.turning, 0.0
-    if person.looks:
-        x = person.look_at[0] - person.wanted[HEAD, 0]
-        y = person.look_at[1] - person.wanted[HEAD, 1]
-        z = person.look_at[2] - person.wanted[HEAD, 2]
+    yaw, pitch = person.heading + 0.25 * person.yaw_rate, 0.0
+    if person.has_look_target:
+        x = person.look_at[0] - person.targets[HEAD, 0]
+        y = person.look_at[1] - person.targets[HEAD, 1]
+        z = person.look_at[2] - person.targets[HEAD, 2]
         if math.hypot(x, z) > 1e-6:
             yaw = math.atan2(-z, x)
         pitch = math.atan2(y, math.hypot(x, z))
@@ -129,15 +129,15 @@ def pull(person: Record, nodes: Records, dt: float) -> None:
         if k >= FOOT:
             _step(person, nodes, k - FOOT, dt)
         else:
-            quick = firm(k) * (1.0 - (1.0 - WEAKEST) * person.dazed)
+            quick = firm(k) * (1.0 - (1.0 - WEAKEST) * person.stun)
             for c in range(3):
-                v = (node.p[c] - node.before[c]) / dt
-                along = (person.wanted[k, c] - person.before[k, c]) / dt
-                off = min(max(person.wanted[k, c] - node.p[c], -FARTHEST), FARTHEST)
+                v = (node.p[c] - node.previous[c]) / dt
+                along = (person.targets[k, c] - person.previous_targets[k, c]) / dt
+                off = min(max(person.targets[k, c] - node.p[c], -FARTHEST), FARTHEST)
                 node.acceleration[c] += quick * (quick * off + 2.0 * (along - v))
             node.acceleration[1] += GRAVITY
         for c in range(3):
-            person.before[k, c] = person.wanted[k, c]
+            person.previous_targets[k, c] = person.targets[k, c]
 
 
 @compiled
@@ -154,29 +154,31 @@ def _is_there(person: Record, node: Record, k: int) -> bool:
 def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
     """Lock a foot that stands, and send one that swings along its line."""
     node = nodes[person.node + FOOT + k]
-    if person.doing[k] == STANCE and (node.lock == LOCKED or _is_there(person, node, k)):
+    if person.foot_state[k] == STANCE and (node.lock == LOCKED or _is_there(person, node, k)):
         node.lock = LOCKED
         for c in range(3):
-            node.place[c] = person.ankles[k, c]
+            node.lock_place[c] = person.ankles[k, c]
         return
     node.lock = FREE
     squared = 0.0
     for c in range(3):
-        squared += (person.wanted[FOOT + k, c] - person.before[FOOT + k, c]) ** 2
+        squared += (person.targets[FOOT + k, c] - person.previous_targets[FOOT + k, c]) ** 2
     goes = 1.0 if squared < (LEAPS * dt) ** 2 else 0.0
     for c in range(3):
-        along = goes * (person.wanted[FOOT + k, c] - person.before[FOOT + k, c])
-        after = person.wanted[FOOT + k, c] - along - node.p[c]
+        along = goes * (person.targets[FOOT + k, c] - person.previous_targets[FOOT + k, c])
+        after = person.targets[FOOT + k, c] - along - node.p[c]
         after = min(max(after, -CATCHES_UP * dt), CATCHES_UP * dt)
-        node.before[c] = node.p[c] - along - after
+        node.previous[c] = node.p[c] - along - after
     node.acceleration[1] += GRAVITY
 
 
 @compiled
-def steer(crowd: Crowd, persons: Records, ground: Grid, solids: Solids, h: float) -> None:
+def steer(
+    arrays: CharacterArrays, persons: Records, ground: Grid, solids: Solids, h: float
+) -> None:
     """Let everybody act for a sub-step of `h` [s], see `layout`."""
-    nodes, links, _, _, _, _, owners = crowd
-    if len(persons) > 0 and persons[0].since == 0.0:
+    nodes, links, _, _, _, _, owners = arrays
+    if len(persons) > 0 and persons[0].report_time == 0.0:
         avoid(persons)
     for i in range(len(persons)):
         person = persons[i]
@@ -194,6 +196,6 @@ def steer(crowd: Crowd, persons: Records, ground: Grid, solids: Solids, h: float
             hold_trunk(person, nodes, h)
             hold_legs(person)
             hold_arms(person, h)
-        person.since += h
+        person.report_time += h
         stretch(person, links, owners)
         pull(person, nodes, h)

@@ -56,8 +56,8 @@ def lead(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
     _go(person, nodes, wx, wz, dt)
     relative_speed = relative(speed_of(person), leg_of(person))
     walking = eased(relative_speed / 0.3) if person.stepping else 0.0
-    person.walking, person.walking_rate = sprung(
-        person.walking, person.walking_rate, walking, 6.0, dt
+    person.walk_blend, person.walk_blend_rate = sprung(
+        person.walk_blend, person.walk_blend_rate, walking, 6.0, dt
     )
 
 
@@ -65,29 +65,29 @@ def lead(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
 def halt(person: Record) -> None:
     """Let one who is frozen have no motion of its own: it sets out from rest again."""
     for c in range(2):
-        person.going[c] = person.gaining[c] = 0.0
-    person.turning = 0.0
+        person.velocity[c] = person.acceleration[c] = 0.0
+    person.yaw_rate = 0.0
 
 
 @compiled
 def _walk_vector(person: Record) -> tuple[float, float]:
     """Return the velocity that is walked with [m/s]."""
     wx, wz = 0.0, 0.0
-    if person.goes:
+    if person.has_goal:
         x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
         away = math.hypot(x, z)
-        left = max(away - person.near, 0.0)
+        left = max(away - person.stop_distance, 0.0)
         # Slow down so that braking gently ends at the goal.
         speed = min(person.pace, math.sqrt(2.0 * BRAKE * GRAVITY * left), 0.5 * GAIN * left)
         if left < THERE * leg_of(person):
-            person.goes, person.arrived = False, True
+            person.has_goal, person.arrived = False, True
         if away > 1e-9:
             wx, wz = speed * x / away, speed * z / away
-    wx, wz = wx + person.aside[0], wz + person.aside[1]
-    if person.posture == SITTING or person.seated > 0.03 or person.frozen:
+    wx, wz = wx + person.sidestep[0], wz + person.sidestep[1]
+    if person.posture == SITTING or person.sit_blend > 0.03 or person.frozen:
         wx, wz = 0.0, 0.0
     speed = math.hypot(wx, wz)
-    if speed > 1e-6 and not person.faces:
+    if speed > 1e-6 and not person.has_facing:
         # Who has to turn far first turns, and then walks.
         turn = abs(wrapped(math.atan2(-wz, wx) - person.heading))
         share = min(max((math.radians(115.0) - turn) / math.radians(60.0), 0.0), 1.0)
@@ -117,53 +117,53 @@ def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
     """Turn towards where somebody walks, or is to face."""
     wanted = person.heading
     x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
-    if person.faces:
+    if person.has_facing:
         wanted = person.facing
-    elif person.goes and math.hypot(x, z) > max(person.near, 0.12 * leg_of(person)):
-        wanted = math.atan2(-z - person.aside[1], x + person.aside[0])
+    elif person.has_goal and math.hypot(x, z) > max(person.stop_distance, 0.12 * leg_of(person)):
+        wanted = math.atan2(-z - person.sidestep[1], x + person.sidestep[0])
     elif math.hypot(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_of(person)):
         wanted = math.atan2(-wz, wx)
     if person.frozen or person.posture == SITTING:
         wanted = person.heading
     off = wrapped(wanted - person.heading)
     rate = min(max(3.2 * off, -TURN), TURN)
-    gain = min(max(9.0 * (rate - person.turning), -14.0), 14.0)
-    person.turning += gain * dt
-    person.heading = wrapped(person.heading + person.turning * dt)
+    gain = min(max(9.0 * (rate - person.yaw_rate), -14.0), 14.0)
+    person.yaw_rate += gain * dt
+    person.heading = wrapped(person.heading + person.yaw_rate * dt)
 
 
 @compiled
 def _go(person: Record, nodes: Records, wx: float, wz: float, dt: float) -> None:
     """Move the carriage with its velocity, and along with the body."""
     leg, most = leg_of(person), MOST * GRAVITY
-    gain_x, gain_z = GAIN * (wx - person.going[0]), GAIN * (wz - person.going[1])
+    gain_x, gain_z = GAIN * (wx - person.velocity[0]), GAIN * (wz - person.velocity[1])
     size = math.hypot(gain_x, gain_z)
     if size > most:
         gain_x, gain_z = gain_x * most / size, gain_z * most / size
-    person.gaining[0], person.gaining[1] = gain_x, gain_z
+    person.acceleration[0], person.acceleration[1] = gain_x, gain_z
     node = nodes[person.node + PELVIS]
-    sits = person.posture == SITTING or person.seated > 0.03
+    sits = person.posture == SITTING or person.sit_blend > 0.03
     for c in range(2):
         axis = 2 * c
-        off = node.p[axis] - person.wanted[PELVIS, axis]
+        off = node.p[axis] - person.targets[PELVIS, axis]
         loose = LOOSE * leg
         beyond = 0.0 if sits else off - min(max(off, -loose), loose)
         # Who is shoved goes with the shove: as fast as the body, not faster.
         shoved = min(abs(beyond) / (SHOVED * leg), 1.0)
-        v = (node.p[axis] - node.before[axis]) / dt
+        v = (node.p[axis] - node.previous[axis]) / dt
         gain = gain_x if c == 0 else gain_z
-        person.going[c] += (gain + GIVES * shoved * (v - person.going[c])) * dt
+        person.velocity[c] += (gain + GIVES * shoved * (v - person.velocity[c])) * dt
         shift = GIVES * beyond * dt
-        person.at[c] += person.going[c] * dt + shift
+        person.at[c] += person.velocity[c] * dt + shift
         # Where it should be moves over to where it is; that is no motion of its own.
         for k in range(FOOT):
-            person.before[k, axis] += shift
+            person.previous_targets[k, axis] += shift
     most = max(1.1 * person.pace, STAGGER * math.sqrt(GRAVITY * leg))
     share = min(most / max(speed_of(person), 1e-9), 1.0)
-    person.going[0], person.going[1] = share * person.going[0], share * person.going[1]
-    if not person.stepping and person.posture != SITTING and person.seated < 0.03:
+    person.velocity[0], person.velocity[1] = share * person.velocity[0], share * person.velocity[1]
+    if not person.stepping and person.posture != SITTING and person.sit_blend < 0.03:
         for c in range(2):
-            middle = 0.5 * (person.stood[0, 2 * c] + person.stood[1, 2 * c])
+            middle = 0.5 * (person.stance_place[0, 2 * c] + person.stance_place[1, 2 * c])
             person.at[c] += RESTS * (middle - person.at[c]) * dt
 
 
@@ -176,7 +176,7 @@ def sit(person: Record, dt: float) -> None:
     """Go on with sitting down or standing up; nobody begins it before standing still."""
     down = person.posture == SITTING
     stands = not person.stepping and speed_of(person) < 0.04 * leg_of(person)
-    if person.frozen or (down and person.seated == 0.0 and not stands):
+    if person.frozen or (down and person.sit_blend == 0.0 and not stands):
         return
     step = dt / TIME if down else -dt / TIME
-    person.seated = min(max(person.seated + step, 0.0), 1.0)
+    person.sit_blend = min(max(person.sit_blend + step, 0.0), 1.0)

@@ -53,44 +53,44 @@ PERSON = np.dtype(
         # Where its pelvis is led over the ground, how fast, and by what it is pushed there:
         # x and z [m], [m/s], [m/s²]; heading and how fast it turns [rad], [rad/s].
         ("at", "f8", 2),
-        ("going", "f8", 2),
-        ("gaining", "f8", 2),
+        ("velocity", "f8", 2),
+        ("acceleration", "f8", 2),
         ("heading", "f8"),
-        ("turning", "f8"),
+        ("yaw_rate", "f8"),
         # The clock of the gait [cycles], whether it goes, and how much of a walk it is, 0 to 1.
         ("phase", "f8"),
         ("stepping", "?"),
-        ("walking", "f8"),
-        ("walking_rate", "f8"),
+        ("walk_blend", "f8"),
+        ("walk_blend_rate", "f8"),
         # Of each foot: what it does, the ankle's place when flat on the ground and its yaw, both
         # where it stands or stood and where it will; height of its arch; pitch, toes up; how
         # long it has stood [cycles].
-        ("doing", "i8", 2),
-        ("stood", "f8", (2, 3)),
-        ("left", "f8", (2, 3)),
-        ("land", "f8", (2, 3)),
+        ("foot_state", "i8", 2),
+        ("stance_place", "f8", (2, 3)),
+        ("liftoff_place", "f8", (2, 3)),
+        ("landing_place", "f8", (2, 3)),
         ("yaw", "f8", 2),
-        ("yaw_left", "f8", 2),
-        ("yaw_land", "f8", 2),
-        ("arch", "f8", 2),
+        ("liftoff_yaw", "f8", 2),
+        ("landing_yaw", "f8", 2),
+        ("swing_height", "f8", 2),
         ("pitch", "f8", 2),
-        ("pitch_left", "f8", 2),
+        ("liftoff_pitch", "f8", 2),
         ("ankles", "f8", (2, 3)),
         # Of each that swings: where the pelvis looked when it left the ground, and where the other
         # foot was to stand, x and z, round which it goes [rad], [m].
-        ("way_left", "f8", 2),
+        ("liftoff_heading", "f8", 2),
         ("pivot", "f8", (2, 2)),
         # Since it was last asked [s]; how often feet came down since then, the last time of each,
         # and with what speed [m/s].
-        ("since", "f8"),
-        ("landed", "i8", 2),
-        ("landed_at", "f8", 2),
-        ("landing", "f8", 2),
+        ("report_time", "f8"),
+        ("touchdowns", "i8", 2),
+        ("touchdown_time", "f8", 2),
+        ("touchdown_speed", "f8", 2),
         # Ground that it goes by [m], [m/s]; lean of the trunk, along x and z; twist of the chest.
         ("floor", "f8"),
         ("floor_rate", "f8"),
         # How much lower the pelvis is than it would be, for a leg that stands is no longer [m].
-        ("short", "f8"),
+        ("pelvis_drop", "f8"),
         ("lean", "f8", 2),
         ("lean_rate", "f8", 2),
         ("twist", "f8"),
@@ -100,7 +100,7 @@ PERSON = np.dtype(
         ("gaze_rate", "f8", 2),
         # How far it sits, 0 to 1; how far it bows, as a tangent, and crouches, as a part of its
         # legs, to reach what is low, and their rates.
-        ("seated", "f8"),
+        ("sit_blend", "f8"),
         ("bow", "f8"),
         ("bow_rate", "f8"),
         ("crouch", "f8"),
@@ -108,44 +108,44 @@ PERSON = np.dtype(
         ("breath", "f8"),
         # Of each arm: how much its hand is where it is told to be, 0 to 1, and where that is in
         # the frame of the chest [m]; rates of both.
-        ("told", "f8", 2),
-        ("told_rate", "f8", 2),
-        ("hand", "f8", (2, 3)),
-        ("hand_rate", "f8", (2, 3)),
+        ("hand_blend", "f8", 2),
+        ("hand_blend_rate", "f8", 2),
+        ("hand_place", "f8", (2, 3)),
+        ("hand_velocity", "f8", (2, 3)),
         # How far the arm goes round somebody, 0 to 1, and the rate.
-        ("wraps", "f8", 2),
-        ("wraps_rate", "f8", 2),
+        ("embrace_blend", "f8", 2),
+        ("embrace_blend_rate", "f8", 2),
         # How much its muscles are slack after a blow, 0 to 1.
-        ("dazed", "f8"),
+        ("stun", "f8"),
         # Commands: a place to go to, whether it got there in this step, how near
         # is there [m]; the speed of its walk [m/s]; a
         # velocity that is added, from steering; a heading to stand in.
-        ("goes", "?"),
+        ("has_goal", "?"),
         ("arrived", "?"),
         ("goal", "f8", 2),
-        ("near", "f8"),
+        ("stop_distance", "f8"),
         ("pace", "f8"),
-        ("aside", "f8", 2),
+        ("sidestep", "f8", 2),
         # Whom it does not step aside for, by owner, -1 for nobody.
         ("partner", "i8"),
-        ("faces", "?"),
+        ("has_facing", "?"),
         ("facing", "f8"),
-        ("looks", "?"),
+        ("has_look_target", "?"),
         ("look_at", "f8", 3),
-        ("arm", "i8", 2),
-        ("arm_at", "f8", (2, 3)),
+        ("arm_mode", "i8", 2),
+        ("arm_target", "f8", (2, 3)),
         # How far its shoulders are to come down to somebody [m]; how much it leans on them, 0 to
         # 1, and the rate.
-        ("down", "f8"),
-        ("leans", "f8"),
-        ("leans_rate", "f8"),
+        ("stoop_depth", "f8"),
+        ("embrace_lean", "f8"),
+        ("embrace_lean_rate", "f8"),
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),
         # What control asks of its nodes: where they should be [m], and where
         # they should have been a sub-step ago.
-        ("wanted", "f8", (COUNT, 3)),
-        ("before", "f8", (COUNT, 3)),
+        ("targets", "f8", (COUNT, 3)),
+        ("previous_targets", "f8", (COUNT, 3)),
     ],
     align=True,
 )
@@ -179,11 +179,13 @@ def persons_of(
         persons[i].gaze[:] = headings[i], 0.0
         persons[i].pace = 0.42 * np.sqrt(9.81 * persons[i].hip_height)
         nodes = standing(who, at[i], headings[i], ground[i])
-        persons[i].wanted[:] = persons[i].before[:] = nodes
+        persons[i].targets[:] = persons[i].previous_targets[:] = nodes
         for k in range(2):
-            persons[i].stood[k] = persons[i].left[k] = persons[i].land[k] = nodes[FOOT + k]
+            persons[i].stance_place[k] = persons[i].liftoff_place[k] = persons[i].landing_place[
+                k
+            ] = nodes[FOOT + k]
             persons[i].ankles[k] = nodes[FOOT + k]
-            persons[i].yaw[k] = persons[i].yaw_land[k] = persons[i].yaw_left[k] = headings[i]
+            persons[i].yaw[k] = persons[i].landing_yaw[k] = persons[i].liftoff_yaw[k] = headings[i]
     return persons
 
 

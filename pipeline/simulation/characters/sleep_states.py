@@ -43,11 +43,11 @@ def look_who_rests(
         if not owner.asleep:
             owner.speed = _speed(nodes, owner) / h
             # Those who act bring their arms out of themselves.
-            longer = dt if owner.knotted and not owner.acts else -dt
-            owner.tangled = min(max(owner.tangled + longer, 0.0), UNTANGLES)
-            owner.knotted = False
-            owner.watched += dt
-            if owner.watched >= WATCH and not owner.acts:
+            longer = dt if owner.self_penetrating and not owner.acts else -dt
+            owner.tangled_time = min(max(owner.tangled_time + longer, 0.0), UNTANGLES)
+            owner.self_penetrating = False
+            owner.watch_time += dt
+            if owner.watch_time >= WATCH and not owner.acts:
                 _watch(nodes, links, owner)
     for n in range(len(grips)):
         if grips[n, 0] >= 0 and grips[n, 1] >= 0:
@@ -61,9 +61,9 @@ def strike(nodes: Records, one: Record, other: Record) -> None:
 
     Who is pushed by somebody who acts does not fall asleep meanwhile.
     """
-    if (one.asleep or other.acts) and other.drowsy < TIRED:
+    if (one.asleep or other.acts) and other.still_count < TIRED:
         wake(nodes, one)
-    if (other.asleep or one.acts) and one.drowsy < TIRED:
+    if (other.asleep or one.acts) and one.still_count < TIRED:
         wake(nodes, other)
 
 
@@ -78,9 +78,11 @@ def rouse(nodes: Records, one: Record, other: Record, depth: float, speed: float
         strike(nodes, one, other)
     if depth <= DEEP:
         return
-    if one.asleep and one.drowsy < WEDGED and not other.asleep and other.drowsy >= TIRED:
+    if one.asleep and one.still_count < WEDGED and not other.asleep and other.still_count >= TIRED:
         wake(nodes, one)
-    elif other.asleep and other.drowsy < WEDGED and not one.asleep and one.drowsy >= TIRED:
+    elif (
+        other.asleep and other.still_count < WEDGED and not one.asleep and one.still_count >= TIRED
+    ):
         wake(nodes, other)
 
 
@@ -98,14 +100,14 @@ def wake_near(nodes: Records, owners: Records, near: Numbers) -> None:
 @compiled
 def wake(nodes: Records, owner: Record) -> None:
     """Wake somebody."""
-    owner.watched, owner.drowsy = 0.0, 0
+    owner.watch_time, owner.still_count = 0.0, 0
     if not owner.asleep:
         return
     owner.asleep = False
     for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
         node = nodes[i]
         if node.lock == RESTING:
-            node.lock, node.give = FREE, node.inverse_mass
+            node.lock, node.mobility = FREE, node.inverse_mass
         for k in range(3):
             node.anchor[k] = node.p[k]
 
@@ -117,7 +119,7 @@ def _speed(nodes: Records, owner: Record) -> float:
     for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
         node, squared = nodes[i], 0.0
         for k in range(3):
-            squared += (node.p[k] - node.before[k]) ** 2
+            squared += (node.p[k] - node.previous[k]) ** 2
         fastest = max(fastest, squared)
     return math.sqrt(fastest)
 
@@ -125,7 +127,7 @@ def _speed(nodes: Records, owner: Record) -> float:
 @inlined
 def _watch(nodes: Records, links: Records, owner: Record) -> None:
     """Let somebody sleep who has not moved, or remember where it is."""
-    owner.watched = 0.0
+    owner.watch_time = 0.0
     first, end = owner.nodes[0], owner.nodes[0] + owner.nodes[1]
     farthest, held = 0.0, False
     for i in range(first, end):
@@ -138,10 +140,10 @@ def _watch(nodes: Records, links: Records, owner: Record) -> None:
     for n in range(owner.links[0], owner.links[0] + owner.links[1]):
         held = held or min(links[n].age[0], links[n].age[1]) < TOUCHES
     far = math.sqrt(farthest)
-    owner.drowsy = owner.drowsy + 1 if far < MOST else 0
-    if not held or far > min(MOVED + MORE * owner.drowsy, MOST):
+    owner.still_count = owner.still_count + 1 if far < MOST else 0
+    if not held or far > min(MOVED + MORE * owner.still_count, MOST):
         return
-    if owner.deep > DEEP and owner.drowsy < WEDGED:
+    if owner.penetration > DEEP and owner.still_count < WEDGED:
         return
     owner.asleep, owner.speed = True, 0.0
     for i in range(first, end):

@@ -28,9 +28,9 @@ from pipeline.simulation.dynamics.vectors import (
 @inlined
 def go_on(solid: Record, h: float) -> None:
     """Let a solid go on by a sub-step `h` [s] as fast as it goes."""
-    if not solid.here:
+    if not solid.is_present:
         return
-    solid.v[1] -= solid.fall * h
+    solid.v[1] -= solid.fall_acceleration * h
     v, w = triple(solid.v), triple(solid.w)
     set_triple(solid.p, plus(triple(solid.p), times(h, v)))
     angle = h * length(w)
@@ -85,8 +85,8 @@ def shove(solid: Record, arm: Vector, impulse: Vector, h: float) -> None:
     twist = cross(arm, impulse)
     spin = turned(rows_of(solid.inverse_inertia), twist)
     for k in range(3):
-        solid.push[k] += impulse[k]
-        solid.twist[k] += twist[k]
+        solid.impulse[k] += impulse[k]
+        solid.angular_impulse[k] += twist[k]
         solid.v[k] += solid.inverse_mass * impulse[k]
         solid.w[k] += spin[k]
         solid.p[k] += h * solid.inverse_mass * impulse[k]

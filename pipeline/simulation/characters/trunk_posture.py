@@ -112,7 +112,7 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
     _follow_ground(person, dt)
     _, stance = pace_of(person)
     middle = 0.5 * (1.0 - stance)
-    some = person.walking
+    some = person.walk_blend
     # While the left foot swings, from phase 0 on, weight is on the right one.
     aside = SWAY * leg_of(person) * some * turn_of(person, middle)
     tilt = LIST * some * turn_of(person, middle)
@@ -125,11 +125,11 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
         person.floor + height,
         person.at[1] + aside * c + back * s,
     )
-    put(person.wanted, PELVIS, pelvis)
+    put(person.targets, PELVIS, pelvis)
     frame = frame_of(person.heading + rotation, 0.0, 0.0, tilt)
     for k in range(2):
         side = person.hips if k == 1 else -person.hips
-        put(person.wanted, HIP + k, from_frame(pelvis, frame, 0.0, 0.0, side))
+        put(person.targets, HIP + k, from_frame(pelvis, frame, 0.0, 0.0, side))
     _lean(person, nodes, dt)
     _hold_chest(person, pelvis, rotation, dt)
 
@@ -137,10 +137,10 @@ def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
 @compiled
 def _follow_ground(person: Record, dt: float) -> None:
     """Let the ground that somebody goes by follow what the feet stand on."""
-    low = 0.5 * (person.stood[0, 1] + person.stood[1, 1]) - person.ankle
+    low = 0.5 * (person.stance_place[0, 1] + person.stance_place[1, 1]) - person.ankle
     for k in range(2):
-        if person.doing[k] != STANCE:
-            gone = row(person.land, k)[1] - row(person.stood, k)[1]
+        if person.foot_state[k] != STANCE:
+            gone = row(person.landing_place, k)[1] - row(person.stance_place, k)[1]
             low += 0.5 * gone * 0.5
     person.floor, person.floor_rate = sprung(person.floor, person.floor_rate, low, 9.0, dt)
 
@@ -148,7 +148,7 @@ def _follow_ground(person: Record, dt: float) -> None:
 @compiled
 def _height(person: Record, stance: float, dt: float) -> float:
     """Return how high the pelvis is above the ground [m]."""
-    leg, some = leg_of(person), person.walking
+    leg, some = leg_of(person), person.walk_blend
     bones = STRAIGHT * (person.thigh + person.shin)
     stood = person.ankle + bones
     speed = speed_of(person)
@@ -162,7 +162,7 @@ def _height(person: Record, stance: float, dt: float) -> float:
     walk = low + rise + rise * swing
     bounce = 0.955 * stood - 0.035 * leg * swing
     height = (1.0 - some) * stood + some * ((1.0 - run) * walk + run * bounce)
-    sat = eased(person.seated)
+    sat = eased(person.sit_blend)
     height = (1.0 - sat) * (height - person.crouch * leg) + sat * (person.seat[1] - person.floor)
     return _within_reach(person, height, dt)
 
@@ -176,16 +176,16 @@ def _within_reach(person: Record, height: float, dt: float) -> float:
     bones = 0.995 * (person.thigh + person.shin)
     most = height
     for k in range(2):
-        if person.doing[k] == STANCE:
-            x = person.ankles[k, 0] - person.wanted[HIP + k, 0]
-            z = person.ankles[k, 2] - person.wanted[HIP + k, 2]
+        if person.foot_state[k] == STANCE:
+            x = person.ankles[k, 0] - person.targets[HIP + k, 0]
+            z = person.ankles[k, 2] - person.targets[HIP + k, 2]
             away = min(x * x + z * z, 0.75 * bones * bones)
             top = person.ankles[k, 1] + math.sqrt(bones * bones - away) - person.floor
             most = min(most, top)
         else:
             most = min(most, height - _soon(person, k, height, bones))
-    person.short = max(height - most, person.short * math.exp(-RISES * dt))
-    held: float = height - person.short
+    person.pelvis_drop = max(height - most, person.pelvis_drop * math.exp(-RISES * dt))
+    held: float = height - person.pelvis_drop
     return held
 
 
@@ -206,10 +206,10 @@ def _soon(person: Record, k: int, height: float, bones: float) -> float:
     if left > SOON:
         return 0.0
     time = left * (1.0 - stance) / rate
-    x = person.land[k, 0] - person.wanted[HIP + k, 0] - person.going[0] * time
-    z = person.land[k, 2] - person.wanted[HIP + k, 2] - person.going[1] * time
+    x = person.landing_place[k, 0] - person.targets[HIP + k, 0] - person.velocity[0] * time
+    z = person.landing_place[k, 2] - person.targets[HIP + k, 2] - person.velocity[1] * time
     away = min(x * x + z * z, 0.75 * bones * bones)
-    top = person.land[k, 1] + math.sqrt(bones * bones - away) - person.floor
+    top = person.landing_place[k, 1] + math.sqrt(bones * bones - away) - person.floor
     lower: float = max(height - top, 0.0) * eased(1.0 - left / SOON)
     return lower
 
@@ -218,11 +218,11 @@ def _soon(person: Record, k: int, height: float, bones: float) -> float:
 def seat_back(person: Record) -> float:
     """Return how far the pelvis is behind the feet, of one who sits or bows [m]."""
     # First back, then down: whoever folds straight down falls on their heels.
-    back: float = person.seat[0] * math.sin(0.5 * math.pi * eased(person.seated))
+    back: float = person.seat[0] * math.sin(0.5 * math.pi * eased(person.sit_blend))
     # Who bows or crouches keeps the balance with the hips.
     balance = 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
     # Who holds somebody leans on them.
-    back += (1.0 - person.leans) * balance
+    back += (1.0 - person.embrace_lean) * balance
     return back
 
 
@@ -233,14 +233,14 @@ def _lean(person: Record, nodes: Records, dt: float) -> None:
     run = running(speed, leg)
     per = 0.03 * min(relative(speed, leg), 0.6) + 0.16 * run
     size = max(speed, 1e-6)
-    along_x, along_z = per * person.going[0] / size, per * person.going[1] / size
-    along_x += 0.45 * person.gaining[0] / GRAVITY
-    along_z += 0.45 * person.gaining[1] / GRAVITY
-    if person.seated > 0.0:
+    along_x, along_z = per * person.velocity[0] / size, per * person.velocity[1] / size
+    along_x += 0.45 * person.acceleration[0] / GRAVITY
+    along_z += 0.45 * person.acceleration[1] / GRAVITY
+    if person.sit_blend > 0.0:
         # Weight goes over the feet on the way, and back over the seat once there.
-        on_way = 4.0 * person.seated * (1.0 - person.seated)
+        on_way = 4.0 * person.sit_blend * (1.0 - person.sit_blend)
         c, s = math.cos(person.heading), math.sin(person.heading)
-        lean = 0.62 * on_way + person.seat[2] * eased(person.seated)
+        lean = 0.62 * on_way + person.seat[2] * eased(person.sit_blend)
         along_x, along_z = along_x + lean * c, along_z - lean * s
     elif person.bow > 0.02:
         c, s = math.cos(person.heading), math.sin(person.heading)
@@ -265,8 +265,8 @@ def _off_balance(person: Record, nodes: Records) -> tuple[float, float]:
         mass = 1.0 / max(node.inverse_mass, 1e-9)
         x, z, weight = x + mass * node.p[0], z + mass * node.p[2], weight + mass
     return (
-        x / weight - 0.5 * (person.stood[0, 0] + person.stood[1, 0]),
-        z / weight - 0.5 * (person.stood[0, 2] + person.stood[1, 2]),
+        x / weight - 0.5 * (person.stance_place[0, 0] + person.stance_place[1, 0]),
+        z / weight - 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2]),
     )
 
 
@@ -283,24 +283,24 @@ def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> N
     spine = from_frame(pelvis, belly, 0.0, person.belly, 0.0)
     chest = frame_of(yaw + counter, x, z, 0.0)
     shoulders = from_frame(spine, chest, 0.0, person.chest + _breathe(person, dt), 0.0)
-    put(person.wanted, SPINE, spine)
-    put(person.wanted, SHOULDERS, shoulders)
+    put(person.targets, SPINE, spine)
+    put(person.targets, SHOULDERS, shoulders)
     for k in range(2):
         side = person.shoulders if k == 1 else -person.shoulders
-        put(person.wanted, SHOULDER + k, from_frame(shoulders, chest, 0.0, 0.0, side))
+        put(person.targets, SHOULDER + k, from_frame(shoulders, chest, 0.0, 0.0, side))
     # The neck keeps the head upright, and bends with what is looked at.
     nod = -0.35 * person.gaze[1]
     c, s = math.cos(person.gaze[0]), math.sin(person.gaze[0])
     neck = frame_of(yaw, 0.35 * x + nod * c, 0.35 * z - nod * s, 0.0)
-    put(person.wanted, HEAD, from_frame(shoulders, neck, 0.0, person.neck, 0.0))
+    put(person.targets, HEAD, from_frame(shoulders, neck, 0.0, person.neck, 0.0))
 
 
 @compiled
 def stretch(person: Record, links: Records, owners: Records) -> None:
     """Let the link between spine and shoulders be as long as breath has it."""
     link = owners[person.owner].links[0] + CHEST
-    long = length(minus(row(person.wanted, SHOULDERS), row(person.wanted, SPINE)))
-    links[link].reach[0] = links[link].reach[1] = long
+    long = length(minus(row(person.targets, SHOULDERS), row(person.targets, SPINE)))
+    links[link].length_limits[0] = links[link].length_limits[1] = long
 
 
 @compiled
@@ -308,8 +308,8 @@ def chest_frame(person: Record) -> tuple[Vector, Frame]:
     """Return the middle of the shoulders, and the frame of the chest, as they should be."""
     _, stance = pace_of(person)
     yaw = person.heading + person.twist
-    yaw += COUNTER * person.walking * turn_of(person, 1.0 - stance)
-    return row(person.wanted, SHOULDERS), frame_of(yaw, person.lean[0], person.lean[1], 0.0)
+    yaw += COUNTER * person.walk_blend * turn_of(person, 1.0 - stance)
+    return row(person.targets, SHOULDERS), frame_of(yaw, person.lean[0], person.lean[1], 0.0)
 
 
 @compiled

@@ -24,7 +24,7 @@ MOST = 32
 """Circles of one solid."""
 
 
-class Barriers:
+class ObstacleCircles:
     """The circles around solids, as they are now.
 
     Args:
@@ -55,7 +55,7 @@ class Barriers:
         solids = self._solids
         if not len(self._which):
             return False
-        seen = solids["p"].tobytes() + solids["R"].tobytes() + solids["here"].tobytes()
+        seen = solids["p"].tobytes() + solids["R"].tobytes() + solids["is_present"].tobytes()
         if seen != self._seen:
             self._seen = seen
             self._look()
@@ -63,7 +63,7 @@ class Barriers:
 
     def _look(self) -> None:
         which = self._which
-        which = which[self._solids["here"][which]]
+        which = which[self._solids["is_present"][which]]
         solids = self._solids[which]
         R, half = solids["R"], solids["half"]
         middle = solids["p"] + (R @ solids["middle"][:, :, None])[:, :, 0]
@@ -98,7 +98,7 @@ class Barriers:
         self.middles = middle[row] + (place * long[row])[:, None] * ahead[row]
         self.radii = radii[row]
         self.keys = which[row] * MOST + number
-        self.wholes = self._solids["whole"][which[row]]
+        self.wholes = self._solids["thing"][which[row]]
 
 
 CLEARANCES = (0.32, 0.16, 0.04)

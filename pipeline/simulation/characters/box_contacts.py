@@ -13,7 +13,7 @@ from pipeline.simulation.characters.contact_response import (
     rubbed,
     sense,
 )
-from pipeline.simulation.characters.sleep_states import WAKES, rouse
+from pipeline.simulation.characters.sleep_states import WAKE_SPEED, wake_touching
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import Vector, dot, length, minus, plus, times, triple
 
@@ -267,7 +267,7 @@ def _meet(
         corner = nodes[first + k]
         went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.previous))))
     nearer = -dot(went, normal)
-    rouse(nodes, one, other, depth, nearer / h)
+    wake_touching(nodes, one, other, depth, nearer / h)
     rub(i, one, nearer / h)
     rub(j, one, nearer / h)
     near, far = (i, i) if t == 0.0 else (i, j)
@@ -292,7 +292,7 @@ def _meet(
     )
     part = times(parted / weight, normal)
     back = (0.0, 0.0, 0.0)
-    if one.bounciness > 0.0 and nearer > 2.0 * WAKES * h:
+    if one.bounciness > 0.0 and nearer > 2.0 * WAKE_SPEED * h:
         back = times((one.bounciness * nearer + nearer - stopped) / weight, normal)
     move_node(i, light * i.mobility * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import CharacterArrays, Numbers
-from pipeline.simulation.characters.constraint_projection import are_held
+from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
+from pipeline.simulation.characters.constraint_projection import is_gripped
 from pipeline.simulation.characters.solid_arrays import Solids, no_solids
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 
@@ -25,9 +25,9 @@ class Workspace(NamedTuple):
         solids: of other rooms, and room for those who are near them.
     """
 
-    order: Numbers
-    near: Numbers
-    pairs: Numbers
+    order: IntArray
+    near: IntArray
+    pairs: IntArray
     solids: Solids
 
 
@@ -58,7 +58,7 @@ def enclose(nodes: Records, owners: Records) -> None:
 
 
 @inlined
-def find_near(owners: Records, order: Numbers, near: Numbers) -> int:
+def find_near(owners: Records, order: IntArray, near: IntArray) -> int:
     """Find characters whose boxes overlap; return how many pairs there are."""
     for n in range(1, len(order)):
         c, x = order[n], owners[order[n]].low[0]
@@ -84,7 +84,7 @@ def find_near(owners: Records, order: Numbers, near: Numbers) -> int:
 
 @inlined
 def find_pairs(
-    nodes: Records, links: Records, owners: Records, own: Numbers, near: Numbers, pairs: Numbers
+    nodes: Records, links: Records, owners: Records, own: IntArray, near: IntArray, pairs: IntArray
 ) -> int:
     """Find links that may touch, those of one character first; boxes are met as wholes.
 
@@ -123,12 +123,12 @@ def find_pairs(
 
 @inlined
 def _keep_if_near(
-    nodes: Records, links: Records, pair: tuple[int, int], pairs: Numbers, found: int
+    nodes: Records, links: Records, pair: tuple[int, int], pairs: IntArray, found: int
 ) -> int:
     """Keep a pair of links if it may touch; return how many are kept now."""
     if found == len(pairs) or not _side_by_side(nodes, links[pair[0]], links[pair[1]]):
         return found
-    if are_held(nodes, links[pair[0]], links[pair[1]]):
+    if is_gripped(nodes, links[pair[0]], links[pair[1]]):
         return found
     pairs[found, 0], pairs[found, 1] = pair[0], pair[1]
     return found + 1
@@ -165,7 +165,7 @@ def _side_by_side(nodes: Records, one: Record, other: Record) -> bool:
 
 
 @inlined
-def _sort(near: Numbers, count: int) -> None:
+def _sort(near: IntArray, count: int) -> None:
     """Sort pairs, of which most are in order already."""
     for n in range(1, count):
         a, b = near[n, 0], near[n, 1]

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import LIMB, PERSON_NODES, Structures
+from pipeline.simulation.characters.body_arrays import LIMB, PERSON_NODES, RecordArray
 from pipeline.simulation.characters.body_plan import BodyPlan, Link
-from pipeline.simulation.characters.person_record import standing
+from pipeline.simulation.characters.person_record import standing_nodes
 from pipeline.simulation.characters.playthings import (
     BALL,
     BALL_MASS,
@@ -211,24 +211,24 @@ def _bent(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
     """Keep two links in a row from bending more than so far."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(angle))
-    return Link(_ends(a, c), least=least, most=math.inf)
+    return Link(_ends(a, c), shortest=least, longest=math.inf)
 
 
 def _tilted(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
     """Keep two links that stand on one another from tilting more than so far."""
     x, y = _sides(a, b, c, rest)
     least, most = (math.sqrt(x * x + y * y + s * 2 * x * y * math.sin(angle)) for s in (-1, 1))
-    return Link(_ends(a, c), least=least, most=most)
+    return Link(_ends(a, c), shortest=least, longest=most)
 
 
 def _folded(a: str, b: str, c: str, rest: Array) -> Link:
     """Keep a limb from folding too far, and from becoming quite straight."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(FOLDED))
-    return Link(_ends(a, c), least=least, most=x + y)
+    return Link(_ends(a, c), shortest=least, longest=x + y)
 
 
-def _limbs(rest: Array) -> Structures:
+def _limbs(rest: Array) -> RecordArray:
     """Return the legs and arms."""
     limbs = np.zeros(4, LIMB)
     for k, (side, stems) in enumerate(
@@ -295,7 +295,9 @@ def start_of(member: Character, plan: BodyPlan, ground: Ground) -> Array:
     proportions = proportions_of(member)
     if proportions is not None and member.acts:
         height = float(ground.height(np.array(x), np.array(z)))
-        return standing(proportions, np.array([x, z]), math.radians(member.heading_deg), height)
+        return standing_nodes(
+            proportions, np.array([x, z]), math.radians(member.heading_deg), height
+        )
     p = _turned(member, plan)
     p += [x, 0.0, z]
     floor = float((p[:, 1] - plan.radius).min())

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, Numbers, Structures
+from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, IntArray, RecordArray
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.dynamics.vectors import Vector, dot, length, minus, set_triple, times
@@ -43,8 +43,8 @@ class TouchLog(NamedTuple):
         filled: (1,) how many there are.
     """
 
-    events: Structures
-    filled: Numbers
+    events: RecordArray
+    filled: IntArray
 
 
 def new_touch_log() -> TouchLog:

@@ -17,7 +17,7 @@ from pipeline.simulation.characters.contact_response import (
     rubbed,
     sense,
 )
-from pipeline.simulation.characters.sleep_states import UNTANGLES, rouse
+from pipeline.simulation.characters.sleep_states import UNTANGLE_TIME, wake_touching
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
@@ -153,7 +153,7 @@ def meet(
     slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
     nearer = -dot(slip, n)
     depth = reach - apart
-    rouse(nodes, one, other, depth, nearer / h)
+    wake_touching(nodes, one, other, depth, nearer / h)
     turns_a, turns_b = boxes or _is_hinged(nodes, a), boxes or _is_hinged(nodes, b)
     w_a, w_b = _lightness(nodes, a, s, turns_a), _lightness(nodes, b, t, turns_b)
     light_a = borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1], w_a, w_b)
@@ -204,7 +204,7 @@ def _press(nodes: Records, link: Record, depth: float, n: Vector) -> None:
 def _untangled(owner: Record, depth: float, slack: float) -> float:
     """Return how far two links of one character may part that are so deep in one another [m]."""
     owner.self_penetrating = owner.self_penetrating or depth > KNOT
-    left: float = slack * max(1.0 - owner.tangled_time / UNTANGLES, 0.0)
+    left: float = slack * max(1.0 - owner.tangled_time / UNTANGLE_TIME, 0.0)
     return left
 
 

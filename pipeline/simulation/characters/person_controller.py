@@ -105,7 +105,7 @@ class CharacterView:
 
     @cached_property
     def things(self) -> tuple[int, ...]:
-        """Numbers of what stands on the ground and is too heavy to be kicked away."""
+        """IntArray of what stands on the ground and is too heavy to be kicked away."""
         owners = self.arrays.owners
         count = range(len(owners))
         stand = (k for k in count if k not in self.people and owners["nodes"][k, 1] > 1)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.characters.body_arrays import Numbers
+from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.body_plan import BodyPlan
 from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
@@ -123,9 +123,9 @@ class FramePoser:
     """
 
     inventory: Inventory
-    people: Numbers
-    acting: Numbers
-    joints: Numbers
+    people: IntArray
+    acting: IntArray
+    joints: IntArray
     things: tuple[ThingFrame, ...]
 
     def pose(
@@ -173,7 +173,7 @@ def frame_poser(
 ) -> FramePoser:
     """Return what is seen of characters."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
-    people, joints, things = list[int](), list[Numbers](), list[ThingFrame]()
+    people, joints, things = list[int](), list[IntArray](), list[ThingFrame]()
     acting = list[int]()
     first = 0
     for member, plan in zip(cast, plans, strict=True):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import MassError
-from pipeline.simulation.characters.body_arrays import Numbers, Structures
+from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
@@ -81,11 +81,11 @@ class Solids(NamedTuple):
         near: (n, 2) room for characters and solids whose boxes overlap.
     """
 
-    bodies: Structures
+    bodies: RecordArray
     planes: Array
-    triangles: Numbers
+    triangles: IntArray
     corners: Array
-    near: Numbers
+    near: IntArray
 
 
 def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, list[int]]:

@@ -24,7 +24,7 @@ from pipeline.simulation.characters.contact_response import (
     rub,
     rubbed,
 )
-from pipeline.simulation.characters.sleep_states import WAKES, wake
+from pipeline.simulation.characters.sleep_states import WAKE_SPEED, wake
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.solid_kinematics import gap_of, gives, go_on, shove, velocity_at
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
@@ -380,7 +380,7 @@ def _drive(
 @inlined
 def _stir(nodes: Records, owner: Record, solid: Record, depth: float, speed: float) -> None:
     """Wake somebody who is struck, or into whom something goes on."""
-    if speed > WAKES or (depth > DEEP and solid.inverse_mass == 0.0):
+    if speed > WAKE_SPEED or (depth > DEEP and solid.inverse_mass == 0.0):
         wake(nodes, owner)
 
 

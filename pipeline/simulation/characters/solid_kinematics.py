@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.body_arrays import Numbers
+from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
 from pipeline.simulation.dynamics.rounding import nearest
@@ -145,5 +145,5 @@ def _beyond(solids: Solids, solid: Record, local: Vector) -> tuple[float, Vector
 
 
 @inlined
-def _four(numbers: Numbers, k: int) -> tuple[int, int, int, int]:
+def _four(numbers: IntArray, k: int) -> tuple[int, int, int, int]:
     return numbers[k, 0], numbers[k, 1], numbers[k, 2], numbers[k, 3]

@@ -254,8 +254,8 @@ class TaskDispatcher:
             self.controllers[k].let_go(hand)
         if isinstance(self._errands[k], Hug | Reach | Grab | Grapple):
             self.controllers[k].stop()
-            self.controllers[k].record.faces = False
-            self.controllers[k].record.down = 0.0
+            self.controllers[k].record.has_facing = False
+            self.controllers[k].record.stoop_depth = 0.0
             self._errands[k] = None
 
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.body_arrays import LOCKED, RESTING, CharacterArrays, Numbers
+from pipeline.simulation.characters.body_arrays import LOCKED, RESTING, CharacterArrays, IntArray
 from pipeline.simulation.characters.box_contacts import meet_box, part
 from pipeline.simulation.characters.broad_phase import Workspace, enclose, find_near, find_pairs
 from pipeline.simulation.characters.constraint_projection import (
-    draw_in,
-    finish,
-    hold,
-    hold_fast,
-    project,
+    close_grips,
+    finish_constraints,
+    finish_grips,
+    project_constraints,
+    project_grips,
 )
 from pipeline.simulation.characters.contact_response import PARTING, TouchLog, grow_old
 from pipeline.simulation.characters.link_contacts import are_near, meet
-from pipeline.simulation.characters.motor_control import steer
-from pipeline.simulation.characters.sleep_states import look_who_rests, wake_near
+from pipeline.simulation.characters.motor_control import control_people
+from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
 from pipeline.simulation.characters.solid_contacts import SubStep, find_solids, meet_solids
 from pipeline.simulation.characters.terrain_contacts import stand
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry, inlined
@@ -127,10 +127,10 @@ def advance(
     log.filled[0] = 0
     _forget(arrays.links)
     for n in range(count):
-        steer(arrays, persons, grid, room.solids, h)
+        control_people(arrays, persons, grid, room.solids, h)
         _sub_step(arrays, grid, level, room, log, gravity, h, n / count)
     _feel(arrays.links, arrays.owners, dt)
-    look_who_rests(arrays.nodes, arrays.links, arrays.owners, arrays.grips, h, dt)
+    update_sleep(arrays.nodes, arrays.links, arrays.owners, arrays.grips, h, dt)
 
 
 @compiled
@@ -147,7 +147,7 @@ def _sub_step(
     nodes, links, middles, limbs, own, grips, owners = arrays
     damp(nodes, links, h)
     integrate(nodes, gravity, h)
-    draw_in(nodes, grips, h)
+    close_grips(nodes, grips, h)
     grow_old(links, h)
     enclose(nodes, owners)
     near = room.near[: find_near(owners, room.order, room.near)]
@@ -162,8 +162,8 @@ def _sub_step(
         slack = PARTING * h / ROUNDS if n < ROUNDS else 0.0
         for c in range(len(owners)):
             if owners[c].active:
-                project(nodes, links, middles, limbs, owners[c])
-        hold(nodes, grips)
+                project_constraints(nodes, links, middles, limbs, owners[c])
+        project_grips(nodes, grips)
         _meet_all(nodes, links, owners, pairs, h, slack, moment, log)
         _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
         if solid > 0:
@@ -174,8 +174,8 @@ def _sub_step(
                 stand(nodes, links, owners[c], grid, level, h, slack, moment, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
-            finish(nodes, links, middles, limbs, owners[c])
-    hold_fast(nodes, links, middles, limbs, owners, grips)
+            finish_constraints(nodes, links, middles, limbs, owners[c])
+    finish_grips(nodes, links, middles, limbs, owners, grips)
 
 
 @compiled
@@ -183,7 +183,7 @@ def _meet_all(
     nodes: Records,
     links: Records,
     owners: Records,
-    pairs: Numbers,
+    pairs: IntArray,
     h: float,
     slack: float,
     moment: float,
@@ -209,7 +209,7 @@ def _meet_boxes(
     nodes: Records,
     links: Records,
     owners: Records,
-    near: Numbers,
+    near: IntArray,
     h: float,
     slack: float,
     moment: float,

@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters.body_plan import character_arrays
+
 from .yards import DT, depth, least_bend, lengths_off, pile, random_crowd
 
 pytestmark = pytest.mark.slow

@@ -219,7 +219,7 @@ def test_a_hug_at_full_speed_does_not_hurt_unless_it_is_to() -> None:
             assert minds is not None
             did |= {mind.doing for mind in minds.minds}
             hugged = hugged or minds.minds[1].hugging
-            fastest = max(fastest, float(np.hypot(*characters.persons[1].going)))
+            fastest = max(fastest, float(np.hypot(*characters.persons[1].velocity)))
         assert fastest > 2.0
         assert ("withdrawal" in did) == slapstick
         assert hugged or slapstick

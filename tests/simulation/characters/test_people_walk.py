@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.simulation.characters import character_plans
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.characters.gait_timing import duty, stride_rate
+from pipeline.simulation.characters.gait_timing import duty_factor, stride_rate
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array
@@ -39,7 +39,7 @@ WALKS = [
 @entry
 def strides_at(speed: float, leg: float) -> tuple[float, float]:
     """Return the rate of strides, and the part of one for which a foot stands."""
-    return stride_rate(speed, leg), duty(speed, leg)
+    return stride_rate(speed, leg), duty_factor(speed, leg)
 
 
 ON_GROUND = 0.006

@@ -13,7 +13,7 @@ from pipeline.simulation.characters.body_plan import BodyPlan, character_arrays
 from pipeline.simulation.characters.broad_phase import Workspace, workspace_for
 from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
 from pipeline.simulation.characters.contact_response import TouchLog, new_touch_log
-from pipeline.simulation.characters.limb_limits import bend
+from pipeline.simulation.characters.limb_limits import joint_angle
 from pipeline.simulation.characters.link_contacts import closest
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.playthings import ball_plan, box_plan
@@ -142,7 +142,7 @@ def lengths_off(arrays: CharacterArrays) -> float:
     """Return how much the worst rigid link is off, as a part of its length."""
     least, most = arrays.links["length_limits"].T
     rigid = (least == most) & (least > 0.0)
-    apart = arrays.p[arrays.ends[:, 0]] - arrays.p[arrays.ends[:, 1]]
+    apart = arrays.p[arrays.links["ends"][:, 0]] - arrays.p[arrays.links["ends"][:, 1]]
     return float(np.abs(np.linalg.norm(apart, axis=1)[rigid] / least[rigid] - 1.0).max(initial=0.0))
 
 
@@ -151,7 +151,7 @@ def least_bend(nodes: Records, limbs: Records) -> float:
     """Return the least bend of all joints, negative where one points where it may not [rad]."""
     least = 9.0
     for n in range(len(limbs)):
-        least = min(least, bend(nodes, limbs[n]))
+        least = min(least, joint_angle(nodes, limbs[n]))
     return least
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.registry import MotorCommand
-from pipeline.simulation.characters.body_arrays import Numbers
+from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.visibility_route import WITHIN, Route, are_free
 from pipeline.simulation.spatial import Array
 
@@ -141,11 +141,11 @@ class _Standing:
         wholes: (n,) circles of one thing have one number.
     """
 
-    keys: Numbers
+    keys: IntArray
     middles: Array
     reaches: Array
     away: Array
-    wholes: Numbers
+    wholes: IntArray
 
 
 def _in_the_way(mind: Mind, target: int) -> _Standing:

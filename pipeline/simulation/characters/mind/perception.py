@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.characters.body_arrays import Numbers
+from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.person_controller import SLIM, CharacterView
 from pipeline.simulation.characters.person_record import PELVIS
 from pipeline.simulation.spatial import Array
@@ -32,7 +32,7 @@ class Surroundings:
     def __init__(self, view: CharacterView, kinds: Sequence[str], heights: Sequence[float]) -> None:
         self.view, self.kinds = view, tuple(kinds)
         owners = view.arrays.owners
-        self._firsts: Numbers = owners["nodes"][:, 0].copy()
+        self._firsts: IntArray = owners["nodes"][:, 0].copy()
         self._counts: Array = owners["nodes"][:, 1].astype(float)
         self.people = np.array([k in view.people for k in range(len(kinds))], dtype=bool)
         self._pelvises = self._firsts[self.people] + PELVIS

@@ -43,7 +43,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Character
 
 SUB_STEPS = 240.0
@@ -56,8 +56,10 @@ Kept = tuple[Array, Array, Records]
 """Of a row: nodes, rotations of balls, and those who act."""
 
 
-class Characters:
+class Characters(Troupe):
     """All characters of a scene."""
+
+    hits_obstacles = True
 
     def __init__(self, cast: Sequence[Character], world: World) -> None:
         self.world, self.cast = world, cast
@@ -134,7 +136,7 @@ class Characters:
 
     # --- solids of other rooms --------------------------------------------------------
 
-    def surround(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
+    def set_obstacles(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
         """Take in what there is to run into; return that of it which is told of from then on."""
         self.solid_tracker = SolidTracker(obstacles, len(self.cast))
         self.workspace = workspace_for(self.arrays, self.solid_tracker.solids)
@@ -142,12 +144,12 @@ class Characters:
         self.obstacle_circles.put(self.solid_tracker.solids.bodies)
         return self.solid_tracker.obstacles
 
-    def feel(self, motion: Motion) -> None:
+    def update_obstacles(self, motion: Motion) -> None:
         """Take in where the solids are now, and how fast."""
         spans = self.arrays.owners["nodes"].tolist()
         self.solid_tracker.feel(motion, [self.arrays.p[first : first + n] for first, n in spans])
 
-    def pushed(self) -> tuple[Array, Array]:
+    def obstacle_impulses(self) -> tuple[Array, Array]:
         """Return what solids were pushed by since they were felt: (S, 3) [N s], (S, 3) [N m s]."""
         return self.solid_tracker.pushed()
 
@@ -170,8 +172,8 @@ class Characters:
         contacts = self.contact_reporter.contacts(self.log, step) + self._footfalls(step)
         arrived, touched = self.dispatcher.arrived(), self.contact_reporter.touched(self.log)
         cries = self.minds.cries if self.minds is not None else ()
-        happened = self.signals.of_step(cries)
-        self._facts = Facts(contacts, arrived=arrived, touched=touched, happened=happened)
+        signals = self.signals.of_step(cries)
+        self._facts = Facts(contacts, arrived=arrived, touched=touched, signals=signals)
 
     def move(self) -> None:
         """Let all nodes go on by a step."""
@@ -195,7 +197,7 @@ class Characters:
         height = p[:, 1] - floor
         self.rolling.go(p - before, height < radius * (1.0 + DEEP) + 1e-3)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         self._kept.append((self.dispatcher.view.p.copy(), self.rolling.R, np.array(self.persons)))
         if self.minds is not None:

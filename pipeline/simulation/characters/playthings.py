@@ -9,7 +9,7 @@ import numpy as np
 
 from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.dynamics.hull import hull_of
-from pipeline.simulation.figures.solids import Solid, ball, lofted
+from pipeline.simulation.figures.solids import Solid, ball_solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
 from pipeline.spec.cast import Character
 
@@ -192,7 +192,7 @@ def looks_of(member: Character, plan: BodyPlan) -> Seen:
 
 def _ball(radius: float, material: str) -> Seen:
     """Return a ball of two colours, by which one sees it turn."""
-    whole = ball(np.zeros(3), radius)
+    whole = ball_solid(np.zeros(3), radius)
     middles = whole.vertices[whole.faces].mean(axis=1)
     light = np.arctan2(middles[:, 1], middles[:, 2]) // (np.pi / 3.0) % 2.0 == 1.0
     return [
@@ -235,7 +235,7 @@ def _bar(a: Array, b: Array, radius: float) -> Solid:
     ring = np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * other
     steps = [(a, s) for s in (-0.9, -0.5, 0.0)] + [(b, s) for s in (0.0, 0.5, 0.9)]
     rings = [end + radius * (s * along + np.sqrt(1.0 - s * s) * ring) for end, s in steps]
-    return lofted(np.stack(rings), np.stack([a - radius * along, b + radius * along]))
+    return loft(np.stack(rings), np.stack([a - radius * along, b + radius * along]))
 
 
 def _turned(profile: list[tuple[float, float]]) -> Solid:
@@ -244,7 +244,7 @@ def _turned(profile: list[tuple[float, float]]) -> Solid:
     ring = np.stack([np.cos(angle), np.zeros(AROUND), -np.sin(angle)], axis=1)
     rings = [max(r, 1e-4) * ring + [0.0, y, 0.0] for r, y in reversed(profile)]
     ends = np.array([[0.0, profile[-1][1], 0.0], [0.0, profile[0][1], 0.0]])
-    return lofted(np.stack(rings), ends)
+    return loft(np.stack(rings), ends)
 
 
 def _slab(size: tuple[float, float, float], middle: tuple[float, float, float]) -> Solid:

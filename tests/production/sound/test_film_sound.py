@@ -17,7 +17,7 @@ from audio.grid import SAMPLE_RATE, sample_of
 from audio.modal import write_wav
 from audio.score import Score, ScoreEvent
 from audio.words import Sound
-from render.film import write_film
+from render.film_encoder import write_film
 
 EVENTS = 20
 APART = 0.5

@@ -13,7 +13,7 @@ import pytest
 from audio.instruments import program_of
 from audio.midi import write_midi
 from audio.voices import notes_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.characters.mind.mind_scheduler import AGAIN, DISTRESS
 from pipeline.simulation.characters.step_report import SCREAM, WHIMPER, loudness

@@ -16,8 +16,8 @@ from pipeline.simulation.characters.playthings import MATERIALS
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.dynamics.compiled import Record, Records
-from pipeline.simulation.happenings import Happening
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
+from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
@@ -214,7 +214,7 @@ class SignalDetector:
         self._pains_now = dispatcher.view.arrays.owners["pain"]
         self._hugged: list[Hug | None] = [None for _ in self._owners]
 
-    def of_step(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Happening, ...]:
+    def of_step(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Signal, ...]:
         """Return what has begun in the last step.
 
         Args:
@@ -223,7 +223,7 @@ class SignalDetector:
         """
         return (*self._pains(), *(self._cry(*cry) for cry in cries), *self._hugs())
 
-    def _pains(self) -> Iterator[Happening]:
+    def _pains(self) -> Iterator[Signal]:
         view = self.dispatcher.view
         before, self._pain = self._pain, self._pains_now[self._owners]
         more = self._pain - before
@@ -236,26 +236,24 @@ class SignalDetector:
             by = int(own["touched_owner"][int(np.argmax(own["energy"]))])
             whom = view.names[by] if by >= 0 else ""
             much = float(self._pain[k] - before[k])
-            yield Happening("pain", self.dispatcher.controllers[k].name, whom)
+            yield Signal("pain", self.dispatcher.controllers[k].name, whom)
             if much > CRIES and k not in self.dispatcher.minded:
                 yield self._cry(k, by, loudness(much))
 
-    def _cry(self, k: int, by: int, strength: float) -> Happening:
+    def _cry(self, k: int, by: int, strength: float) -> Signal:
         size = THROAT * float(self.dispatcher.controllers[k].record.height)
         return self._voice("cry", k, by, "head", strength, size)
 
-    def _voice(
-        self, kind: str, k: int, by: int, part: str, strength: float, size: float
-    ) -> Happening:
+    def _voice(self, kind: str, k: int, by: int, part: str, strength: float, size: float) -> Signal:
         controller, view = self.dispatcher.controllers[k], self.dispatcher.view
         joint = HEAD if part == "head" else SHOULDERS
         x, y, z = view.nodes(int(controller.record.owner))[joint].tolist()
         whom = view.names[by] if by >= 0 else ""
-        return Happening(
+        return Signal(
             kind, controller.name, whom, f"{controller.name}.{part}", (x, y, z), strength, size
         )
 
-    def _hugs(self) -> Iterator[Happening]:
+    def _hugs(self) -> Iterator[Signal]:
         for k in range(len(self.dispatcher.controllers)):
             errand = self.dispatcher.errand(k)
             hug = errand if isinstance(errand, Hug) and errand.touched > CLOSES else None

@@ -141,7 +141,7 @@ def test_one_in_distress_cries_on_the_way_back_and_not_in_arms() -> None:
     simulation = Simulation(read_scene(LOST))
     minds = troupe(simulation).minds
     assert minds is not None
-    kid = next(mind for mind in minds.minds if mind.actor.name == "kid")
+    kid = next(mind for mind in minds.minds if mind.controller.name == "kid")
     kid.anxiety = 0.9
     levels, hugging = [], []
     while not simulation.finished:

@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.simulation.bodies.building import build_of
 from pipeline.simulation.dynamics.impact_law import MEASURED
 from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld
-from pipeline.simulation.dynamics.rigid import State
+from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.body import Box, Sphere
 

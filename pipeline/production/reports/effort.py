@@ -2,7 +2,7 @@
 
 Joint values and the poses of the body are the take's rows; their derivatives are central
 differences, so the first and the last row have none. What the motion needs as force and
-moment is carried by the feet that rest on the ground (see `support`); with these forces and
+moment is carried by the feet that rest on the ground (see `ground_reaction`); with these forces and
 gravity, inverse dynamics gives the torque τ of every joint, and
 
     power   P = Σ |τ q̇|               over all joints
@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from pipeline.errors import UsageError
 from pipeline.production.reports.gait_contacts import rests, tips_of
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.support import support
+from pipeline.simulation.dynamics.ground_reaction import ground_reaction
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.inverse_dynamics import (
@@ -166,7 +166,7 @@ def _effort(walkers: Walkers, c: int, take: Take) -> Effort:
     middle = motion.X_WB[:, :3, 3] + _centre_arm(tree, masses, motion.q, motion.X_WB)
     about = needed.moment + cross(motion.X_WB[:, :3, 3] - middle, needed.force)
     points = tips[1:-1]
-    borne = support(points - middle[:, None], stands, needed.force, about)
+    borne = ground_reaction(points - middle[:, None], stands, needed.force, about)
     frames = [limb.joints[-1] for limb in skeleton.legs]
     load = inverse_dynamics(tree, masses, motion, ExternalForces(frames, points, borne.forces))
     return Effort(

@@ -15,13 +15,13 @@ from pipeline.simulation.bodies.bevelled import bevelled
 from pipeline.simulation.bodies.pips import MATERIAL, pips
 from pipeline.simulation.bodies.polyhedra import hull_of_words
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
-from pipeline.simulation.dynamics.rigid import Build
+from pipeline.simulation.dynamics.rigid_body import BodyModel
 from pipeline.simulation.figures.solids import Solid, ball_solid
 from pipeline.simulation.take import Mesh
 from pipeline.spec.body import Sphere
 
 
-def build_of(words: Any, path: str) -> Build:
+def build_of(words: Any, path: str) -> BodyModel:
     """Return a body as it is built.
 
     Args:
@@ -45,7 +45,7 @@ def build_of(words: Any, path: str) -> Build:
         hull = replace(hull, vertices=hull.vertices - own.centre)
     if words.inertia == "scalar":
         own = _isotropic(own)
-    return Build(
+    return BodyModel(
         mass=own,
         hull=hull,
         radius=radius,
@@ -66,7 +66,7 @@ def _isotropic(mass: MassProperties) -> MassProperties:
     return replace(mass, inertia=np.trace(mass.inertia) / 3.0 * np.eye(3))
 
 
-def seen_of(words: Any, build: Build, material: str) -> list[tuple[str, Solid, str]]:
+def seen_of(words: Any, build: BodyModel, material: str) -> list[tuple[str, Solid, str]]:
     """Return what is seen of a body: names after its own, solids and materials."""
     if build.hull is None:
         return [("", ball_solid(np.zeros(3), build.radius), material)]

@@ -17,8 +17,8 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.gathering import Block, appearance, blocks_of, start_of
 from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
+from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
-from pipeline.simulation.dynamics.pushing import Pushed
 from pipeline.simulation.obstacles import directions
 from pipeline.simulation.solid import Motion, Obstacle, Weight
 from pipeline.simulation.spatial import Array, matrix, turn
@@ -100,7 +100,7 @@ class Colliders(Troupe):
             SceneError: something is in something else at the begin.
         """
         nodes = [one.node for one in self.obstacles]
-        poses = Pushed(p[nodes], R[nodes]) if nodes else None
+        poses = Poses(p[nodes], R[nodes]) if nodes else None
         if step > 0:
             self._go_on(step, poses)
         else:
@@ -110,7 +110,7 @@ class Colliders(Troupe):
         state = self.solver.state
         self._rows.append((state.p, matrix(state.q), self.alive.copy()))
 
-    def _go_on(self, step: int, poses: Pushed | None) -> None:
+    def _go_on(self, step: int, poses: Poses | None) -> None:
         for strike in self.solver.advance(poses):
             if self._is_heard(strike):
                 self._contacts.append(self._contact(strike))
@@ -156,7 +156,7 @@ class Colliders(Troupe):
 
     def _rubs(self, step: int) -> list[Rub]:
         """Return what has ended to roll or to slide, in rows."""
-        found, row = self.solver.brushes(), step // self.row_steps
+        found, row = self.solver.sliding_motion(), step // self.row_steps
         rolls = self._balls & (found.slip <= SLIPS * found.along)
         final = row == self.world.clock.rows - 1
         where = found.place, found.normal, final, found.other

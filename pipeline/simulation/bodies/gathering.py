@@ -17,7 +17,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.arranging import Spots, spots_of
 from pipeline.simulation.bodies.building import build_of, mesh_of, seen_of
 from pipeline.simulation.dynamics.mujoco_world import Collider
-from pipeline.simulation.dynamics.rigid import Build, State, unturned
+from pipeline.simulation.dynamics.rigid_body import BodyModel, State, unrotate
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, quaternion, turn
 from pipeline.simulation.take import Mesh, Node, Part
@@ -173,7 +173,7 @@ def _highest(ground: Ground, places: Array, radius: float) -> float:
 
 
 @cache
-def _build_of(words: Any, path: str) -> Build:
+def _build_of(words: Any, path: str) -> BodyModel:
     """Return the build of a body; what is alike is built once."""
     return build_of(words, path)
 
@@ -185,14 +185,14 @@ def _half(words: Any) -> Array | None:
     return np.full(3, 0.5 * words.size) if isinstance(words, Cube) else None
 
 
-def _bounds(build: Build) -> tuple[Array, Array]:
+def _bounds(build: BodyModel) -> tuple[Array, Array]:
     """Return the corners (3,) of the box around a body [m]."""
     if build.hull is None:
         return np.full(3, -build.radius), np.full(3, build.radius)
     return build.hull.vertices.min(axis=0), build.hull.vertices.max(axis=0)
 
 
-def _size(build: Build) -> float:
+def _size(build: BodyModel) -> float:
     low, high = _bounds(build)
     return float((high - low).max())
 
@@ -204,7 +204,7 @@ def start_of(blocks: Sequence[Block], ground: Ground) -> tuple[State, list[bool]
         np.array([block.p for block in blocks]),
         quaternion(R),
         np.array([block.v for block in blocks]),
-        unturned(R, np.array([block.w for block in blocks])),
+        unrotate(R, np.array([block.w for block in blocks])),
     )
     return state, [block.on_ground for block in blocks]
 

@@ -13,8 +13,8 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.building import build_of, mesh_of, seen_of
 from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
-from pipeline.simulation.dynamics.bouncing import Bouncing, Impact
-from pipeline.simulation.dynamics.rigid import Bodies, Build, State, dot, unturned
+from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, State, dot, unrotate
+from pipeline.simulation.dynamics.terrain_bodies import GroundImpact, TerrainBodies
 from pipeline.simulation.spatial import Array, heading, matrix, quaternion
 from pipeline.simulation.take import Contact, Mesh, Node, Note, Part
 from pipeline.simulation.tracks import turned
@@ -46,7 +46,7 @@ class Tumblers(Troupe):
         self.materials = materials
         builds = _builds(cast)
         bodies = Bodies.of(builds)
-        self.bouncing = Bouncing(bodies, _start(cast), world.ground)
+        self.bouncing = TerrainBodies(bodies, _start(cast), world.ground)
         _put_down(cast, self.bouncing)
         _refuse_overlap(cast, self.bouncing)
         self.inventory = _inventory(cast, builds, materials, world.clock.rows)
@@ -131,7 +131,7 @@ class Tumblers(Troupe):
             places=tuple(rub.places[k] for k in at),
         )
 
-    def _contact(self, step: int, impact: Impact) -> Contact:
+    def _contact(self, step: int, impact: GroundImpact) -> Contact:
         i = impact.body
         fraction = min(impact.time / self.world.clock.dt, math.nextafter(1.0, 0.0))
         return Contact(
@@ -151,13 +151,13 @@ class Tumblers(Troupe):
         )
 
 
-def _builds(cast: Sequence[Member]) -> list[Build]:
+def _builds(cast: Sequence[Member]) -> list[BodyModel]:
     """Return the bodies as they are built.
 
     Raises:
         SceneError: shapes are no solids.
     """
-    builds, problems = list[Build](), list[Problem]()
+    builds, problems = list[BodyModel](), list[Problem]()
     for i, member in cast:
         try:
             builds.append(build_of(member.body, f"cast[{i}].body"))
@@ -179,10 +179,10 @@ def _start(cast: Sequence[Member]) -> State:
         w.append(np.radians(member.spin_deg))
     R_WB = np.array(R)
     v = np.array([member.velocity for _, member in cast], dtype=float)
-    return State(np.array(p, dtype=float), quaternion(R_WB), v, unturned(R_WB, np.array(w)))
+    return State(np.array(p, dtype=float), quaternion(R_WB), v, unrotate(R_WB, np.array(w)))
 
 
-def _put_down(cast: Sequence[Member], bouncing: Bouncing) -> None:
+def _put_down(cast: Sequence[Member], bouncing: TerrainBodies) -> None:
     """Put bodies whose height is not given on the ground, by halving what is between."""
     rows = np.array([len(member.at) == 2 for _, member in cast])
     if not rows.any():
@@ -195,10 +195,10 @@ def _put_down(cast: Sequence[Member], bouncing: Bouncing) -> None:
         deep = bouncing.depths() > 0.0
         low, high = np.where(deep, p[:, 1], low), np.where(deep, high, p[:, 1])
     p[rows, 1] = high[rows]
-    bouncing.look()
+    bouncing.find_contacts()
 
 
-def _refuse_overlap(cast: Sequence[Member], bouncing: Bouncing) -> None:
+def _refuse_overlap(cast: Sequence[Member], bouncing: TerrainBodies) -> None:
     """Refuse bodies that begin in the ground.
 
     Raises:
@@ -219,7 +219,7 @@ def _refuse_overlap(cast: Sequence[Member], bouncing: Bouncing) -> None:
 
 
 def _inventory(
-    cast: Sequence[Member], builds: Sequence[Build], materials: Sequence[str], rows: int
+    cast: Sequence[Member], builds: Sequence[BodyModel], materials: Sequence[str], rows: int
 ) -> Inventory:
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     for i, ((_, member), build, material) in enumerate(zip(cast, builds, materials, strict=True)):

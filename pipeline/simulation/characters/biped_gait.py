@@ -16,7 +16,7 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import surface
+from pipeline.simulation.dynamics.terrain_grid import surface_at
 from pipeline.simulation.dynamics.vectors import Vector, plus, put, row
 from pipeline.simulation.spatial import Array
 
@@ -199,7 +199,7 @@ def _aim(person: Record, k: int, left: float, share: float, frame: Record, verti
     x, z = _beside(person, k, x, z, heading)
     x = person.land[k, 0] + share * (x - person.land[k, 0])
     z = person.land[k, 2] + share * (z - person.land[k, 2])
-    y, _ = surface(frame, vertices, x, z)
+    y, _ = surface_at(frame, vertices, x, z)
     person.land[k, 0], person.land[k, 1], person.land[k, 2] = x, y + person.ankle, z
     person.yaw_land[k] += share * wrapped(heading - person.yaw_land[k])
     _arch(person, k, frame, vertices)
@@ -231,7 +231,7 @@ def _arch(person: Record, k: int, frame: Record, vertices: Array) -> None:
     for i in range(1, 6):
         u = i / 6.0
         x, y, z = a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2])
-        ground, _ = surface(frame, vertices, x, z)
+        ground, _ = surface_at(frame, vertices, x, z)
         need = (ground + person.ankle + 0.5 * clear - y) / (4.0 * u * (1.0 - u))
         clear = max(clear, need)
     person.arch[k] = max(person.arch[k], min(clear, 0.6 * leg_of(person)))
@@ -370,7 +370,7 @@ def _bars(person: Record, k: int) -> float:
 @compiled
 def incline(frame: Record, vertices: Array, place: Vector, yaw: float) -> float:
     """Return how steep the ground is along a foot, upward [rad]."""
-    _, n = surface(frame, vertices, place[0], place[2])
+    _, n = surface_at(frame, vertices, place[0], place[2])
     return math.atan2(n[2] * math.sin(yaw) - n[0] * math.cos(yaw), n[1])
 
 

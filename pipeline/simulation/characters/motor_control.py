@@ -23,7 +23,7 @@ from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import Grid
+from pipeline.simulation.dynamics.terrain_grid import Grid
 
 STUNS = 0.5
 """Energy of a blow after which muscles are quite slack, for each kilogram of the body [J/kg]."""

@@ -16,7 +16,7 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.person_record import FOOT, PELVIS, SITTING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import Grid, surface
+from pipeline.simulation.dynamics.terrain_grid import Grid, surface_at
 
 MOST = 0.22
 """How much legs speed up or brake, in g."""
@@ -106,8 +106,8 @@ def _ease(person: Record, wx: float, wz: float, ground: Grid) -> float:
         return 1.0
     ahead = 0.4 * leg_of(person) / speed
     x, z = person.at[0], person.at[1]
-    here, _ = surface(ground.frame, ground.vertices, x - ahead * wx, z - ahead * wz)
-    there, _ = surface(ground.frame, ground.vertices, x + ahead * wx, z + ahead * wz)
+    here, _ = surface_at(ground.frame, ground.vertices, x - ahead * wx, z - ahead * wz)
+    there, _ = surface_at(ground.frame, ground.vertices, x + ahead * wx, z + ahead * wz)
     slope = (there - here) / (2.0 * ahead * speed)
     return math.exp(-0.5 * HIKE * max(abs(slope + FALL) - FALL, 0.0))
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Records
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 
@@ -168,7 +168,7 @@ def persons_of(
         headings: (n,) where each looks, positive turns about +Y [rad].
         ground: (n,) height of the ground there [m].
     """
-    persons = zeros(len(proportions), PERSON)
+    persons = zero_records(len(proportions), PERSON)
     for i, (who, first) in enumerate(zip(proportions, firsts, strict=True)):
         _measure(persons[i], who)
         persons[i].node = first

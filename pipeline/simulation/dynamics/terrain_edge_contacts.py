@@ -1,16 +1,15 @@
-"""Ridges: polyhedra that meet the edges and vertices of a terrain that stand out.
+"""Edge contacts: polyhedra on the convex edges and vertices of a terrain.
 
-Above the ground a convex body leaves a gap, measured straight up, that is linear between
-the lines in which edges of either are seen from above. So the least gap lies at a vertex of
-the body, at a vertex of the ground, or where two edges cross; and in hollows of the ground
-only at the first. Vertices and crossings are looked at here, and only where the ground
-stands out.
+Above the ground a convex body leaves a gap, measured straight up, that is linear between the lines
+in which edges of either are seen from above. So the least gap lies at a vertex of the body, at a
+vertex of the ground, or where two edges cross; in hollows of the ground only at the first. Vertices
+and crossings are looked at here, only where the ground is convex.
 
-Two edges count where the gap grows from their crossing along both: else it is less at
-another crossing or an end. Then their normal lies between those of the ground beside the
-one and between those of the body beside the other, so it is a direction in which they can
-be parted; an edge that has cut deep into a wall tells how far it is from that, not from the
-top. A gap counts along the normal of the contact: the facet's, or that of both edges.
+Two edges count where the gap grows from their crossing along both: else it is less at another
+crossing or an end. Then their normal lies between those of the ground beside the one and between
+those of the body beside the other, so it is a direction in which they can be separated. An edge
+deep in a wall is measured from that wall, not from the top. The gap counts along the normal of the
+contact: the facet's, or that of both edges.
 
 Source: Gregorius 2013 (arcs of the Gauss map that cross), for edges of two convex solids.
 """
@@ -21,10 +20,9 @@ import math
 
 import numpy as np
 
+from pipeline.simulation.dynamics.body_record import Shapes, Workspace, insert_new_contact
 from pipeline.simulation.dynamics.compiled import Record, compiled
-from pipeline.simulation.dynamics.contacts import insert_new
-from pipeline.simulation.dynamics.grid import Grid, Spans
-from pipeline.simulation.dynamics.records import Room, Shapes
+from pipeline.simulation.dynamics.terrain_grid import Grid, Spans
 from pipeline.simulation.dynamics.vectors import (
     Rows,
     Vector,
@@ -40,16 +38,16 @@ from pipeline.simulation.dynamics.vectors import (
 )
 from pipeline.simulation.spatial import Array
 
-LEVEL = 1e-9
+LEVEL_NORMAL = 1e-9
 """Rise of a normal that is none."""
 
-PARALLEL = 1e-6
+PARALLEL_EDGES = 1e-6
 """Sine of the angle between edges that cross nowhere in particular."""
 
-ALONG = 1e-3
+EDGE_IN_PLANE = 1e-3
 """Sine of the angle to a facet or a triangle at which an edge lies in it."""
 
-UP = 1e-3
+UPWARD_FACET = 1e-3
 """Rise of the normal of a facet that nothing below can touch."""
 
 Box = tuple[Vector, Vector]
@@ -57,13 +55,13 @@ Box = tuple[Vector, Vector]
 
 
 @compiled
-def meet_ridges(
+def add_edge_contacts(
     grid: Grid,
     shapes: Shapes,
     body: Record,
     p: Vector,
     R: Rows,
-    room: Room,
+    room: Workspace,
     box: Box,
     cells: Spans,
     slack: float,
@@ -98,15 +96,15 @@ def meet_ridges(
             if apart or max(c[1], d[1]) < least[1] - slack:
                 continue
             if one == other:
-                _meet_peak(shapes.facets, body, p, R, c, slack)
+                _add_vertex_on_facet(shapes.facets, body, p, R, c, slack)
             else:
                 if edges < 0:
-                    edges = _lower_edges(shapes, body, R, room)
-                _meet_edge(room.edges, edges, body, p, c, minus(d, c), grid.sides[k], slack)
+                    edges = _downward_edges(shapes, body, R, room)
+                _add_crossings(room.edges, edges, body, p, c, minus(d, c), grid.sides[k], slack)
 
 
 @compiled
-def _lower_edges(shapes: Shapes, body: Record, R: Rows, room: Room) -> int:
+def _downward_edges(shapes: Shapes, body: Record, R: Rows, room: Workspace) -> int:
     """Write edges that something below can touch; return how many.
 
     Beginnings and extents, and the normals of the facets beside, all in the world.
@@ -118,7 +116,7 @@ def _lower_edges(shapes: Shapes, body: Record, R: Rows, room: Room) -> int:
         start, end = shapes.edges[e, 0], shapes.edges[e, 1]
         one = row(shapes.facets, facet + shapes.edges[e, 2])
         other = row(shapes.facets, facet + shapes.edges[e, 3])
-        if min(dot(R[1], one), dot(R[1], other)) < UP:
+        if min(dot(R[1], one), dot(R[1], other)) < UPWARD_FACET:
             one, other = turned(R, one), turned(R, other)
             for i in range(3):
                 edges[n, i] = world[start, i]
@@ -129,7 +127,9 @@ def _lower_edges(shapes: Shapes, body: Record, R: Rows, room: Room) -> int:
 
 
 @compiled
-def _meet_peak(facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, slack: float) -> None:
+def _add_vertex_on_facet(
+    facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, slack: float
+) -> None:
     """Add a vertex of the ground near a facet, its gap being the distance from that.
 
     No ground hangs over, so it comes in by facets that look down, and has done so as well
@@ -143,22 +143,22 @@ def _meet_peak(facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, sl
     first, count = body.facets
     for k in range(first, first + count):
         away, up = dot(row(facets, k), place) - facets[k, 3], dot(R[1], row(facets, k))
-        if up < -LEVEL:
+        if up < -LEVEL_NORMAL:
             if away > slack:
                 return
             low = max(low, -away / up)
             if away > most:
                 most, which = away, k
-        elif up > LEVEL:
+        elif up > LEVEL_NORMAL:
             high = min(high, -away / up)
         elif away > 0.0:
             return
     if which >= 0 and low <= high:
-        insert_new(body, most, times(-1.0, turned(R, row(facets, which))), lever)
+        insert_new_contact(body, most, times(-1.0, turned(R, row(facets, which))), lever)
 
 
 @compiled
-def _meet_edge(
+def _add_crossings(
     edges: Array,
     n: int,
     body: Record,
@@ -185,28 +185,28 @@ def _meet_edge(
                 (edges[e, 6], edges[e, 7], edges[e, 8]),
                 (edges[e, 9], edges[e, 10], edges[e, 11]),
             )
-            if _parts(along, row(sides, 0), row(sides, 1)) and _parts(ground, one, other):
+            if _separates(along, row(sides, 0), row(sides, 1)) and _separates(ground, one, other):
                 rise = edges[e, 1] + s * along[1] - (c[1] + t * ground[1])
-                _cross(body, along, ground, rise, minus(plus(c, times(t, ground)), p), slack)
+                _add_crossing(body, along, ground, rise, minus(plus(c, times(t, ground)), p), slack)
 
 
 @compiled
-def _parts(way: Vector, one: Vector, other: Vector) -> bool:
+def _separates(way: Vector, one: Vector, other: Vector) -> bool:
     """Say whether a line leaves one of two planes that meet in an edge and enters the other."""
     first, second = dot(way, one), dot(way, other)
-    level = ALONG * length(way)
+    level = EDGE_IN_PLANE * length(way)
     return first * second <= 0.0 or min(abs(first), abs(second)) <= level
 
 
 @compiled
-def _cross(
+def _add_crossing(
     body: Record, along: Vector, ground: Vector, rise: float, lever: Vector, slack: float
 ) -> None:
     """Add the contact of two edges that cross, seen from above, one above the other."""
     normal = cross(along, ground)
     square = dot(normal, normal)
-    if square > PARALLEL * PARALLEL * dot(along, along) * dot(ground, ground):
+    if square > PARALLEL_EDGES * PARALLEL_EDGES * dot(along, along) * dot(ground, ground):
         normal = times(math.copysign(1.0 / length(normal), normal[1]), normal)
         gap = rise * normal[1]
         if gap <= slack:
-            insert_new(body, gap, normal, lever)
+            insert_new_contact(body, gap, normal, lever)

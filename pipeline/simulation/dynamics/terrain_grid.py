@@ -1,7 +1,7 @@
-"""Grid: the surface of a terrain for compiled code, and what of it lies under a body.
+"""Terrain grid: the surface of a terrain for compiled code, and its convex edges.
 
-The same triangles as those of the height field, see there; places are taken to the frame of
-the grid, which may be turned.
+The triangles are those of the height field. Positions are taken to the frame of the grid, which
+may be turned about the vertical.
 """
 
 from __future__ import annotations
@@ -13,16 +13,64 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, compiled
-from pipeline.simulation.dynamics.standing_out import standing_out
 from pipeline.simulation.dynamics.vectors import Vector, row
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, cross
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.simulation.terrain.quadfield import QuadField
 
-TILE = 8
+CONVEX_EDGE_HEIGHT = 1e-9
+"""Height by which two triangles differ from one plane, in cells: less is rounding."""
+
+
+def convex_edges(
+    vertices: Array, faces: NDArray[np.uint32], cell: float
+) -> tuple[NDArray[np.int64], Array]:
+    """Return the edges that stand out, and the border; beside that the ground drops upright.
+
+    Args:
+        vertices: (V, 3) [m].
+        faces: (F, 3) triangles, counter-clockwise from above.
+        cell: length of a cell [m].
+
+    Returns:
+        Edges (E, 2), and the normals of the ground on both sides of each (E, 2, 3).
+    """
+    whole = faces.astype(np.int64)
+    sides = np.concatenate([whole[:, [0, 1, 2]], whole[:, [1, 2, 0]], whole[:, [2, 0, 1]]])
+    ends = np.sort(sides[:, :2], axis=1)
+    order = np.argsort(ends[:, 0] * len(vertices) + ends[:, 1], kind="stable")
+    ends, sides = ends[order], sides[order]
+    twin = np.zeros(len(ends), dtype=bool)
+    twin[:-1] = (ends[1:] == ends[:-1]).all(axis=1)
+    first = np.flatnonzero(twin)
+    up = _triangle_normals(vertices[sides])
+    ahead = vertices[sides[first + 1, 2]] - vertices[sides[first, 0]]
+    falls = first[(up[first] * ahead).sum(axis=-1) < -CONVEX_EDGE_HEIGHT * cell]
+    alone = ~twin
+    alone[first + 1] = False
+    way = vertices[sides[alone, 1]] - vertices[sides[alone, 0]]
+    out = cross(way, np.array([0.0, 1.0, 0.0]))
+    out /= np.sqrt((out**2).sum(axis=-1))[:, None]
+    return (
+        np.concatenate([ends[falls], ends[alone]]),
+        np.concatenate(
+            [np.stack([up[falls], up[falls + 1]], axis=1), np.stack([up[alone], out], axis=1)]
+        ),
+    )
+
+
+def _triangle_normals(triangles: Array) -> Array:
+    """Return the normals (F, 3) of triangles (F, 3, 3)."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    up = cross(b - a, c - a)
+    result: Array = up / np.sqrt((up**2).sum(axis=-1))[:, None]
+    return result
+
+
+TILE_CELLS = 8
 """Cells along a tile, of which the height is known as a whole."""
 
-ROUNDING = 1e-9
+POSITION_ROUNDING = 1e-9
 """What places of vertices may be wrong by, in sizes of the terrain."""
 
 FRAME = np.dtype(
@@ -66,14 +114,14 @@ class Grid(NamedTuple):
 
 def grid_of(field: HeightField) -> Grid:
     """Make a height field ready."""
-    edges, sides = standing_out(field.vertices, field.faces, min(field.cell))
+    edges, sides = convex_edges(field.vertices, field.faces, min(field.cell))
     ridges = np.concatenate([edges, np.repeat(np.unique(edges)[:, None], 2, axis=1)])
     sides = np.concatenate([sides, np.zeros((len(ridges) - len(edges), 2, 3))])
-    order, starts = _by_cell(ridges, field)
+    order, starts = _sort_by_cell(ridges, field)
     return Grid(
         frame_of(field),
         np.ascontiguousarray(field.vertices),
-        _tops(field.heights),
+        _tile_tops(field.heights),
         np.ascontiguousarray(ridges[order]),
         starts,
         np.ascontiguousarray(sides[order]),
@@ -87,7 +135,7 @@ def frame_of(field: HeightField) -> Record:
     return np.array([frame], dtype=FRAME).view(np.recarray)[0]
 
 
-def _by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:
+def _sort_by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:
     """Sort ridges into cells, by a middle that they end in, else by their low corner.
 
     Returns:
@@ -104,37 +152,41 @@ def _by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:
     return np.argsort(cell, kind="stable"), starts
 
 
-def _tops(heights: Array) -> Array:
+def _tile_tops(heights: Array) -> Array:
     cells = np.maximum(
         np.maximum(heights[:-1, :-1], heights[1:, :-1]),
         np.maximum(heights[:-1, 1:], heights[1:, 1:]),
     )
     n_z, n_x = cells.shape
-    room = np.full((-(-n_z // TILE) * TILE, -(-n_x // TILE) * TILE), -np.inf)
+    room = np.full(
+        (-(-n_z // TILE_CELLS) * TILE_CELLS, -(-n_x // TILE_CELLS) * TILE_CELLS), -np.inf
+    )
     room[:n_z, :n_x] = cells
-    tiles: Array = room.reshape(len(room) // TILE, TILE, -1, TILE).max(axis=(1, 3))
+    tiles: Array = room.reshape(len(room) // TILE_CELLS, TILE_CELLS, -1, TILE_CELLS).max(
+        axis=(1, 3)
+    )
     return np.ascontiguousarray(tiles)
 
 
 @compiled
-def to_grid(frame: Record, x: float, z: float) -> tuple[float, float]:
+def to_grid_frame(frame: Record, x: float, z: float) -> tuple[float, float]:
     """Take a place to the frame of the grid."""
     x, z = x - frame.at_x, z - frame.at_z
     return frame.cos * x - frame.sin * z, frame.sin * x + frame.cos * z
 
 
 @compiled
-def inside(frame: Record, x: float, z: float) -> bool:
+def is_over_grid(frame: Record, x: float, z: float) -> bool:
     """Say whether a place lies over the grid."""
-    u, v = to_grid(frame, x, z)
+    u, v = to_grid_frame(frame, x, z)
     over: bool = abs(u) <= 0.5 * frame.size_x and abs(v) <= 0.5 * frame.size_z
     return over
 
 
 @compiled
-def surface(frame: Record, vertices: Array, x: float, z: float) -> tuple[float, Vector]:
+def surface_at(frame: Record, vertices: Array, x: float, z: float) -> tuple[float, Vector]:
     """Return the height and the normal of the surface at a place, see `HeightField`."""
-    x, z = to_grid(frame, x, z)
+    x, z = to_grid_frame(frame, x, z)
     u = min(max((x / frame.size_x + 0.5) * frame.n_x, 0.0), float(frame.n_x))
     v = min(max((z / frame.size_z + 0.5) * frame.n_z, 0.0), float(frame.n_z))
     i, j = min(int(u), frame.n_x - 1), min(int(v), frame.n_z - 1)
@@ -160,11 +212,11 @@ def surface(frame: Record, vertices: Array, x: float, z: float) -> tuple[float, 
     else:
         rise_u, rise_v = h11 - h01, h01 - h00
         height = h00 + v * rise_v + u * rise_u
-    return height, _normal(frame, rise_u, rise_v)
+    return height, _slope_normal(frame, rise_u, rise_v)
 
 
 @compiled
-def _normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
+def _slope_normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
     """Return the normal of what rises so along a cell."""
     along_x, along_z = rise_u * frame.n_x / frame.size_x, rise_v * frame.n_z / frame.size_z
     along_x, along_z = (
@@ -176,7 +228,7 @@ def _normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
 
 
 @compiled
-def pieces(frame: Record) -> int:
+def triangles_per_cell(frame: Record) -> int:
     """Return how many triangles a cell has."""
     return 4 if frame.quads else 2
 
@@ -197,28 +249,28 @@ def triangle(grid: Grid, line: int, column: int, k: int) -> Triangle:
 
 
 @compiled
-def span(low: float, high: float, size: float, n: int) -> tuple[int, int]:
+def cell_span(low: float, high: float, size: float, n: int) -> tuple[int, int]:
     """Return the first and last of n cells, of `size` together, between two places."""
-    first = math.floor((low / size + 0.5 - ROUNDING) * n)
-    last = math.floor((high / size + 0.5 + ROUNDING) * n)
+    first = math.floor((low / size + 0.5 - POSITION_ROUNDING) * n)
+    last = math.floor((high / size + 0.5 + POSITION_ROUNDING) * n)
     return min(max(int(first), 0), n - 1), min(max(int(last), 0), n - 1)
 
 
 @compiled
-def around(frame: Record, x: float, z: float, reach: float) -> Spans:
+def cells_around(frame: Record, x: float, z: float, reach: float) -> Spans:
     """Return first and last column, first and last row of the cells around a place."""
-    u, v = to_grid(frame, x, z)
-    i, i_last = span(u - reach, u + reach, frame.size_x, frame.n_x)
-    j, j_last = span(v - reach, v + reach, frame.size_z, frame.n_z)
+    u, v = to_grid_frame(frame, x, z)
+    i, i_last = cell_span(u - reach, u + reach, frame.size_x, frame.n_x)
+    j, j_last = cell_span(v - reach, v + reach, frame.size_z, frame.n_z)
     return i, i_last, j, j_last
 
 
 @compiled
-def highest(frame: Record, tops: Array, x: float, z: float, reach: float) -> float:
+def highest_around(frame: Record, tops: Array, x: float, z: float, reach: float) -> float:
     """Return a height that the ground is below everywhere around a place [m]."""
-    i, i_last, j, j_last = around(frame, x, z, reach)
+    i, i_last, j, j_last = cells_around(frame, x, z, reach)
     top = -np.inf
-    for tile_z in range(j // TILE, j_last // TILE + 1):
-        for tile_x in range(i // TILE, i_last // TILE + 1):
+    for tile_z in range(j // TILE_CELLS, j_last // TILE_CELLS + 1):
+        for tile_x in range(i // TILE_CELLS, i_last // TILE_CELLS + 1):
             top = max(top, tops[tile_z, tile_x])
     return top

@@ -1,8 +1,8 @@
-"""Bouncing: bodies that fall, strike a terrain, roll, and come to rest.
+"""Bodies over a terrain: they fall, strike it, roll, and come to rest.
 
-Every body goes through a step at its own pace, for none meets another: flights and
-sub-steps end where a body strikes the ground, which is looked for on its path, so heights
-do not depend on the grid of steps. What has lain still for a while sleeps.
+No body meets another, so each has its own sub-steps. Flights and sub-steps end where a body
+strikes the ground, located on its path, so that bounce heights do not depend on the grid of
+steps. A body that has lain still for a while sleeps.
 
 Source: Sims 1987, ch. 12.
 """
@@ -14,12 +14,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.going import SLACK, go, look
-from pipeline.simulation.dynamics.grid import grid_of
-from pipeline.simulation.dynamics.impulses import PART
-from pipeline.simulation.dynamics.records import CONTACTS, Room, records_of, zeros
-from pipeline.simulation.dynamics.rigid import Bodies, State, dot, turned
-from pipeline.simulation.dynamics.tumbling import COLUMNS, ORDER
+from pipeline.simulation.dynamics.body_record import (
+    MAX_CONTACTS,
+    Workspace,
+    records_of,
+    zero_records,
+)
+from pipeline.simulation.dynamics.contact_solver import SOLVER_CONTACT
+from pipeline.simulation.dynamics.free_motion import MAX_ORDER, SERIES_COLUMNS
+from pipeline.simulation.dynamics.rigid_body import Bodies, State, dot, rotate
+from pipeline.simulation.dynamics.rigid_step import (
+    CONTACT_MARGIN,
+    advance_bodies,
+    find_contacts,
+)
+from pipeline.simulation.dynamics.terrain_grid import grid_of
 from pipeline.simulation.spatial import Array, cross, matrix
 from pipeline.simulation.terrain import Ground
 
@@ -27,7 +36,7 @@ Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
-class Impact:
+class GroundImpact:
     """A body has struck the ground.
 
     Attributes:
@@ -47,7 +56,7 @@ class Impact:
     energy: float
 
 
-class Bouncing:
+class TerrainBodies:
     """N bodies over a terrain.
 
     Attributes:
@@ -65,23 +74,23 @@ class Bouncing:
         self.state = State(*(self._records[name] for name in ("p", "q", "v", "w")))
         self.awake: NDArray[np.bool_] = self._records["awake"]
         vertices, edges = (int(self._records[name][:, 1].max()) for name in ("corners", "edges"))
-        self._room = Room(
+        self._room = Workspace(
             np.zeros((max(vertices, 1), 3)),
             np.zeros((max(edges, 1), 12)),
-            np.zeros((ORDER + 1, COLUMNS)),
-            zeros(CONTACTS, PART),
+            np.zeros((MAX_ORDER + 1, SERIES_COLUMNS)),
+            zero_records(MAX_CONTACTS, SOLVER_CONTACT),
         )
-        self.look()
+        self.find_contacts()
 
-    def look(self) -> None:
+    def find_contacts(self) -> None:
         """Take in that bodies were put elsewhere."""
-        slack = SLACK * float(self.bodies.size.max())
-        look(self._grid, self._shapes, self._records, self._room, slack)
+        slack = CONTACT_MARGIN * float(self.bodies.size.max())
+        find_contacts(self._grid, self._shapes, self._records, self._room, slack)
 
     def depths(self) -> Array:
         """Return how deep each body is in the ground (N,), negative above it [m]."""
         copies, slack = self._records.copy(), float(self.bodies.size.max())
-        look(self._grid, self._shapes, copies, self._room, slack)
+        find_contacts(self._grid, self._shapes, copies, self._room, slack)
         return np.where(copies["count"] > 0, -copies["gap"][:, 0], -np.inf)
 
     def touching(self) -> tuple[NDArray[np.bool_], Array, Array, Array, Array]:
@@ -94,7 +103,7 @@ class Bouncing:
         """
         held = self.awake & (self._records["held"] > 0) & (self._records["count"] > 0)
         lever, normal = self._records["lever"][:, 0], self._records["normal"][:, 0]
-        turning = turned(matrix(self.state.q), self.state.w)
+        turning = rotate(matrix(self.state.q), self.state.w)
         u = self.state.v + cross(turning, lever)
         slip = u - dot(u, normal)[:, None] * normal
         return held, self.state.p + lever, normal, self.state.v, slip
@@ -104,11 +113,11 @@ class Bouncing:
         self.awake[which] = False
         self.state.v[which] = self.state.w[which] = 0.0
 
-    def advance(self, dt: float) -> list[Impact]:
+    def advance(self, dt: float) -> list[GroundImpact]:
         """Go on by `dt` [s]; return what has struck the ground, in the order of time."""
-        strikes = go(self._grid, self._shapes, self._records, self._room, dt)
+        strikes = advance_bodies(self._grid, self._shapes, self._records, self._room, dt)
         impacts = [
-            Impact(int(body), time, (x, y, z), (n_x, n_y, n_z), speed, energy)
+            GroundImpact(int(body), time, (x, y, z), (n_x, n_y, n_z), speed, energy)
             for body, time, x, y, z, n_x, n_y, n_z, speed, energy in strikes.tolist()
         ]
         return sorted(impacts, key=lambda one: (one.time, one.body))

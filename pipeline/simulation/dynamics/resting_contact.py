@@ -1,22 +1,26 @@
-"""Leaning: bodies that the ground holds, as they roll, slide, tip over or lie.
+"""Resting contact: bodies that the ground holds while they roll, slide, tip over or lie.
 
-The forces of the contacts over a sub-step are found together, as impulses are, so that no
-contact moves into the ground and friction holds those that it can. What is asked of a
-contact is where it is at the end, gap + h (u + u⁺) / 2 + c, with the velocity in the middle
-and the way c = h² ω × (ω × L) / 2 that turning takes it towards the centre: then the work of
-the forces is what the energy loses, to the third order in h. What is gained nevertheless is
-taken from the velocities at once, and what cannot pay for it stays where it is.
+The contact forces over a sub-step are solved together, like impulses, so that no contact sinks in
+and friction holds what it can. The constraint is the gap at the end of the sub-step,
+gap + h (u + u⁺) / 2 + c, with the mean velocity and the centripetal displacement
+c = h² ω × (ω × L) / 2: then the work of the forces equals the energy lost, to third order in h.
+Energy gained nevertheless is taken from the velocities at once; a body that cannot pay for it
+stays where it is.
 """
 
 from __future__ import annotations
 
 import math
 
+from pipeline.simulation.dynamics.body_record import Motion
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.contact_solver import (
+    add_contact,
+    contact_speed,
+    solve_contacts,
+)
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impulses import add_part, solved, speed
-from pipeline.simulation.dynamics.records import Motion
-from pipeline.simulation.dynamics.striking import REST, TOUCHING
+from pipeline.simulation.dynamics.impact import REST_SPEED, TOUCH_GAP
 from pipeline.simulation.dynamics.vectors import (
     Rows,
     Vector,
@@ -35,47 +39,46 @@ from pipeline.simulation.dynamics.vectors import (
     unturned,
 )
 
-HELD = 2e-4
+HOLD_GAP = 2e-4
 """Gap below which a contact holds, in sizes of the body."""
 
-SUNK = 5e-4
+ALLOWED_DEPTH = 5e-4
 """Depth that is not mended, in sizes of the body: that would be jitter."""
 
-ENOUGH = 1e-5
-"""How exactly forces are found, see `solved`: what is left is less than the eye sees, and the
-energy is watched anyway."""
+FORCE_TOLERANCE = 1e-5
+"""Convergence of the forces, see `solve_contacts`; the energy is limited anyway."""
 
-SWEEPS = 60
+MAX_FORCE_SWEEPS = 60
 """Most times that contacts are gone through for them."""
 
-SAME_PLACE = 0.03
+WARM_START_DISTANCE = 0.03
 """Distance of contacts that are the same as a sub-step before, in sizes of the body."""
 
-MENDED = 0.1
+DEPTH_CORRECTION = 0.1
 """Part of a greater depth that is mended in a sub-step."""
 
 
 @compiled
-def holding(body: Record, now: Motion, R: Rows, h: float, parts: Records) -> int:
+def holding_contacts(body: Record, now: Motion, R: Rows, h: float, parts: Records) -> int:
     """Make parts of the contacts that would come back in a sub-step; return how many."""
     n, w = 0, turned(R, now.w)
     back = (GRAVITY + dot(w, w) * body.reach) * h
     inverse = carried(R, rows_of(body.inverse))
     for which in range(body.count):
         gap = body.gap[which]
-        if gap > HELD * body.size:
+        if gap > HOLD_GAP * body.size:
             break
         u = dot(row(body.normal, which), plus(now.v, cross(w, row(body.lever, which))))
         # What will come fast enough to bounce shall do so.
         comes = u * u + 2.0 * GRAVITY * max(gap, 0.0)
-        if u < back and (comes < REST * REST or gap <= TOUCHING * body.size):
-            add_part(parts[n], body, which, inverse)
+        if u < back and (comes < REST_SPEED * REST_SPEED or gap <= TOUCH_GAP * body.size):
+            add_contact(parts[n], body, which, inverse)
             n += 1
     return n
 
 
 @compiled
-def leant(
+def held_velocity(
     body: Record, now: Motion, R: Rows, parts: Records, n: int, free_w: Vector, h: float
 ) -> tuple[Vector, Vector]:
     """Return velocity and turning in the world after a sub-step; keep the forces.
@@ -91,10 +94,12 @@ def leant(
     """
     w = turned(R, now.w)
     for k in range(n):
-        _ask(parts[k], body, now.v, w, h)
-        _guess(parts[k], body, h)
+        _set_target(parts[k], body, now.v, w, h)
+        _warm_start(parts[k], body, h)
     free_v = (now.v[0], now.v[1] - h * GRAVITY, now.v[2])
-    v, turn = solved(parts, n, free_v, free_w, 1.0 / body.mass, body.friction, ENOUGH, SWEEPS)
+    v, turn = solve_contacts(
+        parts, n, free_v, free_w, 1.0 / body.mass, body.friction, FORCE_TOLERANCE, MAX_FORCE_SWEEPS
+    )
     total = 0.0
     body.held = n
     for k in range(n):
@@ -107,22 +112,28 @@ def leant(
     lost = body.rolling * total / max(momentum, 1e-300)
     if lost < 1.0:
         return v, times(1.0 - lost, turn)
-    return (_blocked(body, now.v, parts, n, h) if body.radius > 0.0 else v), (0.0, 0.0, 0.0)
+    return (_blocked_ball_velocity(body, now.v, parts, n, h) if body.radius > 0.0 else v), (
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 @compiled
-def _blocked(body: Record, v: Vector, parts: Records, n: int, h: float) -> Vector:
+def _blocked_ball_velocity(body: Record, v: Vector, parts: Records, n: int, h: float) -> Vector:
     """Return the velocity of a ball after a sub-step in which it cannot turn."""
     nothing = (0.0, 0.0, 0.0)
     for k in range(n):
-        add_part(parts[k], body, parts[k].which, (nothing, nothing, nothing))
-        _ask(parts[k], body, v, nothing, h)
+        add_contact(parts[k], body, parts[k].which, (nothing, nothing, nothing))
+        _set_target(parts[k], body, v, nothing, h)
     free = (v[0], v[1] - h * GRAVITY, v[2])
-    return solved(parts, n, free, nothing, 1.0 / body.mass, body.friction, ENOUGH, SWEEPS)[0]
+    return solve_contacts(
+        parts, n, free, nothing, 1.0 / body.mass, body.friction, FORCE_TOLERANCE, MAX_FORCE_SWEEPS
+    )[0]
 
 
 @compiled
-def _ask(part: Record, body: Record, v: Vector, w: Vector, h: float) -> None:
+def _set_target(part: Record, body: Record, v: Vector, w: Vector, h: float) -> None:
     """Set the speeds that a contact shall have after a sub-step."""
     if body.radius == 0.0:
         # A ball is as near to the ground however it turns.
@@ -130,14 +141,14 @@ def _ask(part: Record, body: Record, v: Vector, w: Vector, h: float) -> None:
         for i in range(3):
             part.target[i] = dot(row(part.axes, i), inward)
     gap = body.gap[part.which]
-    gap = min(gap + SUNK * body.size, 0.0) * MENDED if gap < 0.0 else gap
-    part.target[0] -= speed(part, 0, v, w) + 2.0 * gap / h
+    gap = min(gap + ALLOWED_DEPTH * body.size, 0.0) * DEPTH_CORRECTION if gap < 0.0 else gap
+    part.target[0] -= contact_speed(part, 0, v, w) + 2.0 * gap / h
 
 
 @compiled
-def _guess(part: Record, body: Record, h: float) -> None:
+def _warm_start(part: Record, body: Record, h: float) -> None:
     """Begin with the impulse that the contact at the same place had a sub-step before."""
-    nearest, same = -1, (SAME_PLACE * body.size) * (SAME_PLACE * body.size)
+    nearest, same = -1, (WARM_START_DISTANCE * body.size) * (WARM_START_DISTANCE * body.size)
     for old in range(body.held):
         apart = minus(row(body.force_lever, old), row(body.lever, part.which))
         if dot(apart, apart) <= same:
@@ -152,7 +163,7 @@ def _guess(part: Record, body: Record, h: float) -> None:
 
 
 @compiled
-def paid(body: Record, before: Motion, after: Motion) -> Motion:
+def limit_energy(body: Record, before: Motion, after: Motion) -> Motion:
     """Return how a body is after a sub-step with no more energy than before it."""
     moves = _kinetic(body, after)
     climbed = body.mass * GRAVITY * (after.p[1] - before.p[1])

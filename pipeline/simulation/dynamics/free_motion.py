@@ -1,14 +1,13 @@
-"""Tumbling: how a rigid body turns while no torque acts on it.
+"""Free motion: rotation of a rigid body without torque.
 
 Euler's equations and the attitude's, in the frame of the body,
 
     I ω' = (I ω) × ω,        q' = q ⊗ (0, ω) / 2,
 
-are quadratic, so each coefficient of their power series in time follows from the ones
-before: no rule of a certain order is chosen, the series is cut where its terms no longer
-count. It also says where the body is at any time of the step, for the price of a polynomial,
-which is what an impact is looked for with. A body of isotropic inertia (`inertia: scalar`)
-has no first equation: it turns at a constant rate.
+are quadratic, so each coefficient of their power series in time follows from those before. No
+integration rule of fixed order is chosen: the series ends where its terms no longer count. It
+gives the attitude at any time of the step for the price of a polynomial, which the search for
+impacts needs. A body of isotropic inertia (`inertia: scalar`) turns at a constant rate.
 
 Source: Sims 1987, 7.1. (7.7) lacks the gyroscopic term, which vanishes only for isotropic
 inertia, and (7.9) with ω in the world is R' = Rot(ω Δt) R.
@@ -35,21 +34,21 @@ from pipeline.simulation.dynamics.vectors import (
 )
 from pipeline.simulation.spatial import Array
 
-ORDER = 12
+MAX_ORDER = 12
 """Highest power of time in the series."""
 
-MOST_TURN = 0.15
+MAX_STEP_ANGLE = 0.15
 """Angle that a step may turn by, about [rad]: the terms left out are then below 1e-13."""
 
-COUNTS = 1e-17
+NEGLIGIBLE_TERM = 1e-17
 """Terms that are less do not count, in parts of the first."""
 
-COLUMNS = 10
+SERIES_COLUMNS = 10
 """Of a series: attitude, angular velocity, angular momentum."""
 
 
 @compiled
-def tumbling(
+def rotation_series(
     q: Quaternion, w: Vector, inertia: Rows, inverse: Rows, h: float, series: Array
 ) -> int:
     """Write a series; return the highest power in it that counts.
@@ -62,31 +61,31 @@ def tumbling(
         h: longest time that it is for [s].
         series: (ORDER + 1, COLUMNS) coefficients of the powers of time.
     """
-    _put(series, 0, q, w, turned(inertia, w))
+    _write_coefficient(series, 0, q, w, turned(inertia, w))
     rate, power = abs(w[0]) + abs(w[1]) + abs(w[2]), 1.0
     small = 0
-    for k in range(ORDER):
+    for k in range(MAX_ORDER):
         turning, torque = (0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         for i in range(k + 1):
-            turning = _plus_product(turning, series, i, k - i)
+            turning = _add_quaternion_product(turning, series, i, k - i)
             momentum = (series[i, 7], series[i, 8], series[i, 9])
             torque = plus(torque, cross(momentum, _rate(series, k - i)))
         torque = times(1.0 / (k + 1), torque)
         s = 0.5 / (k + 1)
         q = (s * turning[0], s * turning[1], s * turning[2], s * turning[3])
         w = turned(inverse, torque)
-        _put(series, k + 1, q, w, torque)
+        _write_coefficient(series, k + 1, q, w, torque)
         power *= h
         most_q = power * (abs(q[0]) + abs(q[1]) + abs(q[2]) + abs(q[3]))
         most_w = power * (abs(w[0]) + abs(w[1]) + abs(w[2]))
-        small = small + 1 if most_q <= COUNTS and most_w <= COUNTS * rate else 0
+        small = small + 1 if most_q <= NEGLIGIBLE_TERM and most_w <= NEGLIGIBLE_TERM * rate else 0
         if small == 2:
             return k
-    return ORDER
+    return MAX_ORDER
 
 
 @compiled
-def tumbled(series: Array, order: int, t: float) -> tuple[Quaternion, Vector]:
+def evaluate_rotation(series: Array, order: int, t: float) -> tuple[Quaternion, Vector]:
     """Return attitude and angular velocity after a time t [s]."""
     a, b, c, d = series[order, 0], series[order, 1], series[order, 2], series[order, 3]
     w = _rate(series, order)
@@ -98,7 +97,7 @@ def tumbled(series: Array, order: int, t: float) -> tuple[Quaternion, Vector]:
 
 
 @entry
-def tumble(q: Array, w: Array, inertia: Array, inverse: Array, h: float) -> None:
+def rotate_freely(q: Array, w: Array, inertia: Array, inverse: Array, h: float) -> None:
     """Let N bodies tumble for a time, in place.
 
     Args:
@@ -106,11 +105,11 @@ def tumble(q: Array, w: Array, inertia: Array, inverse: Array, h: float) -> None
         w: (N, 3) angular velocities in the frames of the bodies [rad/s].
         inertia: (N, 3, 3) [kg m²].
         inverse: (N, 3, 3) of the same.
-        h: the time [s]; see `MOST_TURN`.
+        h: the time [s]; see `MAX_STEP_ANGLE`.
     """
-    series = np.empty((ORDER + 1, COLUMNS))
+    series = np.empty((MAX_ORDER + 1, SERIES_COLUMNS))
     for i in range(len(q)):
-        order = tumbling(
+        order = rotation_series(
             (q[i, 0], q[i, 1], q[i, 2], q[i, 3]),
             row(w, i),
             rows_of(inertia[i]),
@@ -118,7 +117,7 @@ def tumble(q: Array, w: Array, inertia: Array, inverse: Array, h: float) -> None
             h,
             series,
         )
-        after, rate = tumbled(series, order, h)
+        after, rate = evaluate_rotation(series, order, h)
         for k in range(4):
             q[i, k] = after[k]
         for k in range(3):
@@ -126,7 +125,7 @@ def tumble(q: Array, w: Array, inertia: Array, inverse: Array, h: float) -> None
 
 
 @compiled
-def turned_by(q: Quaternion, angle: Vector) -> Quaternion:
+def rotate_by_vector(q: Quaternion, angle: Vector) -> Quaternion:
     """Return an attitude turned by a rotation vector in the world [rad]."""
     half = 0.5 * math.sqrt(angle[0] * angle[0] + angle[1] * angle[1] + angle[2] * angle[2])
     s = 0.5 * (math.sin(half) / half if half > 1e-8 else 1.0 - half * half / 6.0)
@@ -148,7 +147,7 @@ def _rate(series: Array, k: int) -> Vector:
 
 
 @compiled
-def _put(series: Array, k: int, q: Quaternion, w: Vector, momentum: Vector) -> None:
+def _write_coefficient(series: Array, k: int, q: Quaternion, w: Vector, momentum: Vector) -> None:
     for i in range(4):
         series[k, i] = q[i]
     for i in range(3):
@@ -156,7 +155,7 @@ def _put(series: Array, k: int, q: Quaternion, w: Vector, momentum: Vector) -> N
 
 
 @compiled
-def _plus_product(total: Quaternion, series: Array, i: int, j: int) -> Quaternion:
+def _add_quaternion_product(total: Quaternion, series: Array, i: int, j: int) -> Quaternion:
     """Return a total plus q_i ⊗ (0, ω_j)."""
     a, b, c, d = series[i, 0], series[i, 1], series[i, 2], series[i, 3]
     x, y, z = _rate(series, j)

@@ -1,6 +1,6 @@
-"""Pushing: solids that move as somebody else says, from one step to the next.
+"""Kinematic bodies: solids whose motion is given from step to step; nothing pushes them.
 
-Letters as in `rigid`.
+Letters as in `rigid_body`.
 """
 
 from __future__ import annotations
@@ -11,18 +11,18 @@ import numpy as np
 
 from pipeline.simulation.spatial import Array, quaternion
 
-LEAP = 100.0
+TELEPORT_SPEED = 100.0
 """Speed above which a solid was put elsewhere and pushes nothing on its way [m/s]."""
 
-NO_MOTION = np.zeros((0, 6))
+NO_VELOCITIES = np.zeros((0, 6))
 """Velocities of nobody."""
 
-NOBODY = np.zeros((0, 5))
+NO_PATHS = np.zeros((0, 5))
 """Paths of nobody."""
 
 
 @dataclass(frozen=True, slots=True)
-class Pushed:
+class Poses:
     """Where P solids are.
 
     Attributes:
@@ -34,7 +34,7 @@ class Pushed:
     R: Array
 
 
-class Pushers:
+class KinematicBodies:
     """P solids, and how they move within a step.
 
     Attributes:
@@ -46,25 +46,25 @@ class Pushers:
         self.step = step
         self.speed = np.zeros(count)
         self.begin = np.zeros((count, 7))
-        self._now: Pushed | None = None
+        self._now: Poses | None = None
 
-    def put(self, poses: Pushed) -> Array:
+    def put(self, poses: Poses) -> Array:
         """Put them at places without moving them there; return p and q (P, 7)."""
         self._now = poses
         self.begin = np.concatenate([poses.p, quaternion(poses.R)], axis=1)
         return self.begin
 
-    def motion(self, poses: Pushed | None) -> Array:
+    def motion(self, poses: Poses | None) -> Array:
         """Return the velocities (P, 6), v and w, that lead to `poses` at the end of the step."""
         before = self._now
         if poses is None or before is None:
-            return NO_MOTION
+            return NO_VELOCITIES
         self.begin = np.concatenate([before.p, quaternion(before.R)], axis=1)
         self._now = poses
         v = (poses.p - before.p) / self.step
         w = _rotation_vector(np.swapaxes(before.R, -1, -2) @ poses.R) / self.step
         self.speed = np.sqrt((v * v).sum(axis=1))
-        leaps = self.speed > LEAP
+        leaps = self.speed > TELEPORT_SPEED
         if leaps.any():
             self.begin[leaps] = np.concatenate([poses.p, quaternion(poses.R)], axis=1)[leaps]
             v[leaps] = w[leaps] = self.speed[leaps] = 0.0
@@ -77,7 +77,7 @@ class Pushers:
             far: (P,) distance of their farthest corner [m].
         """
         if not len(far):
-            return NOBODY
+            return NO_PATHS
         reach = far + 2.0 * self.step * self.speed
         return np.column_stack([self.begin[:, :3], reach, self.speed])
 

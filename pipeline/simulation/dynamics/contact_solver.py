@@ -1,14 +1,13 @@
-"""Impulses: what all contacts of a body give it together.
+"""Contact solver: impulses of all contacts of one body together.
 
-Vertex by vertex (12.19) is wrong where several touch at once, for each impulse changes the
-speeds of the others. Together they are a linear complementarity problem,
+Vertex by vertex, (12.19) is wrong where several touch at once: each impulse changes the speeds of
+the others. Together they are a linear complementarity problem,
 
     λ_n >= 0,   u_n >= c,   λ_n (u_n - c) = 0,      |λ_t| <= μ λ_n against the sliding,
 
-in the velocities u = J V of the contacts after it, with V⁺ = V + M⁻¹ Jᵀ λ. Its matrix
-J M⁻¹ Jᵀ has on its diagonal what (12.18) divides by: 1/m + N · ((I⁻¹ (L × N)) × L). It is
-solved contact by contact, over and over, until nothing changes: a body has few contacts, so
-this is quick, and that some of them say the same does no harm.
+in the contact velocities u = J V after the impulses, with V⁺ = V + M⁻¹ Jᵀ λ. The diagonal of
+J M⁻¹ Jᵀ is what (12.18) divides by: 1/m + N · ((I⁻¹ (L × N)) × L). Block Gauss-Seidel solves it;
+a body has few contacts, so this is fast, and redundant contacts do no harm.
 
 Source: Sims 1987, 12.3; Jean 1999 (block Gauss-Seidel for contact with friction).
 """
@@ -34,14 +33,14 @@ from pipeline.simulation.dynamics.vectors import (
     turned,
 )
 
-ROUNDS = 400
+MAX_SWEEPS = 400
 """Most times that all contacts are gone through."""
 
-STILL = 1e-12
+CONVERGED = 1e-12
 """Change of a speed that is none, in parts of the speeds there are."""
 
 
-PART = np.dtype(
+SOLVER_CONTACT = np.dtype(
     [
         # Number of the contact, and whether it takes part.
         ("which", "i8"),
@@ -69,10 +68,10 @@ PART = np.dtype(
 
 
 @compiled
-def add_part(part: Record, body: Record, which: int, inverse: Rows) -> None:
+def add_contact(part: Record, body: Record, which: int, inverse: Rows) -> None:
     """Make a part of a body's contact `which`; `inverse` is that of its inertia in the world."""
     per_mass, lever = 1.0 / body.mass, row(body.lever, which)
-    axes = _axes(row(body.normal, which))
+    axes = _contact_axes(row(body.normal, which))
     arms = (cross(lever, axes[0]), cross(lever, axes[1]), cross(lever, axes[2]))
     yields = (turned(inverse, arms[0]), turned(inverse, arms[1]), turned(inverse, arms[2]))
     part.which, part.acts = which, True
@@ -91,7 +90,7 @@ def add_part(part: Record, body: Record, which: int, inverse: Rows) -> None:
 
 
 @compiled
-def speed(part: Record, i: int, v: Vector, w: Vector) -> float:
+def contact_speed(part: Record, i: int, v: Vector, w: Vector) -> float:
     """Return the speed of a contact along its axis i, 0 for the normal [m/s].
 
     Args:
@@ -106,7 +105,7 @@ def speed(part: Record, i: int, v: Vector, w: Vector) -> float:
 
 
 @compiled
-def solved(
+def solve_contacts(
     parts: Records,
     n: int,
     v: Vector,
@@ -128,19 +127,19 @@ def solved(
         still: change of a speed that is none, in parts of the speeds there are.
         rounds: most times that the contacts are gone through.
     """
-    scale = _scale(parts, n, v, w)
+    scale = _largest_error(parts, n, v, w)
     for k in range(n):
         if scale == 0.0 or not parts[k].acts:
             parts[k].impulse[0] = parts[k].impulse[1] = parts[k].impulse[2] = 0.0
         else:
-            v, w = _given(parts[k], v, w, per_mass, triple(parts[k].impulse))
+            v, w = _apply_impulse(parts[k], v, w, per_mass, triple(parts[k].impulse))
     if scale == 0.0:
         return v, w
     for _ in range(rounds):
         changed = 0.0
         for k in range(n):
             if parts[k].acts:
-                v, w, change = _satisfied(parts[k], v, w, per_mass, friction)
+                v, w, change = _project_contact(parts[k], v, w, per_mass, friction)
                 changed = max(changed, change)
         if changed <= still * scale:
             break
@@ -148,29 +147,29 @@ def solved(
 
 
 @compiled
-def _scale(parts: Records, n: int, v: Vector, w: Vector) -> float:
+def _largest_error(parts: Records, n: int, v: Vector, w: Vector) -> float:
     """Return the greatest speed by which a contact misses what is asked of it [m/s]."""
     scale = 0.0
     for k in range(n):
         if parts[k].acts:
             for i in range(3):
-                scale = max(scale, abs(speed(parts[k], i, v, w) - parts[k].target[i]))
+                scale = max(scale, abs(contact_speed(parts[k], i, v, w) - parts[k].target[i]))
     return scale
 
 
 @compiled
-def _satisfied(
+def _project_contact(
     part: Record, v: Vector, w: Vector, per_mass: float, friction: float
 ) -> tuple[Vector, Vector, float]:
     """Let a contact have its way; return v, w and how much a speed changed [m/s]."""
     before, target = triple(part.impulse), triple(part.target)
-    first = max(before[0] - (speed(part, 0, v, w) - target[0]) * part.normal, 0.0)
+    first = max(before[0] - (contact_speed(part, 0, v, w) - target[0]) * part.normal, 0.0)
     second = third = 0.0
     limit = friction * first
     if limit > 0.0:
         push = first - before[0]
-        x = speed(part, 1, v, w) - target[1] + part.beside[0] * push
-        y = speed(part, 2, v, w) - target[2] + part.beside[1] * push
+        x = contact_speed(part, 1, v, w) - target[1] + part.beside[0] * push
+        y = contact_speed(part, 2, v, w) - target[2] + part.beside[1] * push
         a, b, c = triple(part.across)
         second, third = before[1] - (a * x + b * y), before[2] - (b * x + c * y)
         if second * second + third * third > limit * limit:
@@ -182,12 +181,12 @@ def _satisfied(
                 second, third = second * (limit / hold), third * (limit / hold)
     change = (first - before[0], second - before[1], third - before[2])
     part.impulse[0], part.impulse[1], part.impulse[2] = first, second, third
-    v, w = _given(part, v, w, per_mass, change)
+    v, w = _apply_impulse(part, v, w, per_mass, change)
     return v, w, max(abs(change[0]), max(abs(change[1]), abs(change[2]))) / part.normal
 
 
 @compiled
-def _given(
+def _apply_impulse(
     part: Record, v: Vector, w: Vector, per_mass: float, impulse: Vector
 ) -> tuple[Vector, Vector]:
     """Return velocity and turning after an impulse along the axes of a contact."""
@@ -199,7 +198,7 @@ def _given(
 
 
 @compiled
-def _axes(normal: Vector) -> Rows:
+def _contact_axes(normal: Vector) -> Rows:
     """Return a normal and two tangents across it."""
     x, y, z = normal
     # Across the normal and whichever of X and Z it is farther from.

@@ -1,11 +1,10 @@
-"""Support: the forces of the ground on the feet that carry what a motion needs.
+"""Ground reaction: forces on standing feet that carry a given load.
 
-Feet are points: they give forces, no moments, and push but do not pull. All standing feet
-together give the whole force; how they share it gives as much of the moment as it can, and
-of all shares that do so they take the least (in the sum of squares). Feet that would have
-to pull are left out, one by one. A foot alone can only pass the force on, so what is left
-of the moment is what keeps a creature from falling over and nothing in the scene accounts
-for: the less, the better balanced its motion is.
+Feet are points: they transmit forces, no moments, and push but do not pull. All standing feet
+together give the whole force. They share it so as to give as much of the moment as possible, and
+of all such shares the least (in the sum of squares). Feet that would have to pull are left out,
+one by one. A single foot can only pass the force on. The remaining moment is what keeps a creature
+from falling over without a cause in the scene: the less, the better balanced its motion.
 
 Source: Winter 2009 (inverse dynamics from the ground up); Sims 1987, 7.3.1.
 """
@@ -19,12 +18,12 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array, cross, cross_matrix, turn
 
-ALIKE = 1e-10
+NEGLIGIBLE_LEVER = 1e-10
 """Squared lever, as a part of the greatest, below which a direction has none."""
 
 
 @dataclass(frozen=True, eq=False)
-class Support:
+class GroundReaction:
     """How feet share a load.
 
     Attributes:
@@ -38,7 +37,9 @@ class Support:
     moment: Array
 
 
-def support(points: Array, stands: NDArray[np.bool_], force: Array, moment: Array) -> Support:
+def ground_reaction(
+    points: Array, stands: NDArray[np.bool_], force: Array, moment: Array
+) -> GroundReaction:
     """Return how standing feet carry a load.
 
     Args:
@@ -48,7 +49,7 @@ def support(points: Array, stands: NDArray[np.bool_], force: Array, moment: Arra
         moment: (K, 3) [N m].
     """
     bears = stands.copy()
-    forces = _shared(points, bears, force, moment)
+    forces = _shared_forces(points, bears, force, moment)
     # Vertical shares of feet that bear have the mean of the force's, so one foot is left.
     for _ in range(points.shape[1] - 1):
         pulls = np.where(bears, forces[..., 1], np.inf)
@@ -57,12 +58,12 @@ def support(points: Array, stands: NDArray[np.bool_], force: Array, moment: Arra
         if not len(rows):
             break
         bears[rows, worst[rows]] = False
-        forces[rows] = _shared(points[rows], bears[rows], force[rows], moment[rows])
+        forces[rows] = _shared_forces(points[rows], bears[rows], force[rows], moment[rows])
     given = cross(points, forces).sum(axis=1)
-    return Support(forces, force - forces.sum(axis=1), moment - given)
+    return GroundReaction(forces, force - forces.sum(axis=1), moment - given)
 
 
-def _shared(points: Array, bears: NDArray[np.bool_], force: Array, moment: Array) -> Array:
+def _shared_forces(points: Array, bears: NDArray[np.bool_], force: Array, moment: Array) -> Array:
     """Return the least forces (K, F, 3) of feet that give the force and best the moment."""
     K, F = bears.shape
     count = np.maximum(bears.sum(axis=1), 1)[:, None, None]
@@ -73,7 +74,9 @@ def _shared(points: Array, bears: NDArray[np.bool_], force: Array, moment: Array
     wide = levers.transpose(0, 2, 1, 3).reshape(K, 3, 3 * F)
     left = moment - cross(points, even).sum(axis=1)
     square = wide @ wide.transpose(0, 2, 1)
-    inverse = np.asarray(np.linalg.pinv(square, rcond=ALIKE, hermitian=True), dtype=np.float64)
+    inverse = np.asarray(
+        np.linalg.pinv(square, rcond=NEGLIGIBLE_LEVER, hermitian=True), dtype=np.float64
+    )
     differ = turn(wide.transpose(0, 2, 1), turn(inverse, left)).reshape(K, F, 3)
     result: Array = even + differ
     return result

@@ -1,4 +1,4 @@
-"""Records: what compiled code knows of bodies, one row a body, and of their shapes."""
+"""Body records: one row of numbers per body for compiled code, their shapes, and contact lists."""
 
 from __future__ import annotations
 
@@ -11,14 +11,23 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.hull import Hull
-from pipeline.simulation.dynamics.rigid import Bodies, State
-from pipeline.simulation.dynamics.vectors import Quaternion, Vector, normal_quaternion, triple
+from pipeline.simulation.dynamics.rigid_body import Bodies, State
+from pipeline.simulation.dynamics.vectors import (
+    Quaternion,
+    Vector,
+    dot,
+    minus,
+    normal_quaternion,
+    put,
+    row,
+    triple,
+)
 from pipeline.simulation.spatial import Array
 
-CONTACTS = 32
+MAX_CONTACTS = 32
 """Contacts of a body that are looked at together: the nearest."""
 
-_VECTORS = (CONTACTS, 3)
+_VECTORS = (MAX_CONTACTS, 3)
 
 BODY = np.dtype(
     [
@@ -39,7 +48,7 @@ BODY = np.dtype(
         # Where it touches the ground, or is about to, the nearest first: gaps along normals
         # [m], normals from the ground, levers from the centre of mass in the world [m].
         ("count", "i8"),
-        ("gap", "f8", CONTACTS),
+        ("gap", "f8", MAX_CONTACTS),
         ("normal", "f8", _VECTORS),
         ("lever", "f8", _VECTORS),
         # How many contacts hold it, and what forces these gave where [N], [m].
@@ -74,7 +83,7 @@ class Shapes(NamedTuple):
     edges: NDArray[np.int64]
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Room for what is worked out of one body at a time.
 
     Attributes:
@@ -101,7 +110,7 @@ class Motion(NamedTuple):
 
 def records_of(bodies: Bodies, state: State) -> tuple[Records, Shapes]:
     """Return records of bodies in a state, all awake, and their shapes."""
-    records = zeros(len(bodies.mass), BODY)
+    records = zero_records(len(bodies.mass), BODY)
     for name in set(BODY.names or ()) & set(vars(bodies)):
         records[name] = getattr(bodies, name)
     records["p"], records["q"], records["v"], records["w"] = state.p, state.q, state.v, state.w
@@ -110,9 +119,9 @@ def records_of(bodies: Bodies, state: State) -> tuple[Records, Shapes]:
     hulls = list({id(hull): hull for hull in bodies.hulls if hull is not None}.values())
     spans = {id(hull): k for k, hull in enumerate(hulls)}
     shapes = Shapes(
-        _joined([hull.vertices for hull in hulls], 3),
-        _joined([np.column_stack([hull.normals, hull.offsets]) for hull in hulls], 4),
-        _joined([_edges(hull) for hull in hulls], 4).astype(np.int64),
+        _stacked([hull.vertices for hull in hulls], 3),
+        _stacked([np.column_stack([hull.normals, hull.offsets]) for hull in hulls], 4),
+        _stacked([_edges_with_facets(hull) for hull in hulls], 4).astype(np.int64),
     )
     for name, counts in (
         ("corners", [len(hull.vertices) for hull in hulls]),
@@ -127,11 +136,11 @@ def records_of(bodies: Bodies, state: State) -> tuple[Records, Shapes]:
     return records, shapes
 
 
-def _joined(rows: Sequence[NDArray[Any]], columns: int) -> NDArray[Any]:
+def _stacked(rows: Sequence[NDArray[Any]], columns: int) -> NDArray[Any]:
     return np.concatenate([np.zeros((0, columns)), *rows])
 
 
-def _edges(hull: Hull) -> NDArray[np.int64]:
+def _edges_with_facets(hull: Hull) -> NDArray[np.int64]:
     """Return the edges (E, 4) of a hull: vertices and the facets beside."""
     beside = {}
     for f, facet in enumerate(hull.facets):
@@ -140,13 +149,13 @@ def _edges(hull: Hull) -> NDArray[np.int64]:
     return np.array([(a, b, beside[a, b], beside[b, a]) for a, b in hull.edges.tolist()])
 
 
-def zeros(count: int, kind: np.dtype[np.void]) -> Records:
+def zero_records(count: int, kind: np.dtype[np.void]) -> Records:
     """Return so many records, all zero; their values have names in plain Python too."""
     return np.zeros(count, dtype=kind).view(np.recarray)
 
 
 @compiled
-def now(body: Record) -> Motion:
+def motion_of(body: Record) -> Motion:
     """Return how a body is."""
     q = body.q
     attitude = normal_quaternion((q[0], q[1], q[2], q[3]))
@@ -154,9 +163,71 @@ def now(body: Record) -> Motion:
 
 
 @compiled
-def place(body: Record, motion: Motion) -> None:
+def set_motion(body: Record, motion: Motion) -> None:
     """Let a body be so."""
     for i in range(3):
         body.p[i], body.v[i], body.w[i] = motion.p[i], motion.v[i], motion.w[i]
     for i in range(4):
         body.q[i] = motion.q[i]
+
+
+SAME_CONTACT_DISTANCE = 1e-4
+"""Distance of contacts that are one, in sizes of the body."""
+
+SAME_NORMAL_TOLERANCE = 1e-6
+"""What 1 - n · n' of contacts with one normal may be."""
+
+
+@compiled
+def smallest_gap(body: Record) -> float:
+    """Return the smallest gap of a body, infinite where it has no contact [m]."""
+    return body.gap[0] if body.count > 0 else np.inf
+
+
+@compiled
+def insert_contact(body: Record, gap: float, normal: Vector, lever: Vector) -> None:
+    """Add a contact in its order; the farthest is lost where there is no room."""
+    k = body.count
+    if k == MAX_CONTACTS:
+        if gap >= body.gap[k - 1]:
+            return
+        k -= 1
+    else:
+        body.count = k + 1
+    while k > 0 and body.gap[k - 1] > gap:
+        _copy_contact(body, k - 1, k)
+        k -= 1
+    body.gap[k] = gap
+    put(body.normal, k, normal)
+    put(body.lever, k, lever)
+
+
+@compiled
+def remove_contact(body: Record, k: int) -> None:
+    """Take away contact k."""
+    body.count -= 1
+    for later in range(k, body.count):
+        _copy_contact(body, later + 1, later)
+
+
+@compiled
+def insert_new_contact(body: Record, gap: float, normal: Vector, lever: Vector) -> None:
+    """Add a contact unless one says the same; of two that do, the nearer stays."""
+    k, same = 0, SAME_CONTACT_DISTANCE * body.size
+    while k < body.count:
+        apart = minus(row(body.lever, k), lever)
+        alike = dot(row(body.normal, k), normal) > 1.0 - SAME_NORMAL_TOLERANCE
+        if alike and dot(apart, apart) < same * same:
+            if body.gap[k] <= gap:
+                return
+            remove_contact(body, k)
+        else:
+            k += 1
+    insert_contact(body, gap, normal, lever)
+
+
+@compiled
+def _copy_contact(body: Record, source: int, target: int) -> None:
+    body.gap[target] = body.gap[source]
+    put(body.normal, target, row(body.normal, source))
+    put(body.lever, target, row(body.lever, source))

@@ -1,12 +1,12 @@
-"""MuJoCo ground: the terrain as MuJoCo needs it.
+"""Parts that all MuJoCo models of the project share: warnings, memory, and the terrain.
 
-MuJoCo stands a height field on its local Z: here its X is our Z and its Y our X, so that its
-cells are cut along our diagonal. Who builds a model hands in the module, for none but adapters
-import it.
+MuJoCo stands a height field on its local Z: here its X is our Z and its Y our X, so that its cells
+are cut along our diagonal. Callers pass the module `mujoco`, which only adapters import.
 """
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -16,20 +16,31 @@ import numpy as np
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
-BASE = 5.0
+
+def log_warnings(mujoco: Any) -> None:
+    """Let MuJoCo's warnings be told, unless somebody has said how."""
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(_log_warning)
+
+
+def _log_warning(message: str) -> None:
+    logging.getLogger(__name__).warning("MuJoCo: %s", message)
+
+
+GROUND_THICKNESS = 5.0
 """Thickness of the ground [m]."""
 
-FINER = 4
+QUAD_SUBDIVISION = 4
 """Cells that one cell of quadrilaterals becomes, along each side: MuJoCo has triangles."""
 
-TILE = 5
+TILE_CELLS = 5
 """Cells along a tile: each is two prisms, which touch a body once, and MuJoCo keeps 50
 contacts of two geoms."""
 
-ROOM, ROOM_A_BODY = 2**25, 2**18
+BASE_MEMORY, MEMORY_PER_BODY = 2**25, 2**18
 """For contacts, which is taken up as it is used [bytes]."""
 
-FLAT = 1e-9
+MIN_FIELD_HEIGHT = 1e-9
 """Height that a height field has at least [m]."""
 
 
@@ -38,12 +49,12 @@ def is_level(field: HeightField) -> bool:
     return float(np.ptp(field.heights)) == 0.0
 
 
-def room_for(bodies: int) -> int:
+def memory_for(bodies: int) -> int:
     """Return the memory that a model of so many bodies needs for contacts [bytes]."""
-    return ROOM + ROOM_A_BODY * bodies
+    return BASE_MEMORY + MEMORY_PER_BODY * bodies
 
 
-def look_upward(option: Any, mujoco: Any) -> None:
+def use_upward_collision(option: Any, mujoco: Any) -> None:
     """Choose the algorithm that finds its way out of a height field upward.
 
     A height field is prisms side by side, and the way out of one can be through its side. This
@@ -72,8 +83,8 @@ def add_ground(
         x, z = field.size[0] / 2.0, field.size[1] / 2.0
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_BOX,
-            size=[x, BASE, z],
-            pos=[field.at[0], low - BASE, field.at[1]],
+            size=[x, GROUND_THICKNESS, z],
+            pos=[field.at[0], low - GROUND_THICKNESS, field.at[1]],
             quat=turned,
             **matter,
         )
@@ -81,16 +92,16 @@ def add_ground(
     # Local X to Z, Y to X and Z to Y, then the heading.
     quat = np.zeros(4)
     mujoco.mju_mulQuat(quat, turned, np.array([0.5, -0.5, -0.5, -0.5]))
-    heights = _triangulated(field)
+    heights = _triangulated_heights(field)
     whole = (0, heights.shape[1] - 1, 0, heights.shape[0] - 1)
     spans = _tiles(whole) if _needs_tiles(field, whole, corners) else [whole]
     for k, span in enumerate(spans):
         _add_tile(spec, f"terrain {k}", field, heights, span, low)
-        x, z = _middle(field, whole, span)
+        x, z = _span_middle(field, whole, span)
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_HFIELD,
             hfieldname=f"terrain {k}",
-            pos=[x, _of(heights, span).min(), z],
+            pos=[x, _span_heights(heights, span).min(), z],
             quat=quat,
             **matter,
         )
@@ -100,7 +111,7 @@ Span = tuple[int, int, int, int]
 """Cells along x from the first up to the second, and along z likewise."""
 
 
-def _of(heights: Array, span: Span) -> Array:
+def _span_heights(heights: Array, span: Span) -> Array:
     a, b, c, d = span
     return heights[c : d + 1, a : b + 1]
 
@@ -110,18 +121,18 @@ def _needs_tiles(field: HeightField, whole: Span, corners: Sequence[Array]) -> b
     cells = np.array(field.size) / (whole[1], whole[3])
     for one in corners:
         _, b, a = np.sort(np.ptp(one, axis=0))
-        if (a / cells[0] + 1.0) * (b / cells[1] + 1.0) > TILE * TILE:
+        if (a / cells[0] + 1.0) * (b / cells[1] + 1.0) > TILE_CELLS * TILE_CELLS:
             return True
     return False
 
 
 def _tiles(whole: Span) -> Iterator[Span]:
-    for c in range(0, whole[3], TILE):
-        for a in range(0, whole[1], TILE):
-            yield a, min(a + TILE, whole[1]), c, min(c + TILE, whole[3])
+    for c in range(0, whole[3], TILE_CELLS):
+        for a in range(0, whole[1], TILE_CELLS):
+            yield a, min(a + TILE_CELLS, whole[1]), c, min(c + TILE_CELLS, whole[3])
 
 
-def _middle(field: HeightField, whole: Span, span: Span) -> tuple[float, float]:
+def _span_middle(field: HeightField, whole: Span, span: Span) -> tuple[float, float]:
     """Return where the middle of some cells is, x and z [m]."""
     x, z = (
         (0.5 * (first + last) / count - 0.5) * size
@@ -136,8 +147,8 @@ def _middle(field: HeightField, whole: Span, span: Span) -> tuple[float, float]:
 def _add_tile(
     spec: Any, name: str, field: HeightField, heights: Array, span: Span, lowest: float
 ) -> None:
-    """Add the height field of some cells, which reaches `BASE` below the lowest place."""
-    own = _of(heights, span)
+    """Adds the height field of a span, `GROUND_THICKNESS` deep below the lowest height."""
+    own = _span_heights(heights, span)
     low, high = float(own.min()), float(own.max())
     rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
     a, b, c, d = span
@@ -146,12 +157,12 @@ def _add_tile(
         name=name,
         nrow=own.T.shape[0],
         ncol=own.T.shape[1],
-        size=[z, x, max(high - low, FLAT), BASE + low - lowest],
+        size=[z, x, max(high - low, MIN_FIELD_HEIGHT), GROUND_THICKNESS + low - lowest],
         userdata=own.T.ravel().tolist(),
     )
 
 
-def _triangulated(field: HeightField) -> Array:
+def _triangulated_heights(field: HeightField) -> Array:
     """Return heights whose cells, cut from the low corner to the high one, are the surface.
 
     Of quadrilaterals the finer grid misses what is left of a crease that runs the other
@@ -159,7 +170,7 @@ def _triangulated(field: HeightField) -> Array:
     """
     if type(field) is HeightField:
         return field.heights
-    n_x, n_z = FINER * field.cells[0], FINER * field.cells[1]
+    n_x, n_z = QUAD_SUBDIVISION * field.cells[0], QUAD_SUBDIVISION * field.cells[1]
     x = np.linspace(-field.size[0] / 2.0, field.size[0] / 2.0, n_x + 1)
     z = np.linspace(-field.size[1] / 2.0, field.size[1] / 2.0, n_z + 1)
     return field.height(*field.to_world(*np.meshgrid(x, z)))

@@ -1,6 +1,6 @@
-"""Rigid bodies: what stays of them, and how they are just now, as arrays over all.
+"""Rigid bodies: constants and state, as arrays over all bodies.
 
-Letters: p place of the centre of mass in the world, q attitude wxyz, v velocity in the world,
+Letters: p position of the centre of mass in the world, q attitude wxyz, v velocity in the world,
 w angular velocity in the frame of the body, L levers from the centre of mass.
 
 Source: Sims 1987, 7.1; 12.3.
@@ -19,12 +19,12 @@ from pipeline.simulation.dynamics.hull import Hull
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.spatial import Array, matrix
 
-FREE = np.array([0.0, -GRAVITY, 0.0])
+GRAVITY_VECTOR = np.array([0.0, -GRAVITY, 0.0])
 """Acceleration of what falls [m/s²]."""
 
 
 @dataclass(frozen=True, eq=False)
-class Build:
+class BodyModel:
     """One body as it is built, in its own frame about its centre of mass.
 
     Attributes:
@@ -81,7 +81,7 @@ class Bodies:
     soft: Array
 
     @staticmethod
-    def of(builds: Sequence[Build]) -> Bodies:
+    def of(builds: Sequence[BodyModel]) -> Bodies:
         """Collect bodies."""
         hulls = np.empty(len(builds), dtype=object)
         hulls[:] = [b.hull for b in builds]
@@ -128,22 +128,22 @@ class State:
         self.v[which], self.w[which] = other.v, other.w
 
 
-def kinetic(bodies: Bodies, v: Array, w: Array) -> Array:
+def kinetic_energy(bodies: Bodies, v: Array, w: Array) -> Array:
     """Return the kinetic energies (N,) [J]."""
-    turning = dot(w, turned(bodies.inertia, w))
+    turning = dot(w, rotate(bodies.inertia, w))
     result: Array = 0.5 * (bodies.mass * dot(v, v) + turning)
     return result
 
 
-def energy(bodies: Bodies, state: State) -> Array:
+def total_energy(bodies: Bodies, state: State) -> Array:
     """Return kinetic and potential energy (N,) over height 0 [J]."""
-    result: Array = kinetic(bodies, state.v, state.w) + bodies.mass * GRAVITY * state.p[:, 1]
+    result: Array = kinetic_energy(bodies, state.v, state.w) + bodies.mass * GRAVITY * state.p[:, 1]
     return result
 
 
 def angular_momentum(bodies: Bodies, state: State) -> Array:
     """Return the angular momenta (N, 3) about the centres of mass, in the world [kg m²/s]."""
-    return turned(matrix(state.q), turned(bodies.inertia, state.w))
+    return rotate(matrix(state.q), rotate(bodies.inertia, state.w))
 
 
 def dot(a: Array, b: Array) -> Array:
@@ -152,7 +152,7 @@ def dot(a: Array, b: Array) -> Array:
     return result
 
 
-def turned(R: Array, v: Array) -> Array:
+def rotate(R: Array, v: Array) -> Array:
     """Return R v (..., 3), added up in one order however many there are."""
     result: Array = (R[..., :, 0] * v[..., None, 0] + R[..., :, 1] * v[..., None, 1]) + R[
         ..., :, 2
@@ -160,6 +160,6 @@ def turned(R: Array, v: Array) -> Array:
     return result
 
 
-def unturned(R: Array, v: Array) -> Array:
+def unrotate(R: Array, v: Array) -> Array:
     """Return Rᵀ v (..., 3) likewise."""
-    return turned(np.swapaxes(R, -1, -2), v)
+    return rotate(np.swapaxes(R, -1, -2), v)

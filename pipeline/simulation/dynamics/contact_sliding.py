@@ -1,7 +1,7 @@
-"""Brushing: how bodies that touch others move along them.
+"""Contact sliding: how bodies move along what they touch.
 
-Of each body the contact counts that slides most. Of two bodies that touch it is told of the
-one that is quicker: what slides over something, not what it slides over.
+Of each body the contact counts that slides most. Of two bodies in contact only the quicker one is
+reported: the one that slides, not what it slides over.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.rigid import dot
+from pipeline.simulation.dynamics.rigid_body import dot
 from pipeline.simulation.spatial import Array, cross
 
 Numbers = NDArray[np.int64]
@@ -37,7 +37,7 @@ class Contacts:
 
 
 @dataclass(frozen=True, eq=False)
-class Brushes:
+class SlidingMotion:
     """How N things move along what they touch.
 
     Attributes:
@@ -57,7 +57,7 @@ class Brushes:
     slip: Array
 
 
-def brushes(contacts: Contacts, which: range) -> Brushes:
+def sliding_motion(contacts: Contacts, which: range) -> SlidingMotion:
     """Return how the things of a range move along what they touch."""
     one, other = np.concatenate([contacts.things, contacts.things[:, ::-1]]).T
     place = np.concatenate([contacts.place, contacts.place])
@@ -69,11 +69,11 @@ def brushes(contacts: Contacts, which: range) -> Brushes:
     under = contacts.v[other] + cross(contacts.w[other], place - contacts.p[other])
     middle = contacts.v[one] - under
     touch = middle + cross(contacts.w[one], place - contacts.p[one])
-    along, slip = (_across(u, normal) for u in (middle, touch))
+    along, slip = (_tangential_speed(u, normal) for u in (middle, touch))
     # The last one that is written is the one that slides most.
     order = np.lexsort((other, slip))
     count, rows = len(which), one[order] - which.start
-    found = Brushes(
+    found = SlidingMotion(
         np.zeros(count, dtype=bool),
         np.zeros(count, dtype=np.int64),
         np.zeros((count, 3)),
@@ -93,7 +93,7 @@ def brushes(contacts: Contacts, which: range) -> Brushes:
     return found
 
 
-def _across(u: Array, normal: Array) -> Array:
+def _tangential_speed(u: Array, normal: Array) -> Array:
     """Return the lengths of vectors (n, 3) across normals [m/s]."""
     across = u - dot(u, normal)[:, None] * normal
     result: Array = np.sqrt(dot(across, across))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.bodies.tumblers import Tumblers
+from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
@@ -54,7 +54,7 @@ def thrown(
         for i, one in enumerate(words)
     ]
     world = World(ground, Clock(24, 1), 1)  # type: ignore[arg-type]
-    bouncing = Tumblers(cast, world, ["wood"] * len(cast)).bouncing
+    bouncing = GroundBodyTroupe(cast, world, ["wood"] * len(cast)).bouncing
     if state is not None:
         bouncing.state.put(np.arange(len(cast)), state)
         bouncing.look()

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.bodies.polyhedra import CORNERS
+from pipeline.simulation.bodies.body_model import CUBE_CORNERS
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld, Strike
@@ -22,7 +22,7 @@ FLAT = HeightField(np.zeros((3, 3)), (40.0, 40.0))
 def box(size: Sequence[float], b: float = 0.3, friction: float = 0.5) -> Collider:
     """Return a wooden box."""
     half = 0.5 * np.array(size)
-    hull = hull_of(CORNERS * half)
+    hull = hull_of(CUBE_CORNERS * half)
     return Collider(
         BodyModel(mass_of_solid(hull.vertices, hull.faces, 600.0), hull, 0.0, b, friction), half
     )

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from pipeline.errors import StoreError
-from pipeline.simulation import reel as reels
-from pipeline.simulation.reel import put_down, reel, rows_of
+from pipeline.simulation import row_storage as reels
+from pipeline.simulation.row_storage import allocate_rows, release_rows, row_chunks
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take_store import read_take, write_take
 
@@ -29,19 +29,19 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("short")
 def test_what_is_put_down_is_still_there() -> None:
-    rows = reel((500, 3), float)
+    rows = allocate_rows((500, 3), float)
     assert isinstance(rows.base, mmap.mmap)
     assert not rows.any()
-    for some in rows_of(rows):
+    for some in row_chunks(rows):
         rows[some] = np.arange(500)[some, None]
-        put_down(rows)
+        release_rows(rows)
     assert np.array_equal(rows, np.arange(500)[:, None] * np.ones(3))
 
 
 @pytest.mark.usefixtures("short")
 @pytest.mark.parametrize(("count", "multiple"), [(0, 1), (1, 1), (1000, 1), (1000, 64), (999, 999)])
 def test_rows_are_gone_through_once_and_in_order(count: int, multiple: int) -> None:
-    slices = list(rows_of(reel((count, 10), float), multiple))
+    slices = list(row_chunks(allocate_rows((count, 10), float), multiple))
     seen = [row for some in slices for row in range(some.start, some.stop)]
     assert seen == list(range(count))
     assert all((some.stop - some.start) % multiple == 0 for some in slices[:-1])
@@ -52,7 +52,7 @@ def test_a_disk_without_room_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     monkeypatch.setattr(reels.tempfile, "tempdir", None)
     with pytest.raises(StoreError, match="TMPDIR"):
-        reel((2**50, 2**4), np.uint8)
+        allocate_rows((2**50, 2**4), np.uint8)
 
 
 def test_a_take_on_disk_is_the_take_in_memory(

@@ -10,8 +10,8 @@ import pytest
 import trimesh
 
 from pipeline.errors import MassError
-from pipeline.simulation.bodies.bevelled import bevelled
-from pipeline.simulation.bodies.polyhedra import hull_of_words
+from pipeline.simulation.bodies.body_meshes import bevelled
+from pipeline.simulation.bodies.body_model import body_hull
 from pipeline.simulation.dynamics.free_motion import MAX_STEP_ANGLE, rotate_freely
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.dynamics.mass import mass_of_solid
@@ -25,7 +25,7 @@ from .bodies import DT, POLYHEDRA, SHAPES, attitudes, ground_of, thrown
 @pytest.mark.parametrize("i", range(len(SHAPES)), ids=POLYHEDRA)
 def test_masses_are_those_of_trimesh(i: int) -> None:
     words = Body.model_validate({"body": SHAPES[i]}).body
-    hull = hull_of_words(words, "")
+    hull = body_hull(words, "")
     own = mass_of_solid(hull.vertices, hull.faces, words.density)
     theirs = trimesh.Trimesh(hull.vertices, hull.faces, process=False)
     theirs.density = words.density
@@ -40,7 +40,7 @@ def test_masses_are_those_of_trimesh(i: int) -> None:
     [("tetrahedron", 4), ("cube", 6), ("octahedron", 8), ("dodecahedron", 12), ("icosahedron", 20)],
 )
 def test_regular_solids_are_regular(shape: str, facets: int) -> None:
-    hull = hull_of_words(Body.model_validate({"body": {"shape": shape}}).body, "")
+    hull = body_hull(Body.model_validate({"body": {"shape": shape}}).body, "")
     assert len(hull.facets) == facets
     assert len(hull.vertices) - len(hull.edges) + len(hull.facets) == 2
     ends = hull.vertices[hull.edges]
@@ -76,7 +76,7 @@ def test_what_is_flat_has_no_hull() -> None:
 
 @pytest.mark.parametrize("shape", ["cube", "tetrahedron", "dodecahedron", "pyramid"])
 def test_bevels_stay_inside_and_on_the_facets(shape: str) -> None:
-    hull = hull_of_words(Body.model_validate({"body": {"shape": shape}}).body, "")
+    hull = body_hull(Body.model_validate({"body": {"shape": shape}}).body, "")
     offsets = np.array(
         [n @ hull.vertices[f[0]] for n, f in zip(hull.normals, hull.facets, strict=True)]
     )

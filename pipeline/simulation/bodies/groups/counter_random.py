@@ -1,7 +1,7 @@
-"""Chance: numbers that depend on what they are for, not on when they are asked for.
+"""Counter-based random numbers: they depend on their purpose, not on when they are asked for.
 
-The tenth drop of a slot falls on one place whatever the frame rate, and whether or not
-anybody has looked at the ninth.
+The tenth drop of a slot falls on one place whatever the frame rate, and whether or not the ninth
+was ever computed.
 
 Source: Steele, Lea and Flood 2014 (SplitMix64).
 """
@@ -15,12 +15,12 @@ from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 
 GAMMA = np.uint64(0x9E3779B97F4A7C15)
-MIXERS = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+MIX_FACTORS = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 
-WHOLE = 2.0**-53
+MANTISSA_UNIT = 2.0**-53
 
 
-class Chance:
+class CounterRandom:
     """The chances of one group.
 
     Args:
@@ -42,17 +42,17 @@ class Chance:
             draw: what the number is for; another one for each use.
         """
         words = np.asarray(slot).astype(np.uint64)
-        state = _mixed(words + self._key)
-        state = _mixed(state + np.asarray(generation).astype(np.int64).astype(np.uint64))
-        state = _mixed(state + np.uint64(draw))
-        result: Array = (state >> np.uint64(11)).astype(float) * WHOLE
+        state = _mix(words + self._key)
+        state = _mix(state + np.asarray(generation).astype(np.int64).astype(np.uint64))
+        state = _mix(state + np.uint64(draw))
+        result: Array = (state >> np.uint64(11)).astype(float) * MANTISSA_UNIT
         return result
 
 
-def _mixed(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
+def _mix(state: NDArray[np.uint64]) -> NDArray[np.uint64]:
     # Whole numbers of 64 bits wrap around, which is meant.
     with np.errstate(over="ignore"):
         state = state + GAMMA
-        state = (state ^ (state >> np.uint64(30))) * MIXERS[0]
-        state = (state ^ (state >> np.uint64(27))) * MIXERS[1]
+        state = (state ^ (state >> np.uint64(30))) * MIX_FACTORS[0]
+        state = (state ^ (state >> np.uint64(27))) * MIX_FACTORS[1]
     return state ^ (state >> np.uint64(31))

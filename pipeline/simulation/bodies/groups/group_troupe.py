@@ -13,14 +13,19 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups.fire import Flames
-from pipeline.simulation.bodies.groups.flock import Birds
-from pipeline.simulation.bodies.groups.grass import Blades
-from pipeline.simulation.bodies.groups.others import Cast, Others
-from pipeline.simulation.bodies.groups.rain import Drops
-from pipeline.simulation.bodies.groups.rule import Rule, Setting, start_of
-from pipeline.simulation.bodies.groups.school import Fish
-from pipeline.simulation.bodies.groups.swarm import Insects
+from pipeline.simulation.bodies.groups.fire import FireRule
+from pipeline.simulation.bodies.groups.flock import FlockRule
+from pipeline.simulation.bodies.groups.grass import GrassRule
+from pipeline.simulation.bodies.groups.group_rule import (
+    CastIndex,
+    CastPoses,
+    GroupContext,
+    GroupRule,
+    position_on_ground,
+)
+from pipeline.simulation.bodies.groups.rain import RainRule
+from pipeline.simulation.bodies.groups.school import SchoolRule
+from pipeline.simulation.bodies.groups.swarm import SwarmRule
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
@@ -30,13 +35,13 @@ from pipeline.spec.cast import Group
 from pipeline.spec.group import Fire, Flock, Grass, Rain, School, Swarm
 from pipeline.spec.script import GoTo
 
-RULES: dict[type[Any], Callable[[Setting, Any], Rule]] = {
-    Flock: Birds,
-    School: Fish,
-    Swarm: Insects,
-    Rain: Drops,
-    Fire: Flames,
-    Grass: Blades,
+RULES: dict[type[Any], Callable[[GroupContext, Any], GroupRule]] = {
+    Flock: FlockRule,
+    School: SchoolRule,
+    Swarm: SwarmRule,
+    Rain: RainRule,
+    Fire: FireRule,
+    Grass: GrassRule,
 }
 
 MATERIALS: dict[type[Any], str] = {
@@ -53,7 +58,7 @@ Member = tuple[int, Group]
 """Place in the cast, and words."""
 
 
-class Groups(Troupe):
+class GroupTroupe(Troupe):
     """All groups of a scene."""
 
     write_stage = WriteStage.LAST
@@ -80,7 +85,7 @@ class Groups(Troupe):
             SceneError: somebody has no such part.
         """
         for rule in self.rules.values():
-            rule.meet(Cast(nodes, meshes, figures))
+            rule.meet(CastIndex(nodes, meshes, figures))
 
     def read(self, orders: Orders) -> None:
         """Take in where the script sends groups."""
@@ -124,18 +129,18 @@ class Groups(Troupe):
                 alive=rows.alive[:, nodes],
                 scales=rows.scales[:, scales],
             )
-            contacts += rule.write(own, times, Others(R, p))
+            contacts += rule.write(own, times, CastPoses(R, p))
         self._steps.clear()
         return contacts
 
 
-def _rule(i: int, member: Group, world: World) -> Rule:
+def _rule(i: int, member: Group, world: World) -> GroupRule:
     kind = type(member.group)
     place = np.array(member.at if len(member.at) == 3 else (member.at[0], 0.0, member.at[1]))
     if member.parent is None:
-        place = start_of(member.at, world)
+        place = position_on_ground(member.at, world)
     material = member.material or MATERIALS[kind]
-    setting = Setting(member.name, f"cast[{i}]", place, member.parent, material, world)
+    setting = GroupContext(member.name, f"cast[{i}]", place, member.parent, material, world)
     return RULES[kind](setting, member.group)
 
 

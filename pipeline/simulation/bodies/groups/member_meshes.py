@@ -1,7 +1,7 @@
-"""Looks: the small solids that members of groups are made of, about their nodes.
+"""Member meshes: the small solids that members of groups are made of, about their nodes.
 
-X is ahead and Y up. Every member has the same few triangles, and a group is one part: what a
-member costs is a node or three, not a mesh.
+X is ahead and Y up. Every member has the same few triangles, and a group is one part: a member
+costs a node or three, not a mesh.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
 
-AROUND = 6
+RING_SIDES = 6
 """Sides of what is round: nobody looks at one of many for long."""
 
 
 def spindle(places: Array, heights: Array, widths: Array) -> Solid:
     """Return a solid along X with elliptic rings: places, half heights and half widths [m]."""
-    angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
-    rings = np.zeros((len(places), AROUND, 3))
+    angle = np.arange(RING_SIDES) * (2.0 * np.pi / RING_SIDES)
+    rings = np.zeros((len(places), RING_SIDES, 3))
     rings[..., 0] = places[:, None]
     rings[..., 1] = heights[:, None] * np.cos(angle)
     rings[..., 2] = widths[:, None] * np.sin(angle)

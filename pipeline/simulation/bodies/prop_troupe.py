@@ -1,8 +1,7 @@
-"""Props: things that move only as their author says.
+"""Props: performers that move only as their author says.
 
-Here along their keyframes, or by velocity or force, relative to their parents; what goes
-along with a parent or is held in a hand is put in its place when everybody has moved (see
-`attaching.py`).
+They follow keyframes, a velocity or a force, relative to their parents; attachment to a parent or
+a hand comes after all have moved (see `attachment.py`).
 
 Source: Sims 1987, 3.1.
 """
@@ -14,21 +13,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.bodies.paths import path_of, scale_of
-from pipeline.simulation.bodies.shapes import bottom, solid_of
+from pipeline.simulation.bodies.prop_paths import prop_path, prop_scale
+from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory, Rows, Troupe, World
 from pipeline.spec.cast import Prop
 
 
-class Props(Troupe):
+class PropTroupe(Troupe):
     """All props of a scene."""
 
     def __init__(self, cast: Sequence[Prop], world: World, materials: Sequence[str]) -> None:
         self.world = world
-        self.paths = [path_of(member, _start(member, world)) for member in cast]
-        scales = [scale_of(member) for member in cast]
+        self.paths = [prop_path(member, _start(member, world)) for member in cast]
+        scales = [prop_scale(member) for member in cast]
         self.scales = [track for track in scales if track is not None]
         scaled = tuple(i for i, track in enumerate(scales) if track is not None)
         self.inventory = replace(_inventory(cast, materials, world.clock.rows), scaled=scaled)
@@ -61,14 +60,14 @@ def _start(member: Prop, world: World) -> Array:
     x, z = member.at
     floor = 0.0
     if member.parent is None:
-        floor = float(world.ground.height(np.array(x), np.array(z))) + bottom(member.prop)
+        floor = float(world.ground.height(np.array(x), np.array(z))) + prop_depth(member.prop)
     return np.array([x, floor, z])
 
 
 def _inventory(cast: Sequence[Prop], materials: Sequence[str], rows: int) -> Inventory:
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     for i, (member, material) in enumerate(zip(cast, materials, strict=True)):
-        solid = solid_of(member.prop)
+        solid = prop_solid(member.prop)
         count = len(solid.vertices)
         nodes.append(Node(member.name, member.name, -1, (0.0, 0.0, 0.0)))
         meshes.append(

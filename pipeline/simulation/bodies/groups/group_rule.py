@@ -1,13 +1,14 @@
-"""Others: what a group sees of the rest of the cast.
+"""Group rules: the base class of all groups, and their view of the rest of the cast.
 
-Nobody depends on a group, so it moves last of all: it sees others where they are in the very
-row, with all that they hang on.
+Nobody depends on a group, so it moves last of all: it sees others where they are in the very row,
+with all that is attached to them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,8 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.attachment import node_number
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.spatial import Array, turn
-from pipeline.simulation.take import Mesh, Node
+from pipeline.simulation.take import Contact, Mesh, Node
+from pipeline.simulation.troupe import Inventory, Rows, World
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +35,7 @@ class Outline:
 
 
 @dataclass(frozen=True, eq=False)
-class Cast:
+class CastIndex:
     """Everybody else, before anything moves.
 
     Attributes:
@@ -71,7 +73,7 @@ class Cast:
 
 
 @dataclass(frozen=True, eq=False)
-class Others:
+class CastPoses:
     """Everybody else in n rows, in the world.
 
     Attributes:
@@ -101,3 +103,69 @@ class Others:
             middles.append(middle[:, None])
             radii.append(np.sqrt((away * away).sum(axis=-1).max(axis=1))[:, None])
         return np.concatenate(middles, axis=1), np.concatenate(radii, axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class GroupContext:
+    """What is known of a group before it moves.
+
+    Attributes:
+        name: of it.
+        path: where its words stand in the scene.
+        place: (3,) where it is said to be [m].
+        parent: whom it goes along with, if anybody.
+        material: of its members.
+        world: that it is in.
+    """
+
+    name: str
+    path: str
+    place: Array
+    parent: str | None
+    material: str
+    world: World
+
+    @property
+    def seed(self) -> tuple[int, str]:
+        """Seed of the scene, and the name that it is split by."""
+        return self.world.seed, self.name
+
+    def height(self, places: Array) -> Array:
+        """Return the heights (...) of the ground at places (..., 3) [m]."""
+        return self.world.ground.height(places[..., 0], places[..., 2])
+
+
+class GroupRule(Protocol):
+    """A group that moves by its rule."""
+
+    inventory: Inventory
+
+    def meet(self, cast: CastIndex) -> None:
+        """Find those that its words name.
+
+        Raises:
+            SceneError: somebody has no such part.
+        """
+
+    def send(self, time: float, goal: tuple[float, float]) -> None:
+        """Make for a place (x, z) from `time` on, if it is one that can be sent."""
+
+    def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
+        """Go on through n rows and write them.
+
+        Args:
+            rows: its slice of the take; all of it alive.
+            times: (n,) of the rows, later than those before [s].
+            others: everybody else in these rows.
+
+        Returns:
+            The contacts that have begun since the rows before.
+        """
+
+
+def position_on_ground(at: tuple[float, ...], world: World) -> Array:
+    """Return the place (3,) that two or three numbers stand for: two are on the ground [m]."""
+    if len(at) == 3:
+        return np.array(at)
+    height = float(world.ground.height(np.array(at[0]), np.array(at[1])))
+    return np.array([at[0], height, at[1]])

@@ -1,10 +1,9 @@
-"""Rubbing: bodies that roll or slide over the ground for a while, with a begin and an end.
+"""Sliding tracker: intervals during which bodies roll or slide over the ground.
 
-What touches slides if its contact moves along the ground; a ball rolls if its middle does and
-the contact hardly. (A polyhedron that rolls strikes with edge after edge.) It begins when it
-has been quick for a while and ends when it has been slow, or in the air, for a while: so a
-rattle is one rub, and what settles or shivers is none. Begin and end are those of the motion,
-not of the whiles.
+A body slides if its contact moves along the ground; a ball rolls if its middle does and the
+contact hardly. (A polyhedron that rolls strikes with edge after edge.) An interval begins when the
+body has been fast for a while, and ends when it has been slow, or in the air, for a while: a
+rattle is one interval, and settling or shivering is none. Its limits are those of the motion.
 
 Source: Sims 1987, 13.1.2, sounds from motion.
 """
@@ -23,17 +22,17 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Place
 from pipeline.spec.detect import Roll
 
-PAUSE = 2
+MAX_GAP_STEPS = 2
 """Steps without it that take a rub back which has not yet lasted, and are not heard in one."""
 
-SLIPS = 0.2
+ROLLING_SLIP_RATIO = 0.2
 """Part of a ball's speed that its contact has at most while it rolls."""
 
-Kind = Literal["roll", "slide"]
+SlidingKind = Literal["roll", "slide"]
 
 
 @dataclass(frozen=True, slots=True)
-class Rub:
+class SlidingInterval:
     """A body has rolled or slid.
 
     Attributes:
@@ -50,7 +49,7 @@ class Rub:
     """
 
     body: int
-    kind: Kind
+    kind: SlidingKind
     first: int
     last: int
     place: Place
@@ -61,7 +60,7 @@ class Rub:
     places: tuple[Place, ...]
 
 
-class Rubbing:
+class SlidingTracker:
     """One way in which N bodies rub.
 
     Attributes:
@@ -69,7 +68,7 @@ class Rubbing:
         words: from when on that is a rub.
     """
 
-    def __init__(self, kind: Kind, count: int, dt: float, words: Roll) -> None:
+    def __init__(self, kind: SlidingKind, count: int, dt: float, words: Roll) -> None:
         self.kind, self.words = kind, words
         self._begins, self._ends = max(round(words.least / dt), 1), max(round(words.pause / dt), 1)
         self._first = np.full(count, -1)
@@ -89,7 +88,7 @@ class Rubbing:
         normal: Array,
         final: bool,
         other: NDArray[np.int64] | int = 0,
-    ) -> list[Rub]:
+    ) -> list[SlidingInterval]:
         """Take in how bodies move at a step; return the rubs that have ended.
 
         Args:
@@ -115,7 +114,7 @@ class Rubbing:
             self._way.setdefault(i, []).append(at)
         self._on |= goes & (step - self._first >= self._begins)
         # Before it has begun a pause takes it back; after that only a long one ends it.
-        rest = np.where(self._on, self._ends, PAUSE)
+        rest = np.where(self._on, self._ends, MAX_GAP_STEPS)
         over = (self._first >= 0) & ((step - self._last >= rest) | final)
         ended = [self._rub(int(i)) for i in np.flatnonzero(over & self._on)]
         self._first[over], self._on[over] = -1, False
@@ -123,7 +122,7 @@ class Rubbing:
             self._way.pop(i, None)
         return ended
 
-    def _rub(self, i: int) -> Rub:
+    def _rub(self, i: int) -> SlidingInterval:
         x, y, z = self._place[i].tolist()
         a, b, c = self._normal[i].tolist()
         first, last = int(self._first[i]), int(self._last[i])
@@ -131,14 +130,16 @@ class Rubbing:
         # Of the pause in which it ended nothing is heard.
         speeds, places = zip(*self._way[i][: last - first + 1], strict=True)
         where = (x, y, z), (a, b, c)
-        return Rub(i, self.kind, first, last, *where, speed, other, _bridged(speeds), places)
+        return SlidingInterval(
+            i, self.kind, first, last, *where, speed, other, _bridge_gaps(speeds), places
+        )
 
 
-def _bridged(speeds: Sequence[float]) -> tuple[float, ...]:
+def _bridge_gaps(speeds: Sequence[float]) -> tuple[float, ...]:
     """Return speeds with shaking contacts left out: a step or two at 0 between two others."""
     found, moving = list(speeds), [k for k, speed in enumerate(speeds) if speed > 0.0]
     for a, b in pairwise(moving):
-        if 1 < b - a <= PAUSE + 1:
+        if 1 < b - a <= MAX_GAP_STEPS + 1:
             for k in range(a + 1, b):
                 found[k] = speeds[a] + (speeds[b] - speeds[a]) * (k - a) / (b - a)
     return tuple(found)

@@ -1,13 +1,12 @@
-"""Reels: arrays of many rows, on disk where they are long.
+"""Row storage: arrays of many rows, on disk where they are long.
 
-What a simulation writes row by row, and what walks through a take, needs a few rows at a
-time. A reel up to `SHORT` is an array like any other. A longer one is mapped from a file
-without a name, which the system takes away with the last who uses it, however that ends;
-the rows that are done with are given back to it (`rows_of`, `put_down`). So the memory that
-a film takes does not grow with its length.
+A simulation writes row by row, and readers of a take walk through it; both need a few rows at a
+time. Short arrays are ordinary ones. A longer one is mapped from an unlinked temporary file, which
+the system removes with its last user, however that ends; processed rows are given back
+(`row_chunks`, `release_rows`). So memory use does not grow with the length of the film.
 
-The file stands in the folder that `TMPDIR` names, otherwise in /var/tmp, which is on disk
-where /tmp may be memory.
+The file stands in the folder that `TMPDIR` names, otherwise in /var/tmp, which is on disk where
+/tmp may be memory.
 """
 
 from __future__ import annotations
@@ -25,23 +24,23 @@ from numpy.typing import DTypeLike, NDArray
 
 from pipeline.errors import StoreError
 
-SHORT = 4 * 2**20
+MAX_IN_MEMORY = 4 * 2**20
 """Longest reel that is kept in memory [bytes]."""
 
-AT_ONCE = 4 * 2**20
+CHUNK_BYTES = 4 * 2**20
 """About so much of a reel is looked at at once [bytes]."""
 
 
-def reel(shape: Sequence[int], dtype: DTypeLike) -> NDArray[Any]:
+def allocate_rows(shape: Sequence[int], dtype: DTypeLike) -> NDArray[Any]:
     """Return an array of zeros, (rows, ...).
 
     Raises:
         StoreError: if there is no room for it.
     """
     size = math.prod(shape) * np.dtype(dtype).itemsize
-    if size <= SHORT:
+    if size <= MAX_IN_MEMORY:
         return np.zeros(shape, dtype)
-    folder = _folder()
+    folder = _temporary_folder()
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
             # A disk that is full is noticed now; within the mapping it would end the process.
@@ -57,7 +56,7 @@ def reel(shape: Sequence[int], dtype: DTypeLike) -> NDArray[Any]:
         ) from error
 
 
-def rows_of(array: NDArray[Any], multiple: int = 1) -> Iterator[slice]:
+def row_chunks(array: NDArray[Any], multiple: int = 1) -> Iterator[slice]:
     """Yield rows of a reel from the first to the last, so many as may be in memory at once.
 
     Args:
@@ -65,20 +64,20 @@ def rows_of(array: NDArray[Any], multiple: int = 1) -> Iterator[slice]:
         multiple: of how many rows each but the last is.
     """
     row = max(array[:1].nbytes, 1)
-    count = max(AT_ONCE // (row * multiple), 1) * multiple
+    count = max(CHUNK_BYTES // (row * multiple), 1) * multiple
     for first in range(0, len(array), count):
         yield slice(first, min(first + count, len(array)))
-        put_down(array)
+        release_rows(array)
 
 
-def put_down(array: NDArray[Any]) -> None:
+def release_rows(array: NDArray[Any]) -> None:
     """Give back the memory of a reel's rows; its file has them."""
     if isinstance(array.base, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
         # Of a shared mapping nothing is lost by this: the file's pages stay as they are.
         array.base.madvise(mmap.MADV_DONTNEED)
 
 
-def _folder() -> Path:
+def _temporary_folder() -> Path:
     named, usual = os.environ.get("TMPDIR"), Path("/var/tmp")
     if named or not usual.is_dir():
         return Path(tempfile.gettempdir())

@@ -1,15 +1,15 @@
-"""Turning: attitudes that follow a given angular velocity, or a given torque.
+"""Integrated attitude: rotation under a given angular velocity, or a given torque.
 
-A velocity in pieces turns by Magnus' series: over a short time h, R' = [ω] R is solved by the
-rotation about
+A piecewise angular velocity is integrated by Magnus' series: over a short time h, R' = [ω] R is
+solved by the rotation about
 
     Ω = ∫ω dt + (√3 h² / 12) ω₂ × ω₁,
 
-ω₁ and ω₂ at Gauss' two points. The integral is exact; the second term, of fourth order, is
-zero while the axis stays, so that such a turn is exact however fast it changes.
+ω₁ and ω₂ at Gauss' two points. The integral is exact; the second term, of fourth order, is zero
+while the axis is constant, so that such a rotation is exact however fast it changes.
 
-A torque in pieces turns a rigid body by Euler's equations, with the rule of Runge and Kutta
-in short steps: I ω' = (I ω) × ω + Rᵀ τ - c ω, with ω in the frame of the body.
+A piecewise torque turns a rigid body by Euler's equations, with the Runge-Kutta rule in short
+steps: I ω' = (I ω) × ω + Rᵀ τ - c ω, with ω in the frame of the body.
 
 Source: Sims 1987, 3.1.2, 3.1.3 and 7.1; Iserles and Nørsett 1999 for the series.
 """
@@ -20,44 +20,47 @@ import math
 
 import numpy as np
 
+from pipeline.simulation.bodies.integrated_motion import (
+    IntegratedMotion,
+    PiecewisePolynomial,
+)
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.pieces import Carried, Pieces
 from pipeline.simulation.spatial import Array, cross, matrix, quaternion, rotation
 
-SHORT = 1.0 / 240.0
+MAX_STEP = 1.0 / 240.0
 """Longest step of an attitude [s]."""
 
-MOST_TURN = 0.02
+MAX_STEP_ANGLE = 0.02
 """Angle that a step of Runge and Kutta may turn by, about [rad]: errors are then near 1e-11."""
 
 State = tuple[float, float, float, float, float, float, float]
 """Attitude wxyz of the principal axes, and angular velocity along them."""
 
-NO_TIME = 1e-12
+TIME_ROUNDING = 1e-12
 """Rounding of times [s]."""
 
-HALVES = np.array([0.0, 0.5, 1.0])
-GAUSS = np.array([0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0])
+RUNGE_KUTTA_NODES = np.array([0.0, 0.5, 1.0])
+GAUSS_NODES = np.array([0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0])
 
 
-class Spun:
+class SpunAttitude:
     """An attitude under an angular velocity in the world; asked for at ascending times.
 
     Attributes:
         R: (3, 3) attitude at the time last asked for.
     """
 
-    def __init__(self, spin: Pieces, R: Array) -> None:
+    def __init__(self, spin: PiecewisePolynomial, R: Array) -> None:
         self.spin = spin
         self.R = R
         self._time = 0.0
-        self._angles = Carried.by_velocity(spin, np.zeros(3))
+        self._angles = IntegratedMotion.by_velocity(spin, np.zeros(3))
 
     def at(self, times: Array) -> Array:
         """Return the attitudes (m, 3, 3) at `times` (m,), none before the last [s]."""
-        begins, ends = _steps(self._time, times, self.spin.begins)
+        begins, ends = _short_steps(self._time, times, self.spin.begins)
         h = (ends - begins)[:, None]
-        first, second = (self.spin.after(begins, GAUSS[k] * h[:, 0]) for k in range(2))
+        first, second = (self.spin.after(begins, GAUSS_NODES[k] * h[:, 0]) for k in range(2))
         about = self._angles.at(ends)[0] - self._angles.at(begins)[0]
         about += math.sqrt(3.0) / 12.0 * h * h * cross(second, first)
         angle = np.sqrt((about * about).sum(axis=-1))
@@ -73,7 +76,7 @@ class Spun:
         return result
 
 
-class Torqued:
+class TorquedAttitude:
     """An attitude under a torque in the world; asked for at ascending times.
 
     It is worked out along the principal axes, number by number: for one body that is a tenth
@@ -81,7 +84,7 @@ class Torqued:
     """
 
     def __init__(
-        self, torque: Pieces, mass: MassProperties, R: Array, spin: Array, drag: float
+        self, torque: PiecewisePolynomial, mass: MassProperties, R: Array, spin: Array, drag: float
     ) -> None:
         moments, axes = np.linalg.eigh(mass.inertia)
         # Three axes that are no left hand.
@@ -117,45 +120,45 @@ class Torqued:
 
     def _go_to(self, time: float) -> tuple[float, ...]:
         """Return the attitude of the principal axes at a time not before the last [s]."""
-        begins, ends = _steps(self._time, np.array([time]), self.torque.begins)
+        begins, ends = _short_steps(self._time, np.array([time]), self.torque.begins)
         for begin, span in zip(begins, (ends - begins).tolist(), strict=True):
             spin = math.sqrt(sum(w * w for w in self._state[4:]))
-            count = max(math.ceil(spin * span / MOST_TURN), 1)
+            count = max(math.ceil(spin * span / MAX_STEP_ANGLE), 1)
             h = span / count
             for k in range(count):
-                taus = self.torque.after(np.full(3, begin), h * (k + HALVES)).tolist()
-                self._state = _advanced(self._state, h, taus, self.moments, self.drag)
+                taus = self.torque.after(np.full(3, begin), h * (k + RUNGE_KUTTA_NODES)).tolist()
+                self._state = _runge_kutta_step(self._state, h, taus, self.moments, self.drag)
         self._time = max(self._time, time)
         return self._state[:4]
 
 
-def _advanced(
+def _runge_kutta_step(
     state: State, h: float, taus: list[list[float]], moments: tuple[float, ...], drag: float
 ) -> State:
     """Return the state `h` [s] later, under torques at the begin, the middle and the end."""
-    k1 = _rates(state, taus[0], moments, drag)
-    k2 = _rates(_moved(state, k1, 0.5 * h), taus[1], moments, drag)
-    k3 = _rates(_moved(state, k2, 0.5 * h), taus[1], moments, drag)
-    k4 = _rates(_moved(state, k3, h), taus[2], moments, drag)
+    k1 = _state_rates(state, taus[0], moments, drag)
+    k2 = _state_rates(_moved_state(state, k1, 0.5 * h), taus[1], moments, drag)
+    k3 = _state_rates(_moved_state(state, k2, 0.5 * h), taus[1], moments, drag)
+    k4 = _state_rates(_moved_state(state, k3, h), taus[2], moments, drag)
     together = zip(k1, k2, k3, k4, strict=True)
     rates = tuple((a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in together)
-    a, b, c, d, x, y, z = _moved(state, rates, h)
+    a, b, c, d, x, y, z = _moved_state(state, rates, h)
     n = math.sqrt(a * a + b * b + c * c + d * d)
     return a / n, b / n, c / n, d / n, x, y, z
 
 
-def _moved(state: State, rates: tuple[float, ...], h: float) -> State:
+def _moved_state(state: State, rates: tuple[float, ...], h: float) -> State:
     a, b, c, d, x, y, z = (s + h * r for s, r in zip(state, rates, strict=True))
     return a, b, c, d, x, y, z
 
 
-def _rates(
+def _state_rates(
     state: State, torque: list[float], moments: tuple[float, ...], drag: float
 ) -> tuple[float, ...]:
     """Return how fast a state changes under a torque in the world."""
     a, b, c, d, x, y, z = state
     i, j, k = moments
-    u, v, w = _unturned(a, b, c, d, *torque)
+    u, v, w = _to_body_frame(a, b, c, d, *torque)
     return (
         -0.5 * (b * x + c * y + d * z),
         0.5 * (a * x + c * z - d * y),
@@ -167,7 +170,7 @@ def _rates(
     )
 
 
-def _unturned(
+def _to_body_frame(
     a: float, b: float, c: float, d: float, x: float, y: float, z: float
 ) -> tuple[float, float, float]:
     """Return a vector of the world in the frame of the attitude (a, b, c, d)."""
@@ -178,7 +181,7 @@ def _unturned(
     return x + a * s + d * t - c * r, y + a * t + b * r - d * s, z + a * r + c * s - b * t
 
 
-def _steps(start: float, times: Array, begins: Array) -> tuple[Array, Array]:
+def _short_steps(start: float, times: Array, begins: Array) -> tuple[Array, Array]:
     """Return begins and ends (n,) of short steps from `start` through `times`.
 
     None crosses the begin of a piece, and one ends at each of the times.
@@ -187,7 +190,7 @@ def _steps(start: float, times: Array, begins: Array) -> tuple[Array, Array]:
     between = begins[(begins > start) & (begins < last)]
     edges = np.unique(np.concatenate([[start], between, times[times > start]]))
     spans = np.diff(edges)
-    counts = np.maximum(np.ceil(spans / SHORT - NO_TIME), 1).astype(int)
+    counts = np.maximum(np.ceil(spans / MAX_STEP - TIME_ROUNDING), 1).astype(int)
     which = np.repeat(np.arange(len(spans)), counts)
     k = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     h = spans[which] / counts[which]

@@ -1,8 +1,8 @@
-"""Colliders: the troupe of bodies that meet one another, the terrain and creatures.
+"""Colliders: bodies that meet one another, the terrain and creatures.
 
-They advance last, from row to row, when all who push have written where they are at the end
-of it: creatures go where they are told and feel no bodies, so nothing lags behind. Rows are
-written by the dozen, so what bodies have met is told as late, at its own step and fraction.
+They advance last, from row to row, when all that push them have written where they are at its end:
+creatures go where they are told and feel no bodies, so nothing lags behind. Rows are written in
+batches, so contacts are reported late, at their own step and fraction.
 
 Source: Sims 1987, 7.1 and 13.1.1.
 """
@@ -15,8 +15,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.bodies.gathering import Block, appearance, blocks_of, start_of
-from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
+from pipeline.simulation.bodies.body_instances import (
+    BodyInstance,
+    body_inventory,
+    initial_state,
+    instantiate_bodies,
+)
+from pipeline.simulation.bodies.sliding_tracker import (
+    ROLLING_SLIP_RATIO,
+    SlidingInterval,
+    SlidingTracker,
+)
 from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
 from pipeline.simulation.obstacles import directions
@@ -26,16 +35,16 @@ from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World, WriteStage
 from pipeline.spec.cast import Body, Many
 
-FALL = 10.0
+DROP_DEPTH = 10.0
 """Depth below the lowest ground at which what has left the terrain is dropped [m]."""
 
-OVERLAP = 1e-3
+MAX_START_DEPTH = 1e-3
 """Depth in something else at the begin that is refused, in sizes of the body."""
 
-HALVINGS = 48
+BISECTIONS = 48
 
 
-class Colliders(Troupe):
+class ColliderTroupe(Troupe):
     """All bodies of a scene that meet one another.
 
     Args:
@@ -61,8 +70,8 @@ class Colliders(Troupe):
         self.obstacles = obstacles
         clock = world.clock
         self.row_steps = clock.steps // clock.samples
-        self.blocks = blocks_of(cast, world, materials)
-        state, on_ground = start_of(self.blocks, world.ground)
+        self.blocks = instantiate_bodies(cast, world, materials)
+        state, on_ground = initial_state(self.blocks, world.ground)
         self.solver = MujocoWorld(
             [block.collider for block in self.blocks],
             state,
@@ -71,8 +80,8 @@ class Colliders(Troupe):
             clock.dt * self.row_steps,
         )
         self._put_down(state.p, np.array(on_ground))
-        self.inventory = appearance(self.blocks, clock.rows)
-        self._floor = float(world.ground.field.heights.min()) - FALL
+        self.inventory = body_inventory(self.blocks, clock.rows)
+        self._floor = float(world.ground.field.heights.min()) - DROP_DEPTH
         self.alive = np.ones(len(self.blocks), dtype=bool)
         self.step = 0
         self._heard: dict[tuple[int, int], float] = {}
@@ -81,8 +90,8 @@ class Colliders(Troupe):
         row = clock.dt * self.row_steps
         self._balls = np.array([block.collider.build.hull is None for block in self.blocks])
         self._rolls, self._slides = (
-            Rubbing("roll", len(self.blocks), row, world.detect.roll),
-            Rubbing("slide", len(self.blocks), row, world.detect.slide),
+            SlidingTracker("roll", len(self.blocks), row, world.detect.roll),
+            SlidingTracker("slide", len(self.blocks), row, world.detect.slide),
         )
         self._rows: list[tuple[Array, Array, Array]] = []
 
@@ -120,7 +129,7 @@ class Colliders(Troupe):
         if len(lost):
             self.alive[lost] = False
             self.solver.drop(lost)
-        text = f"left the terrain, and was dropped {FALL:g} m below it"
+        text = f"left the terrain, and was dropped {DROP_DEPTH:g} m below it"
         self._notes += [Note("dropped", step, self.blocks[i].name, text) for i in lost]
 
     def write(self, rows: Rows) -> None:
@@ -154,10 +163,10 @@ class Colliders(Troupe):
 
     # --- what rolls and slides --------------------------------------------------------
 
-    def _rubs(self, step: int) -> list[Rub]:
+    def _rubs(self, step: int) -> list[SlidingInterval]:
         """Return what has ended to roll or to slide, in rows."""
         found, row = self.solver.sliding_motion(), step // self.row_steps
-        rolls = self._balls & (found.slip <= SLIPS * found.along)
+        rolls = self._balls & (found.slip <= ROLLING_SLIP_RATIO * found.along)
         final = row == self.world.clock.rows - 1
         where = found.place, found.normal, final, found.other
         return [
@@ -165,7 +174,7 @@ class Colliders(Troupe):
             *self._slides.look(row, found.touches & ~rolls, found.slip, *where),
         ]
 
-    def _rubbed(self, rub: Rub) -> Contact:
+    def _rubbed(self, rub: SlidingInterval) -> Contact:
         block = self.blocks[rub.body]
         return Contact(
             step=rub.first * self.row_steps,
@@ -195,7 +204,7 @@ class Colliders(Troupe):
         reach = self.solver.substeps.reach
         heights = self.world.ground.field.heights
         low, high = float(heights.min()) - reach, float(heights.max()) + reach
-        for _ in range(HALVINGS):
+        for _ in range(BISECTIONS):
             p[rows, 1] = 0.5 * (low + high)[rows]
             self.solver.lift(p)
             deep = np.zeros(len(p), dtype=bool)
@@ -208,12 +217,12 @@ class Colliders(Troupe):
         problems = []
         for overlap in self.solver.overlaps():
             block = self.blocks[overlap.one]
-            if overlap.depth > OVERLAP * block.size:
+            if overlap.depth > MAX_START_DEPTH * block.size:
                 problems.append(Problem(block.path, self._too_deep(block, overlap)))
         if problems:
             raise SceneError(problems)
 
-    def _too_deep(self, block: Block, overlap: Overlap) -> str:
+    def _too_deep(self, block: BodyInstance, overlap: Overlap) -> str:
         name = self._name(overlap.other)
         what = "the terrain" if overlap.other == TERRAIN else f"'{name}'"
         told = f"'{block.name}' begins {overlap.depth:.3g} m deep in {what}"
@@ -267,7 +276,7 @@ class Colliders(Troupe):
         )
 
 
-def _solid(number: int, block: Block) -> Obstacle:
+def _solid(number: int, block: BodyInstance) -> Obstacle:
     """Return a body as others feel it."""
     build = block.collider.build
     corners = build.hull.vertices if build.hull is not None else build.radius * directions()

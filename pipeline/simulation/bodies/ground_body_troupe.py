@@ -1,4 +1,4 @@
-"""Tumblers: rigid bodies that fall on the terrain, bounce, roll and come to rest.
+"""Ground bodies: rigid bodies that fall on the terrain, bounce, roll and come to rest.
 
 Source: Sims 1987, 7.1 and ch. 12.
 """
@@ -11,29 +11,33 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.bodies.building import build_of, mesh_of, seen_of
-from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
+from pipeline.simulation.bodies.body_model import build_body, mesh_of, seen_of
+from pipeline.simulation.bodies.sliding_tracker import (
+    ROLLING_SLIP_RATIO,
+    SlidingInterval,
+    SlidingTracker,
+)
 from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, State, dot, unrotate
 from pipeline.simulation.dynamics.terrain_bodies import GroundImpact, TerrainBodies
+from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.spatial import Array, heading, matrix, quaternion
 from pipeline.simulation.take import Contact, Mesh, Node, Note, Part
-from pipeline.simulation.tracks import turned
 from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
 from pipeline.spec.cast import Body
 
-FALL = 10.0
+DROP_DEPTH = 10.0
 """Depth below the lowest ground at which what has left the terrain is dropped [m]."""
 
-OVERLAP = 1e-3
+MAX_START_DEPTH = 1e-3
 """Depth in the ground at the begin that is refused, in sizes of the body."""
 
-HALVINGS = 60
+BISECTIONS = 60
 
 Member = tuple[int, Body]
 """Place in the cast, and words."""
 
 
-class Tumblers(Troupe):
+class GroundBodyTroupe(Troupe):
     """All rigid bodies of a scene.
 
     Raises:
@@ -50,12 +54,12 @@ class Tumblers(Troupe):
         _put_down(cast, self.bouncing)
         _refuse_overlap(cast, self.bouncing)
         self.inventory = _inventory(cast, builds, materials, world.clock.rows)
-        self._floor = float(world.ground.field.heights.min()) - FALL
+        self._floor = float(world.ground.field.heights.min()) - DROP_DEPTH
         self.alive = np.ones(len(cast), dtype=bool)
         dt = world.clock.dt
         self._rolls, self._slides = (
-            Rubbing("roll", len(cast), dt, world.detect.roll),
-            Rubbing("slide", len(cast), dt, world.detect.slide),
+            SlidingTracker("roll", len(cast), dt, world.detect.roll),
+            SlidingTracker("slide", len(cast), dt, world.detect.slide),
         )
         self._contacts: tuple[Contact, ...] = ()
         self._notes: tuple[Note, ...] = ()
@@ -72,7 +76,7 @@ class Tumblers(Troupe):
         lost = np.flatnonzero(self.alive & (self.bouncing.state.p[:, 1] < self._floor))
         self.alive[lost] = False
         self.bouncing.drop(lost)
-        text = f"left the terrain, and was dropped {FALL:g} m below it"
+        text = f"left the terrain, and was dropped {DROP_DEPTH:g} m below it"
         self._notes = tuple(Note("dropped", step + 1, self.names[i], text) for i in lost)
 
     def buffer_row(self) -> None:
@@ -92,20 +96,20 @@ class Tumblers(Troupe):
         """Return what struck the ground in the last step, and what was lost."""
         return Facts(self._contacts, self._notes)
 
-    def _rubs(self, step: int) -> list[Rub]:
+    def _rubs(self, step: int) -> list[SlidingInterval]:
         """Return what has ended to roll or to slide."""
         touches, place, normal, v, slip = self.bouncing.touching()
         final = step == self.world.clock.last_step
         speeds = [np.sqrt(dot(u, u)) for u in (v - dot(v, normal)[:, None] * normal, slip)]
         ball = self.bouncing.bodies.radius > 0.0
-        rolls = ball & (speeds[1] <= SLIPS * speeds[0])
+        rolls = ball & (speeds[1] <= ROLLING_SLIP_RATIO * speeds[0])
         where = place, normal, final
         return [
             *self._rolls.look(step, touches & rolls, speeds[0], *where),
             *self._slides.look(step, touches & ~rolls, speeds[1], *where),
         ]
 
-    def _rubbed(self, rub: Rub) -> Contact:
+    def _rubbed(self, rub: SlidingInterval) -> Contact:
         i, bodies = rub.body, self.bouncing.bodies
         clock = self.world.clock
         a_row = clock.steps // clock.samples
@@ -160,7 +164,7 @@ def _builds(cast: Sequence[Member]) -> list[BodyModel]:
     builds, problems = list[BodyModel](), list[Problem]()
     for i, member in cast:
         try:
-            builds.append(build_of(member.body, f"cast[{i}].body"))
+            builds.append(build_body(member.body, f"cast[{i}].body"))
         except SceneError as error:
             problems += error.problems
     if problems:
@@ -174,7 +178,7 @@ def _start(cast: Sequence[Member]) -> State:
     for _, member in cast:
         x, z = member.at[0], member.at[-1]
         p.append([x, member.at[1] if len(member.at) == 3 else 0.0, z])
-        look = turned(np.radians(np.array([member.rotation_deg])))[0]
+        look = rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
         R.append(heading(math.radians(member.heading_deg)) @ look)
         w.append(np.radians(member.spin_deg))
     R_WB = np.array(R)
@@ -190,7 +194,7 @@ def _put_down(cast: Sequence[Member], bouncing: TerrainBodies) -> None:
     field, reach, p = bouncing.ground.field, bouncing.bodies.reach, bouncing.state.p
     low = np.full(len(rows), float(field.heights.min())) - reach
     high = np.full(len(rows), float(field.heights.max())) + reach
-    for _ in range(HALVINGS):
+    for _ in range(BISECTIONS):
         p[rows, 1] = 0.5 * (low + high)[rows]
         deep = bouncing.depths() > 0.0
         low, high = np.where(deep, p[:, 1], low), np.where(deep, high, p[:, 1])
@@ -212,7 +216,7 @@ def _refuse_overlap(cast: Sequence[Member], bouncing: TerrainBodies) -> None:
             f"[x, z] to put it on the ground",
         )
         for (i, member), depth, size in zip(cast, depths, bouncing.bodies.size, strict=True)
-        if depth > OVERLAP * size
+        if depth > MAX_START_DEPTH * size
     ]
     if problems:
         raise SceneError(problems)

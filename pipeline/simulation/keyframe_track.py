@@ -1,7 +1,7 @@
-"""Tracks: values that go from key to key, and runs of keys that take over and let go.
+"""Keyframe tracks: values interpolated between keys; cyclic tracks; tracks that fade in and out.
 
-Between two keys a value moves along a cubic (Hermite) whose ends have the speeds of the
-spline through the keys, or along an ease that starts or ends at rest.
+Between two keys a value follows a cubic Hermite with the speeds of the spline through the keys, or
+an ease that starts or ends at rest.
 
 Source: Sims 1987, 3.1.1; Catmull and Rom 1974, with keys at uneven times.
 """
@@ -18,7 +18,7 @@ from pipeline.simulation.curves import ease
 from pipeline.simulation.spatial import Array, rotation
 from pipeline.spec.keyframes import Ease
 
-AT_ONCE = 1e-9
+SAME_TIME = 1e-9
 """Two keys nearer in time than this are one after the other at one moment [s]."""
 
 
@@ -66,7 +66,7 @@ class Track:
         # Of the parabola through a key and its neighbours; at rest at both ends.
         for i in range(1, n - 1):
             a, b = self.times[i] - self.times[i - 1], self.times[i + 1] - self.times[i]
-            if min(a, b) > AT_ONCE and spline[i] and spline[i + 1]:
+            if min(a, b) > SAME_TIME and spline[i] and spline[i + 1]:
                 before = (self.values[i] - self.values[i - 1]) / a
                 after = (self.values[i + 1] - self.values[i]) / b
                 through[i] = (b * before + a * after) / (a + b)
@@ -81,7 +81,7 @@ class Track:
         right = np.clip(np.searchsorted(self.times, times, side="right"), 1, len(self.times) - 1)
         left = right - 1
         span = self.times[right] - self.times[left]
-        s = np.clip((times - self.times[left]) / np.maximum(span, AT_ONCE), 0.0, 1.0)
+        s = np.clip((times - self.times[left]) / np.maximum(span, SAME_TIME), 0.0, 1.0)
         kind = np.array(self.eases)[right]
         # Hermite's cubic; s is 0 at the left key and 1 at the right one.
         s1, h = s[:, None], span[:, None]
@@ -99,7 +99,7 @@ class Track:
 
 
 @dataclass(frozen=True, eq=False)
-class Cycle:
+class CyclicTrack:
     """A track that begins again and again.
 
     Attributes:
@@ -114,7 +114,7 @@ class Cycle:
     period: float
 
     @staticmethod
-    def of(track: Track, first: float, period: float) -> Cycle:
+    def of(track: Track, first: float, period: float) -> CyclicTrack:
         """Return the cycle of a track.
 
         Args:
@@ -126,7 +126,7 @@ class Cycle:
         gain = track.values[-1] - track.values[0]
         keys = range(len(track.times))
         # Where a key stands at both ends, one of the two is copied.
-        both = track.times[-1] - track.times[0] > period - AT_ONCE
+        both = track.times[-1] - track.times[0] > period - SAME_TIME
         before, after = keys[: -1 if both else None], keys[1 if both else 0 :]
         order = [*before, *keys, *after]
         shifts = np.repeat([-1.0, 0.0, 1.0], [len(before), len(keys), len(after)])
@@ -137,17 +137,17 @@ class Cycle:
             tuple(track.eases[i] for i in order),
             given,
         )
-        return Cycle(whole_track, first, period)
+        return CyclicTrack(whole_track, first, period)
 
     def __call__(self, times: Array) -> Array:
         """Return the values (m, d) at `times` (m,)."""
         # A hair early is as good as there: rows stand on keys but for rounding.
-        since = np.mod(times - self.first + AT_ONCE, self.period) - AT_ONCE
+        since = np.mod(times - self.first + SAME_TIME, self.period) - SAME_TIME
         return self.track(self.first + since)
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class BlendedTrack:
     """A track that takes over from something else, and may let go of it again.
 
     Attributes:
@@ -162,18 +162,18 @@ class Run:
 
     def weight(self, times: Array) -> Array:
         """Return how much it has to say (m,) at `times` (m,): 0 nothing, 1 all."""
-        return _risen(times, *self.taken) * (1.0 - _risen(times, *self.let_go))
+        return _eased_step(times, *self.taken) * (1.0 - _eased_step(times, *self.let_go))
 
 
-def _risen(times: Array, first: float, last: float) -> Array:
+def _eased_step(times: Array, first: float, last: float) -> Array:
     if not np.isfinite(last):
         return np.zeros_like(times)
-    if last - first < AT_ONCE:
-        return (times >= last - AT_ONCE).astype(float)
+    if last - first < SAME_TIME:
+        return (times >= last - SAME_TIME).astype(float)
     return ease(np.clip((times - first) / (last - first), 0.0, 1.0))
 
 
-def turned(angles: Array) -> Array:
+def rotation_from_angles(angles: Array) -> Array:
     """Return the rotations (..., 3, 3) of angles (..., 3) about x, y and z [rad].
 
     About z first, then x, then y, each about an axis that stays.

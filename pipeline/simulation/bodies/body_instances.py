@@ -1,6 +1,6 @@
-"""Gathering: words of bodies that meet one another -> blocks, one for each body.
+"""Body instances: one record for each body of the cast, with its model and initial motion.
 
-Those who are alike share one build.
+Equal bodies share one model.
 """
 
 from __future__ import annotations
@@ -14,25 +14,25 @@ from typing import Any
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.bodies.arranging import Spots, spots_of
-from pipeline.simulation.bodies.building import build_of, mesh_of, seen_of
+from pipeline.simulation.bodies.arrangements import Placements, arrange
+from pipeline.simulation.bodies.body_model import build_body, mesh_of, seen_of
 from pipeline.simulation.dynamics.mujoco_world import Collider
 from pipeline.simulation.dynamics.rigid_body import BodyModel, State, unrotate
+from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, quaternion, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.tracks import turned
 from pipeline.simulation.troupe import Inventory, World
 from pipeline.spec.body import Box, Brick, Cube
 from pipeline.spec.cast import Body, Many
 
-AROUND = 33
+PERIMETER_SAMPLES = 33
 """Places around a body at which the ground is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class BodyInstance:
     """One body and how it begins.
 
     Attributes:
@@ -66,18 +66,18 @@ class Block:
     on_ground: bool
 
 
-def blocks_of(
+def instantiate_bodies(
     cast: Sequence[tuple[int, Body | Many]], world: World, materials: Sequence[str]
-) -> list[Block]:
+) -> list[BodyInstance]:
     """Return all bodies.
 
     Raises:
         SceneError: shapes are no solids, or a name is taken.
     """
-    blocks, problems = list[Block](), list[Problem]()
+    blocks, problems = list[BodyInstance](), list[Problem]()
     for (i, member), material in zip(cast, materials, strict=True):
         try:
-            blocks += _blocks(i, member, world, material)
+            blocks += _instances_of(i, member, world, material)
         except SceneError as error:
             problems += error.problems
     if problems:
@@ -85,14 +85,14 @@ def blocks_of(
     return blocks
 
 
-def _blocks(i: int, member: Body | Many, world: World, material: str) -> list[Block]:
+def _instances_of(i: int, member: Body | Many, world: World, material: str) -> list[BodyInstance]:
     if isinstance(member, Body):
         words, path = member.body, f"cast[{i}].body"
     else:
         words, path = member.many.of, f"cast[{i}].many.of"
-    build = _build_of(words, path)
-    half = _half(words)
-    block = Block(
+    build = _cached_model(words, path)
+    half = _half_extent(words)
+    block = BodyInstance(
         name=member.name,
         performer=member.name,
         part="",
@@ -108,19 +108,19 @@ def _blocks(i: int, member: Body | Many, world: World, material: str) -> list[Bl
         on_ground=len(member.at) == 2,
     )
     if isinstance(member, Body):
-        look = turned(np.radians(np.array([member.rotation_deg])))[0]
+        look = rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
         w = np.radians(np.array(member.spin_deg, dtype=float))
         return [replace(block, R=block.R @ look, w=w)]
-    return _many(member, block, world)
+    return _arranged_instances(member, block, world)
 
 
-def _many(member: Many, block: Block, world: World) -> list[Block]:
+def _arranged_instances(member: Many, block: BodyInstance, world: World) -> list[BodyInstance]:
     """Return the bodies of an arrangement, of which `block` has what they share."""
     chance = generator(world.seed, member.name)
-    low, high = _bounds(block.collider.build)
-    spots = spots_of(member.many, high - low, chance)
+    low, high = _bounding_box(block.collider.build)
+    spots = arrange(member.many, high - low, chance)
     picked = chance.integers(0, max(len(member.many.materials), 1), len(spots.p))
-    places = _places(member, block, spots, (low, high), world.ground)
+    places = _arranged_positions(member, block, spots, (low, high), world.ground)
     return [
         replace(
             block,
@@ -135,8 +135,12 @@ def _many(member: Many, block: Block, world: World) -> list[Block]:
     ]
 
 
-def _places(
-    member: Many, block: Block, spots: Spots, bounds: tuple[Array, Array], ground: Ground
+def _arranged_positions(
+    member: Many,
+    block: BodyInstance,
+    spots: Placements,
+    bounds: tuple[Array, Array],
+    ground: Ground,
 ) -> Array:
     """Return where the centres of mass (n, 3) of an arrangement begin [m].
 
@@ -153,13 +157,13 @@ def _places(
         # A wall is level, and stands on the highest ground below it.
         radius = float(np.sqrt((half * half).sum()) + np.sqrt((middle * middle).sum()))
         lowest = spots.p[:, 1] <= spots.p[:, 1].min() + 1e-9
-        p[:, 1] += _highest(ground, p[lowest][:, [0, 2]], radius)
+        p[:, 1] += _highest_ground(ground, p[lowest][:, [0, 2]], radius)
     return p
 
 
-def _highest(ground: Ground, places: Array, radius: float) -> float:
+def _highest_ground(ground: Ground, places: Array, radius: float) -> float:
     """Return the greatest height of the ground around places (n, 2): at a vertex, or near by."""
-    angle = np.linspace(0.0, 2.0 * np.pi, AROUND)
+    angle = np.linspace(0.0, 2.0 * np.pi, PERIMETER_SAMPLES)
     x = places[:, :1] + radius * np.cos(angle)
     z = places[:, 1:] + radius * np.sin(angle)
     highest = float(ground.height(x, z).max())
@@ -173,19 +177,19 @@ def _highest(ground: Ground, places: Array, radius: float) -> float:
 
 
 @cache
-def _build_of(words: Any, path: str) -> BodyModel:
+def _cached_model(words: Any, path: str) -> BodyModel:
     """Return the build of a body; what is alike is built once."""
-    return build_of(words, path)
+    return build_body(words, path)
 
 
-def _half(words: Any) -> Array | None:
+def _half_extent(words: Any) -> Array | None:
     """Return half the extent of a box, None of what is none [m]."""
     if isinstance(words, Box | Brick):
         return 0.5 * np.array(words.size)
     return np.full(3, 0.5 * words.size) if isinstance(words, Cube) else None
 
 
-def _bounds(build: BodyModel) -> tuple[Array, Array]:
+def _bounding_box(build: BodyModel) -> tuple[Array, Array]:
     """Return the corners (3,) of the box around a body [m]."""
     if build.hull is None:
         return np.full(3, -build.radius), np.full(3, build.radius)
@@ -193,11 +197,11 @@ def _bounds(build: BodyModel) -> tuple[Array, Array]:
 
 
 def _size(build: BodyModel) -> float:
-    low, high = _bounds(build)
+    low, high = _bounding_box(build)
     return float((high - low).max())
 
 
-def start_of(blocks: Sequence[Block], ground: Ground) -> tuple[State, list[bool]]:
+def initial_state(blocks: Sequence[BodyInstance], ground: Ground) -> tuple[State, list[bool]]:
     """Return how bodies begin, and which are yet to be put on the ground."""
     R = np.array([block.R for block in blocks])
     state = State(
@@ -209,7 +213,7 @@ def start_of(blocks: Sequence[Block], ground: Ground) -> tuple[State, list[bool]
     return state, [block.on_ground for block in blocks]
 
 
-def appearance(blocks: Sequence[Block], rows: int) -> Inventory:
+def body_inventory(blocks: Sequence[BodyInstance], rows: int) -> Inventory:
     """Return what bodies add to the take."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     seen = cache(seen_of)

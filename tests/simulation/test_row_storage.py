@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import StoreError
-from pipeline.simulation import row_storage as reels
+from pipeline.simulation import row_storage
 from pipeline.simulation.row_storage import allocate_rows, release_rows, row_chunks
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take_store import read_take, write_take
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let everything but the smallest lie on disk, a few rows at a time."""
-    monkeypatch.setattr(reels, "SHORT", 2000)
-    monkeypatch.setattr(reels, "AT_ONCE", 9000)
+    monkeypatch.setattr(row_storage, "MAX_IN_MEMORY", 2000)
+    monkeypatch.setattr(row_storage, "CHUNK_BYTES", 9000)
 
 
 @pytest.mark.usefixtures("short")
@@ -50,7 +50,7 @@ def test_rows_are_gone_through_once_and_in_order(count: int, multiple: int) -> N
 @pytest.mark.usefixtures("short")
 def test_a_disk_without_room_is_an_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
-    monkeypatch.setattr(reels.tempfile, "tempdir", None)
+    monkeypatch.setattr(row_storage.tempfile, "tempdir", None)
     with pytest.raises(StoreError, match="TMPDIR"):
         allocate_rows((2**50, 2**4), np.uint8)
 
@@ -60,8 +60,8 @@ def test_a_take_on_disk_is_the_take_in_memory(
 ) -> None:
     scene = scene_of("{figure: horse, scale: 0.5, walk: {}}", terrain="hills", duration=3)
     in_memory = simulate(scene)
-    monkeypatch.setattr(reels, "SHORT", 2000)
-    monkeypatch.setattr(reels, "AT_ONCE", 9000)
+    monkeypatch.setattr(row_storage, "MAX_IN_MEMORY", 2000)
+    monkeypatch.setattr(row_storage, "CHUNK_BYTES", 9000)
     on_disk = simulate(scene)
     assert isinstance(on_disk.rotations.base, mmap.mmap)
     assert on_disk.digest == in_memory.digest

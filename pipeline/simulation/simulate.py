@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cache, cached_property
 from importlib.metadata import version
 from pathlib import Path
@@ -25,6 +26,7 @@ from pipeline.simulation.detect.voices import Voices
 from pipeline.simulation.encounters import Encounters, encounters_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.happenings import Happening
+from pipeline.simulation.mechanism import Leg, Legged
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.script import Script
@@ -209,7 +211,13 @@ class Simulation:
 
     def take(self) -> Take:
         """Return what has happened, once finished."""
-        return self.recorder.take()
+        legged = [troupe for troupe in self.troupes if isinstance(troupe, Legged)]
+        mechanisms = tuple(one for troupe in legged for one in troupe.mechanisms())
+        return replace(self.recorder.take(), mechanisms=mechanisms, legs=tuple(self.legs()))
+
+    def legs(self) -> list[Leg]:
+        """Return the legs of all creatures on legs, with the stances planned so far."""
+        return [leg for t in self.troupes if isinstance(t, Legged) for leg in t.legs()]
 
     def _read(self) -> None:
         """Show everybody what the script asks of them, and let them see the step before."""

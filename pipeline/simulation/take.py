@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.reel import rows_of
 from pipeline.simulation.spatial import Array
 
@@ -30,10 +31,10 @@ Place = tuple[float, float, float]
 
 ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
-TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes", "told")
+TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes", "told", "mechanisms", "legs")
 """What a take has rows of that are no numbers alone."""
 
-LATER = ("told",)
+LATER = ("told", "mechanisms", "legs")
 """Of these, what is left out where there is none: takes have had it only since a later version."""
 
 
@@ -298,6 +299,8 @@ class Take:
         events: sound events in the order of time.
         notes: what the author should know.
         told: what the script told whom, in the order of time.
+        mechanisms: joints and masses of the creatures on legs.
+        legs: of these creatures, with the stances that their gaits planned.
     """
 
     header: Header
@@ -316,6 +319,8 @@ class Take:
     events: tuple[SoundEvent, ...]
     notes: tuple[Note, ...]
     told: tuple[Told, ...] = ()
+    mechanisms: tuple[Mechanism, ...] = ()
+    legs: tuple[Leg, ...] = ()
 
     def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
         """Yield the name and the values of every array, in a fixed order."""

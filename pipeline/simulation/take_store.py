@@ -17,6 +17,7 @@ import zarr
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.reel import reel, rows_of
 from pipeline.simulation.take import (
     FORMAT,
@@ -44,6 +45,8 @@ ROWS: dict[str, Any] = {
     "events": SoundEvent,
     "notes": Note,
     "told": Told,
+    "mechanisms": Mechanism,
+    "legs": Leg,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)

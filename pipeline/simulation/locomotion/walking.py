@@ -27,12 +27,14 @@ from pipeline.simulation.locomotion.inventory import (
     describe,
 )
 from pipeline.simulation.locomotion.leaping.leaps import Leaps
+from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
 from pipeline.simulation.locomotion.posing import Moment, Posing
 from pipeline.simulation.locomotion.postures import Postures
 from pipeline.simulation.locomotion.ways.body_path import BodyPath
 from pipeline.simulation.locomotion.ways.directing import obey
 from pipeline.simulation.locomotion.ways.going import Going
 from pipeline.simulation.locomotion.ways.wayfinding import route_of
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
@@ -220,6 +222,14 @@ class Walkers:
         # Rows may have been written before the step, too.
         notes, self._late = (*self._notes, *self._late), []
         return Facts(contacts, notes, tuple(self._arrived))
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Return the joints and masses of the creatures."""
+        return mechanisms_of(self.herd)
+
+    def legs(self) -> list[Leg]:
+        """Return the legs of the creatures, with the stances planned so far."""
+        return legs_of(self.herd, self.going.paces, self.phase)
 
     def _go_on(self) -> list[str]:
         """Advance on the routes; return who has come to its end."""

@@ -1,4 +1,4 @@
-"""Benches and options of size: what is measured is what is said, and nothing of a film is lost."""
+"""Render speed and options of size."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import json
 
 import pytest
 
-from pipeline.production.reports.render_speed import Speed, clock, told
+from pipeline.production.reports.render_speed import Speed, clock, table
 
 
-def test_the_table_names_every_preset_and_says_what_the_film_would_take() -> None:
+def test_the_table_has_every_preset_and_the_time_of_the_film() -> None:
     fast = Speed("draft", 320, 180, 2, 1, 1.0, 0.25, 0.7, 0.2, 0.05, 36.75)
     slow = Speed("master", 1920, 1080, 64, 16, 90.0, 80.0, 0.9, 0.05, 0.05, 11530.0)
-    head, one, other = told([fast, slow]).splitlines()
+    head, one, other = table([fast, slow]).splitlines()
     assert head.split() == ["preset", "size", "samples", "first", "frame", "traced", "denoised",
                             "film"]  # fmt: skip
     assert one.split()[:3] == ["draft", "320x180", "2"]
@@ -38,7 +38,7 @@ def test_the_command_measures_and_overwrites_nothing(studio, pronk) -> None:
 
 
 @pytest.mark.slow
-def test_size_and_samples_are_words_of_the_film(unmade, pronk, tmp_path) -> None:
+def test_size_and_samples_are_settings_of_the_film(unmade, pronk, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
     words = ("frame", "tiny", "1", "--size", "32x18", "--samples", "2", "--json")
     code, _, _ = pronk(*words, cwd=studio.folder)
@@ -55,7 +55,7 @@ def test_size_and_samples_are_words_of_the_film(unmade, pronk, tmp_path) -> None
         ("641x360", 3, "film.size"),
     ],
 )
-def test_a_bad_size_is_refused_with_what_would_be_right(unmade, pronk, size, code, says) -> None:
+def test_a_bad_size_is_refused_with_a_right_one(unmade, pronk, size, code, says) -> None:
     got, _, said = pronk("frame", "tiny", "1", "--size", size, cwd=unmade.folder)
     assert got == code
     assert says in said

@@ -17,12 +17,12 @@ from audio.motions import MOTIONS
 from audio.rubs import RUBS
 from audio.scales import parse_scale
 from audio.voices import Note, notes_of
-from pipeline.production.scoring import score_of as placed
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.score_builder import build_score as placed
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import library
-from render.words.material import MATERIALS
+from render.config.material import MATERIALS
 
 ALIKE = ({"stone", "brick", "gravel"}, {"flesh", "soil", "sand", "grass", "snow"})
 """Families that one instrument may stand for: hard and dull pieces, and what gives way."""

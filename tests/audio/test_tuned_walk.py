@@ -11,8 +11,8 @@ import pytest
 from audio.chords import parse_steps
 from audio.score import Score
 from audio.voices import Note, voiced
-from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import SUFFIX, library
@@ -29,7 +29,7 @@ FEET = {"mare": 4, "trio": 3, "anna": 2}
 def score() -> Score:
     scene = load_scene(library() / ("tuned_walk" + SUFFIX))
     take = simulate(scene)
-    return score_of(scene, take, Shooting(scene, take).poses)[0]
+    return build_score(scene, take, Shooting(scene, take).poses)[0]
 
 
 @pytest.fixture(scope="module")

@@ -25,14 +25,14 @@ from pipeline.production.goldens.frame_slates import slate
 from pipeline.production.goldens.golden_card import Framing
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from render.codecs import CODECS
 from render.errors import RenderError
-from render.film import Picture, write_film
+from render.film_encoder import Picture, write_film
 from render.renderer import Renderer
 from render.shot import Shot
 
@@ -84,7 +84,7 @@ class Proof:
     @cached_property
     def score(self) -> Score:
         """What is heard."""
-        return score_of(self.scene, self.take, self._shooting.poses)[0]
+        return build_score(self.scene, self.take, self._shooting.poses)[0]
 
     @cached_property
     def _shooting(self) -> Shooting:

@@ -38,7 +38,7 @@ from pipeline.production.reports.time_axis import Axis, draw_frames, draw_second
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working, write_score
 from pipeline.production.run.progress import Reporter
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 
 LEFT = 62
 """Beside the axis, for the names of pitches [pixels]."""

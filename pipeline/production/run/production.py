@@ -18,7 +18,6 @@ from audio.midi import write_midi
 from audio.modal import write_wav
 from audio.score import Score
 from pipeline.errors import FilmingError, ScoringError, StoreError
-from pipeline.production.filming import due, film_frames
 from pipeline.production.run.frame_ranges import (
     contiguous,
     counted,
@@ -33,21 +32,29 @@ from pipeline.production.run.outputs import PARTIAL, Outputs, opened, replace_fo
 from pipeline.production.run.progress import Reporter, Stage, stage, step
 from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import Share, film_in_processes
-from pipeline.production.score_files import facts_of, shifts_line, write_cues, write_events
-from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
-from pipeline.production.track_report import facts_of_track, loudness_told
+from pipeline.production.shots.frame_rendering import due, film_frames
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.cue_files import write_cues
+from pipeline.production.sound.event_files import write_events
+from pipeline.production.sound.score_builder import build_score
+from pipeline.production.sound.sound_report import (
+    loudness_summary,
+    midi_facts,
+    quantisation_summary,
+    wav_facts,
+)
 from pipeline.simulation.casting import makes_machine_code
-from pipeline.simulation.simulate import simulate, versions
+from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
+from pipeline.simulation.versions import versions
 from pipeline.spec import Scene, simulation_key
 from render.backend import Backend
 from render.codecs import CODECS
 from render.color import developed, developed16
 from render.errors import RenderError
-from render.film import Picture, film_key, write_film
-from render.pictures import read_exr, read_png
+from render.film_encoder import Picture, film_key, write_film
+from render.image_files import read_exr, read_png
 from render.renderer import Renderer, Split
 
 
@@ -194,7 +201,7 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
     """Write MIDI, WAV, events and what goes with them, inside `working`."""
     with stage(run.reporter, "score", 3) as current:
         began = time.monotonic()
-        score, late = score_of(run.order.scene, take, shooting.poses, run.order.subframe)
+        score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
         changed = write_events(run.outputs, take) | write_cues(
             run.outputs, score, _whole_film(run).name
         )
@@ -204,7 +211,7 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
         wav = write_wav(score, run.outputs.wav)
         if changed or midi.changed or wav.changed:
             run.timed("score", began)
-        current.result = f"{len(score.events)} events, {loudness_told(wav)}" + (
+        current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
             f", {late} after the last frame" if late else ""
         )
     if not run.outputs.edit_list.exists():
@@ -212,12 +219,12 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
             f"score: {score.rate} frames a second have no timecode, or the film lasts longer than "
             "a day; no edit list is written"
         )
-    moved = shifts_line(midi.shifts, score)
+    moved = quantisation_summary(midi.shifts, score)
     if moved is not None:
         run.reporter.note(moved)
     run.manifest.words["events"] = {"written": len(score.events), "after_the_last_frame": late}
-    run.manifest.words["midi"] = facts_of(midi, score.subframe, score.rate)
-    run.manifest.words["wav"] = facts_of_track(wav)
+    run.manifest.words["midi"] = midi_facts(midi, score.subframe, score.rate)
+    run.manifest.words["wav"] = wav_facts(wav)
     return score
 
 

@@ -11,24 +11,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.characters.actor import Stage
-from pipeline.simulation.characters.appearance import appearance
-from pipeline.simulation.characters.around import Around
-from pipeline.simulation.characters.barriers import Barriers
-from pipeline.simulation.characters.bearing import feet_of, gaze_of
-from pipeline.simulation.characters.direction import Direction
-from pipeline.simulation.characters.events import new_log
-from pipeline.simulation.characters.footfalls import footfalls
-from pipeline.simulation.characters.layout import crowd_of
-from pipeline.simulation.characters.making import before_of, plan_of, proportions_of, start_of
-from pipeline.simulation.characters.mind.minds import Minds
-from pipeline.simulation.characters.mind.surroundings import Surroundings
-from pipeline.simulation.characters.neighbours import room_for
-from pipeline.simulation.characters.record import persons_of
-from pipeline.simulation.characters.rolling import DEEP, Rolling
-from pipeline.simulation.characters.signals import Signals
-from pipeline.simulation.characters.stepping import advance
-from pipeline.simulation.characters.telling import Telling
+from pipeline.simulation.characters.body_plan import crowd_of
+from pipeline.simulation.characters.broad_phase import room_for
+from pipeline.simulation.characters.character_plans import (
+    before_of,
+    plan_of,
+    proportions_of,
+    start_of,
+)
+from pipeline.simulation.characters.contact_response import new_log
+from pipeline.simulation.characters.mind.mind_scheduler import Minds
+from pipeline.simulation.characters.mind.perception import Surroundings
+from pipeline.simulation.characters.person_controller import Stage
+from pipeline.simulation.characters.person_record import persons_of
+from pipeline.simulation.characters.pose_output import DEEP, Rolling, appearance, feet_of, gaze_of
+from pipeline.simulation.characters.solid_arrays import Around
+from pipeline.simulation.characters.step_report import Signals, Telling, footfalls
+from pipeline.simulation.characters.task_dispatcher import Direction
+from pipeline.simulation.characters.verlet_step import advance
+from pipeline.simulation.characters.visibility_route import Barriers
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.grid import grid_of
@@ -36,7 +37,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Character
 
 SUB_STEPS = 240.0
@@ -49,8 +50,10 @@ Kept = tuple[Array, Array, Records]
 """Of a row: nodes, rotations of balls, and those who act."""
 
 
-class Characters:
+class Characters(Troupe):
     """All characters of a scene."""
+
+    hits_obstacles = True
 
     def __init__(self, cast: Sequence[Character], world: World) -> None:
         self.world, self.cast = world, cast
@@ -125,7 +128,7 @@ class Characters:
 
     # --- solids of other rooms --------------------------------------------------------
 
-    def surround(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
+    def set_obstacles(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
         """Take in what there is to run into; return that of it which is told of from then on."""
         self.around = Around(obstacles, len(self.cast))
         self.room = room_for(self.crowd, self.around.solids)
@@ -133,12 +136,12 @@ class Characters:
         self.barriers.put(self.around.solids.bodies)
         return self.around.obstacles
 
-    def feel(self, motion: Motion) -> None:
+    def update_obstacles(self, motion: Motion) -> None:
         """Take in where the solids are now, and how fast."""
         spans = self.crowd.owners["nodes"].tolist()
         self.around.feel(motion, [self.crowd.p[first : first + n] for first, n in spans])
 
-    def pushed(self) -> tuple[Array, Array]:
+    def obstacle_impulses(self) -> tuple[Array, Array]:
         """Return what solids were pushed by since they were felt: (S, 3) [N s], (S, 3) [N m s]."""
         return self.around.pushed()
 
@@ -161,8 +164,8 @@ class Characters:
         contacts = self.telling.contacts(self.log, step) + self._footfalls(step)
         arrived, touched = self.direction.arrived(), self.telling.touched(self.log)
         cries = self.minds.cries if self.minds is not None else ()
-        happened = self.signals.of_step(cries)
-        self._facts = Facts(contacts, arrived=arrived, touched=touched, happened=happened)
+        signals = self.signals.of_step(cries)
+        self._facts = Facts(contacts, arrived=arrived, touched=touched, signals=signals)
 
     def move(self) -> None:
         """Let all nodes go on by a step."""
@@ -186,7 +189,7 @@ class Characters:
         height = p[:, 1] - floor
         self.rolling.go(p - before, height < radius * (1.0 + DEEP) + 1e-3)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         self._kept.append((self.direction.stage.p.copy(), self.rolling.R, np.array(self.persons)))
         if self.minds is not None:

@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters.character_plans import LINK_NAMES
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.characters.person import LINK_NAMES
-from pipeline.simulation.characters.things import CORNERS
+from pipeline.simulation.characters.playthings import CORNERS
 from pipeline.simulation.spatial import Array
 
 from .minded import simulation, steps, troupe

@@ -7,8 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters.behaviours.approach import LEAST, REPELS, Way, walk_vector
-from pipeline.simulation.characters.route import (
+from pipeline.simulation.characters.behaviours.potential_field import (
+    LEAST,
+    REPELS,
+    Way,
+    walk_vector,
+)
+from pipeline.simulation.characters.visibility_route import (
     CLEARANCES,
     CORNERS,
     Route,

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.simulation.characters.barriers import HEADROOM, LOW, MOST, Barriers
-from pipeline.simulation.characters.solids import SOLID
+from pipeline.simulation.characters.solid_arrays import SOLID
+from pipeline.simulation.characters.visibility_route import HEADROOM, LOW, MOST, Barriers
 from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters.layout import crowd_of
-from pipeline.simulation.characters.person import LINK_NAMES, person
-from pipeline.simulation.characters.things import merry_go_round
+from pipeline.simulation.characters.body_plan import crowd_of
+from pipeline.simulation.characters.character_plans import LINK_NAMES, person_plan
+from pipeline.simulation.characters.playthings import merry_go_round_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.parametrize("who", [ADULT, CHILD])
 def test_a_person_is_sixteen_nodes_and_thirteen_links(who: Proportions) -> None:
-    plan = person(who)
+    plan = person_plan(who)
     assert len(plan.rest) == len(JOINTS) == 16
     touched = [link for link in plan.links if link.girth > 0.0]
     # And a skull, which is a ball about a node.
@@ -30,7 +30,7 @@ def test_a_person_is_sixteen_nodes_and_thirteen_links(who: Proportions) -> None:
 
 
 def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
-    plan = merry_go_round(1.3, 90.0)
+    plan = merry_go_round_plan(1.3, 90.0)
     assert len(plan.rest) == 18
     assert len(plan.links) == 41
     assert len([link for link in plan.links if link.girth > 0.0]) == 25
@@ -40,7 +40,7 @@ def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
 @pytest.mark.parametrize("seed", range(4))
 def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: int) -> None:
     chance = np.random.default_rng(seed)
-    plan = person(who)
+    plan = person_plan(who)
     turn = attitude(chance)
     rest = plan.rest.copy()
     # Knees back and elbows forward by a hand's breadth: the wrong way round.
@@ -62,7 +62,7 @@ def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: 
 
 
 def test_numbers_count_from_each_ones_first() -> None:
-    plans = [person(CHILD), merry_go_round(1.3, 90.0), person(ADULT)]
+    plans = [person_plan(CHILD), merry_go_round_plan(1.3, 90.0), person_plan(ADULT)]
     crowd = crowd_of(plans, [plan.rest for plan in plans])
     for k, owner in enumerate(crowd.owners):
         first, count = owner.links

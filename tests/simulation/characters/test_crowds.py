@@ -97,7 +97,7 @@ def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
 
 
 def test_the_same_crowd_moves_the_same_to_the_last_bit_alone_or_beside_others() -> None:
-    from pipeline.simulation.characters.layout import crowd_of
+    from pipeline.simulation.characters.body_plan import crowd_of
 
     from .yards import PLANS, Yard
 

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters import person
+from pipeline.simulation.characters import character_plans
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.characters.strides import duty, stride_rate
+from pipeline.simulation.characters.gait_timing import duty, stride_rate
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array
@@ -307,8 +307,8 @@ def test_who_stumbles_over_something_is_not_torn_to_where_its_foot_should_stand(
     kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What is nearest to stumble over are one's own legs, if they are made to meet.
-    meetings = (*person.MEETINGS, *person.LEGS_MEET)
-    monkeypatch.setattr("pipeline.simulation.characters.person.MEETINGS", meetings)
+    meetings = (*character_plans.MEETINGS, *character_plans.LEGS_MEET)
+    monkeypatch.setattr("pipeline.simulation.characters.character_plans.MEETINGS", meetings)
     pain, fastest = zigzag(kind, speed, seed)
     assert pain < 2.0
     assert fastest < 5.0 * speed + 9.0

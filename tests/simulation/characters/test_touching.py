@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters.layout import NOBODY, TERRAIN, Link, Plan
-from pipeline.simulation.characters.making import RAGDOLL
-from pipeline.simulation.characters.person import LINK_NAMES, person
-from pipeline.simulation.characters.stepping import PAIN_ENDS
-from pipeline.simulation.characters.things import ball, box, merry_go_round
+from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN
+from pipeline.simulation.characters.body_plan import Link, Plan
+from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
+from pipeline.simulation.characters.playthings import ball_plan, box_plan, merry_go_round_plan
+from pipeline.simulation.characters.verlet_step import PAIN_ENDS
 from pipeline.simulation.people.proportions import ADULT, CHILD
 
 from .yards import DT, depth, lengths_off, yard_of
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
-    plans = [person(CHILD), ball(0.1, 0.4)._replace(air=0.0)]
+    plans = [person_plan(CHILD), ball_plan(0.1, 0.4)._replace(air=0.0)]
     shin = plans[0].rest[[12, 14]].mean(axis=0)
     yard = yard_of(
         plans, [plans[0].rest, np.array([shin + np.array([0.35, 0.0, 0.0])])], gravity=0.0
@@ -46,7 +46,7 @@ def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
 
 
 def test_what_hurts_is_forgotten_at_a_rate() -> None:
-    plan = person(CHILD)
+    plan = person_plan(CHILD)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 20.0, 0.0])], gravity=0.0)
     yard.crowd.owners["pain"][0] = 2.0
     yard.step(96)
@@ -54,7 +54,7 @@ def test_what_hurts_is_forgotten_at_a_rate() -> None:
 
 
 def test_a_fall_hurts_and_lying_does_not() -> None:
-    plan = person(ADULT)
+    plan = person_plan(ADULT)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 2.0, 0.0])])
     yard.step(96)
     fallen = float(yard.crowd.owners["pain"][0])
@@ -70,7 +70,7 @@ def test_a_fall_hurts_and_lying_does_not() -> None:
 
 @pytest.mark.parametrize("apart", [0.0, 0.02, 0.15])
 def test_who_begins_in_somebody_is_not_shot_off(apart: float) -> None:
-    plan = person(ADULT)
+    plan = person_plan(ADULT)
     up = np.array([0.0, 20.0, 0.0])
     places = [plan.rest + up, plan.rest + up + [apart, 0.0, 0.01]]
     yard = yard_of([plan, plan], places, gravity=0.0)
@@ -84,8 +84,8 @@ def test_who_begins_in_somebody_is_not_shot_off(apart: float) -> None:
 
 
 def test_a_ball_lies_on_a_box_and_a_person_on_a_bench() -> None:
-    crate, seat = box((0.5, 0.5, 0.5), 9.0), box((0.42, 0.42, 1.5), 26.0)
-    plans = [crate, ball(0.1, 0.4), seat, person(CHILD)]
+    crate, seat = box_plan((0.5, 0.5, 0.5), 9.0), box_plan((0.42, 0.42, 1.5), 26.0)
+    plans = [crate, ball_plan(0.1, 0.4), seat, person_plan(CHILD)]
     lying = plans[3].rest[:, [2, 0, 1]] - [0.0, 0.0, 0.5]
     places = [
         crate.rest,
@@ -113,7 +113,7 @@ def rod(length: float, girth: float, mass: float) -> Plan:
 
 @pytest.mark.parametrize("along", [0.0, 0.03, 0.05])
 def test_an_edge_is_met_wherever_it_crosses_a_limb(along: float) -> None:
-    crate, limb = box((0.5, 0.5, 0.5), 9.0), rod(0.4, 0.03, 2.0)
+    crate, limb = box_plan((0.5, 0.5, 0.5), 9.0), rod(0.4, 0.03, 2.0)
     # Across the upper edge of a box that stands on one, high above the ground.
     standing = crate.rest @ quarter().T + [0.0, 2.0, 0.0]
     edge = standing[np.argmax(standing[:, 1])] * [1.0, 1.0, 0.0]
@@ -133,7 +133,7 @@ def quarter() -> np.ndarray:
 
 
 def test_what_is_heavy_does_not_press_what_is_light_into_the_ground() -> None:
-    bench, limb = box((0.42, 0.42, 1.5), 26.0), rod(0.15, 0.015, 0.04)
+    bench, limb = box_plan((0.42, 0.42, 1.5), 26.0), rod(0.15, 0.015, 0.04)
     # One end lies below the bench, near its side.
     lying = limb.rest + np.array([0.21 + 0.05, 0.015, -0.1])
     yard = yard_of([bench, limb], [bench.rest + np.array([0.0, 0.02, 0.0]), lying])
@@ -155,7 +155,7 @@ KNOT = """
 
 
 def test_who_has_knotted_legs_lies_still_all_the_same() -> None:
-    plan = person(RAGDOLL)
+    plan = person_plan(RAGDOLL)
     yard = yard_of([plan], [np.array(KNOT.split(), dtype=float).reshape(16, 3) / 1000.0])
     yard.step(3 * 96)
     before = yard.crowd.p.mean(axis=0)
@@ -173,7 +173,7 @@ def test_links_beside_the_ground_and_far_from_it() -> None:
     x = np.linspace(-4.0, 4.0, 161)
     heights = np.tile(0.16 * np.floor(-x / 0.3 + 1e-9), (9, 1))
     field = HeightField(heights, (8.0, 8.0))
-    plan = person(RAGDOLL)
+    plan = person_plan(RAGDOLL)
     yard = yard_of(
         [plan], [plan.rest + np.array([-2.0, 1.6, 0.0])], grid=grid_of(field), level=False
     )
@@ -191,7 +191,7 @@ def test_links_beside_the_ground_and_far_from_it() -> None:
 
 
 def test_a_merry_go_round_turns_when_it_is_pushed_and_stays_where_it_is() -> None:
-    plan = merry_go_round(1.3, 90.0)
+    plan = merry_go_round_plan(1.3, 90.0)
     yard = yard_of([plan], [plan.rest])
     nodes = yard.crowd.nodes
     post = 2 + 8

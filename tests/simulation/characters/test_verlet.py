@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters.layout import FREE, LANDING, LOCKED
-from pipeline.simulation.characters.person import person
-from pipeline.simulation.characters.things import ball
+from pipeline.simulation.characters.body_arrays import FREE, LANDING, LOCKED
+from pipeline.simulation.characters.character_plans import person_plan
+from pipeline.simulation.characters.playthings import ball_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD
 
 from .yards import DT, attitude, free, yard_of
@@ -19,7 +19,7 @@ HIGH = np.array([0.0, 50.0, 0.0])
 
 @pytest.mark.parametrize("count", [3, 7])
 def test_flight_is_the_closed_form_of_the_recurrence(count: int) -> None:
-    plan = ball(0.1, 0.4)._replace(air=0.0)
+    plan = ball_plan(0.1, 0.4)._replace(air=0.0)
     yard = yard_of([plan], [plan.rest + HIGH], count=count)
     start, v = yard.crowd.p.copy(), np.array([[3.0, 4.0, -1.0]])
     yard.throw(v)
@@ -33,7 +33,7 @@ def test_flight_is_the_closed_form_of_the_recurrence(count: int) -> None:
 
 @pytest.mark.parametrize("rate", [0.5, 8.0])
 def test_damping_is_the_formula(rate: float) -> None:
-    plan = ball(0.1, 0.4)._replace(air=rate)
+    plan = ball_plan(0.1, 0.4)._replace(air=rate)
     yard = yard_of([plan], [plan.rest + HIGH], gravity=0.0)
     start, v = yard.crowd.p.copy(), np.array([[3.0, 0.0, -1.0]])
     yard.throw(v)
@@ -49,7 +49,7 @@ def momentum(yard) -> np.ndarray:  # type: ignore[no-untyped-def, type-arg]
 
 def test_a_free_person_keeps_its_momentum() -> None:
     chance = np.random.default_rng(3)
-    plan = free(person(ADULT))
+    plan = free(person_plan(ADULT))
     yard = yard_of([plan], [plan.rest @ attitude(chance).T + HIGH], gravity=0.0)
     yard.throw(chance.normal(scale=4.0, size=plan.rest.shape))
     before, size = momentum(yard), ADULT.mass * 4.0
@@ -59,7 +59,7 @@ def test_a_free_person_keeps_its_momentum() -> None:
 
 
 def test_people_who_run_into_one_another_keep_it_too() -> None:
-    plans = [free(person(who)) for who in (ADULT, CHILD)]
+    plans = [free(person_plan(who)) for who in (ADULT, CHILD)]
     places = [plans[0].rest + HIGH, plans[1].rest + HIGH + [1.0, 0.2, 0.1]]
     yard = yard_of(plans, places, gravity=0.0)
     v = np.zeros_like(yard.crowd.p)
@@ -75,7 +75,7 @@ def test_people_who_run_into_one_another_keep_it_too() -> None:
 
 def test_at_another_rate_the_motion_is_the_same() -> None:
     chance = np.random.default_rng(8)
-    plan, turn = person(CHILD), attitude(np.random.default_rng(2))
+    plan, turn = person_plan(CHILD), attitude(np.random.default_rng(2))
     v, w = np.array([2.0, 3.0, 1.0]), chance.normal(size=3)
     ends = []
     for count in (3, 6, 12):
@@ -90,7 +90,7 @@ def test_at_another_rate_the_motion_is_the_same() -> None:
 
 
 def test_a_locked_node_stays_and_one_that_lands_locks_itself() -> None:
-    plan = person(CHILD)
+    plan = person_plan(CHILD)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 0.3, 0.0])])
     nodes, foot, hand = yard.crowd.nodes, 14, 8
     nodes["lock"][hand], nodes["lock"][foot] = LOCKED, LANDING
@@ -107,7 +107,7 @@ def test_a_locked_node_stays_and_one_that_lands_locks_itself() -> None:
 
 
 def test_a_ball_bounces_by_its_bounciness() -> None:
-    plan = ball(0.12, 0.4)._replace(air=0.0, ground=0.0)
+    plan = ball_plan(0.12, 0.4)._replace(air=0.0, ground=0.0)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 1.0, 0.0])], count=30)
     heights = []
     for _ in range(round(1.4 / DT)):
@@ -118,7 +118,7 @@ def test_a_ball_bounces_by_its_bounciness() -> None:
 
 
 def test_a_ball_that_rolls_slows_down_by_its_friction() -> None:
-    plan = ball(0.12, 0.4)._replace(air=0.0, ground=0.0)
+    plan = ball_plan(0.12, 0.4)._replace(air=0.0, ground=0.0)
     yard = yard_of([plan], [plan.rest])
     yard.throw(np.array([[2.0, 0.0, 0.0]]))
     yard.step(96)

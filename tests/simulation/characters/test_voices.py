@@ -13,10 +13,10 @@ import pytest
 from audio.instruments import program_of
 from audio.midi import write_midi
 from audio.voices import notes_of
-from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
-from pipeline.simulation.characters.mind.minds import AGAIN, DISTRESS
-from pipeline.simulation.characters.signals import SCREAM, WHIMPER, loudness
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.score_builder import build_score
+from pipeline.simulation.characters.mind.mind_scheduler import AGAIN, DISTRESS
+from pipeline.simulation.characters.step_report import SCREAM, WHIMPER, loudness
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import SoundEvent, Take
 from pipeline.spec import Scene, read_scene
@@ -68,7 +68,7 @@ def played(words: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
 
 def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path: Path) -> None:
     """Its note begins at the tick of its frame, on the instrument of its cause."""
-    score, _ = score_of(scene, take, Shooting(scene, take).poses)
+    score, _ = build_score(scene, take, Shooting(scene, take).poses)
     (note,) = [
         n for n in notes_of(score) if (n.event.cause, n.event.frame) == (event.cause, event.frame)
     ]

@@ -8,16 +8,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.characters.events import Log, new_log
-from pipeline.simulation.characters.layout import Crowd, Plan, crowd_of
-from pipeline.simulation.characters.limbs import bend
-from pipeline.simulation.characters.making import RAGDOLL
-from pipeline.simulation.characters.neighbours import Room, room_for
-from pipeline.simulation.characters.person import LINK_NAMES, person
-from pipeline.simulation.characters.record import PERSON
-from pipeline.simulation.characters.segments import closest
-from pipeline.simulation.characters.stepping import advance
-from pipeline.simulation.characters.things import ball, box
+from pipeline.simulation.characters.body_arrays import Crowd
+from pipeline.simulation.characters.body_plan import Plan, crowd_of
+from pipeline.simulation.characters.broad_phase import Room, room_for
+from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
+from pipeline.simulation.characters.contact_response import Log, new_log
+from pipeline.simulation.characters.limb_limits import bend
+from pipeline.simulation.characters.link_contacts import closest
+from pipeline.simulation.characters.person_record import PERSON
+from pipeline.simulation.characters.playthings import ball_plan, box_plan
+from pipeline.simulation.characters.verlet_step import advance
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
 from pipeline.simulation.dynamics.grid import Grid, grid_of
 from pipeline.simulation.dynamics.records import zeros
@@ -88,10 +88,10 @@ def free(plan: Plan) -> Plan:
 
 
 PLANS = (
-    *(person(who) for who in (ADULT, CHILD, RAGDOLL)),
-    ball(0.12, 0.4),
-    box((0.5, 0.5, 0.5), 9.0),
-    box((0.42, 0.42, 1.5), 26.0),
+    *(person_plan(who) for who in (ADULT, CHILD, RAGDOLL)),
+    ball_plan(0.12, 0.4),
+    box_plan((0.5, 0.5, 0.5), 9.0),
+    box_plan((0.42, 0.42, 1.5), 26.0),
 )
 
 

@@ -13,16 +13,19 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pipeline.simulation.characters.actor import Actor
-from pipeline.simulation.characters.behaviours.approach import Way
-from pipeline.simulation.characters.behaviours.motor import Behaviour, Motor
-from pipeline.simulation.characters.errands import Hug
-from pipeline.simulation.characters.mind.anxiety import SHOCK, felt
-from pipeline.simulation.characters.mind.attention import Attention
-from pipeline.simulation.characters.mind.glances import Glances
-from pipeline.simulation.characters.mind.memory import Memory
-from pipeline.simulation.characters.mind.surroundings import Surroundings
-from pipeline.simulation.characters.record import HAND, PLACED
+from pipeline.simulation.characters.behaviours.potential_field import Way
+from pipeline.simulation.characters.behaviours.registry import Behaviour, MotorCommand
+from pipeline.simulation.characters.contact_tasks import Hug
+from pipeline.simulation.characters.mind.perception import (
+    SHOCK,
+    Attention,
+    Glances,
+    Memory,
+    Surroundings,
+    felt,
+)
+from pipeline.simulation.characters.person_controller import Actor
+from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.spatial import Array
@@ -91,7 +94,7 @@ class Mind:
         self.arms: Mapping[int, Record] = {}
         self.biases: dict[str, float] = {}
         self.doing = ""
-        self.motor = Motor()
+        self.motor = MotorCommand()
         self.now = 0.0
         away = around.places[max(bond, 0)] - around.places[self.me]
         self.distance = math.hypot(away[0], away[2]) if bond >= 0 else 0.0
@@ -145,7 +148,7 @@ class Mind:
     @property
     def hugging(self) -> bool:
         """Whether it has somebody in its arms."""
-        errand = self.motor.errand
+        errand = self.motor.task
         return isinstance(errand, Hug) and errand.touched > 0.0
 
     def opens_arms(self, owner: int) -> bool:
@@ -222,13 +225,13 @@ class Mind:
         if best != self.doing:
             self.leave()
             self.doing = best
-        self.motor = self.behaviours[best].motor(self) if best else Motor()
+        self.motor = self.behaviours[best].motor(self) if best else MotorCommand()
 
     def leave(self) -> None:
         """Leave off what is done."""
         if self.doing:
             self.behaviours[self.doing].end(self)
-        self.doing, self.motor, self.way = "", Motor(), Way()
+        self.doing, self.motor, self.way = "", MotorCommand(), Way()
 
     def look(self, dt: float) -> None:
         """Choose where to look."""

@@ -25,12 +25,21 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.support import support
-from pipeline.simulation.figures.inverse_dynamics import FrameMasses, Push, inverse_dynamics
-from pipeline.simulation.figures.kinematics import Tree
-from pipeline.simulation.figures.row_motion import motion_of_rows
-from pipeline.simulation.foot_contacts import first_node, foot_path, ground_below, resting_rows
+from pipeline.simulation.figures.inverse_dynamics import (
+    ExternalForces,
+    FrameMasses,
+    finite_difference_motion,
+    inverse_dynamics,
+)
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.spatial import Array, cross, matrix
+from pipeline.simulation.stance_detection import (
+    first_node,
+    foot_path,
+    ground_below,
+    resting_rows,
+)
 from pipeline.simulation.take import Take
 
 MIN_ROWS = 4
@@ -115,10 +124,10 @@ def _effort(take: Take, name: str, mechanism: Mechanism, legs: Sequence[Leg]) ->
     dt = 1.0 / float(take.header.rate * take.header.samples)
     body = first_node(take, name)
     place = take.positions[:, body]
-    motion = motion_of_rows(
+    motion = finite_difference_motion(
         _joint_values(take, name, mechanism), matrix(take.rotations[:, body]), place, dt
     )
-    tree = Tree(
+    tree = JointTree(
         np.array(mechanism.parents, dtype=np.int64),
         np.array(mechanism.axes),
         np.array(mechanism.places),
@@ -136,7 +145,7 @@ def _effort(take: Take, name: str, mechanism: Mechanism, legs: Sequence[Leg]) ->
     moment = needed.moment + cross(motion.X_WB[:, :3, 3] - centre, needed.force)
     points = tips[1:-1]
     borne = support(points - centre[:, None], stands, needed.force, moment)
-    push = Push([leg.joint for leg in legs], points, borne.forces)
+    push = ExternalForces([leg.joint for leg in legs], points, borne.forces)
     return Effort(
         name,
         mechanism.joints,
@@ -166,7 +175,7 @@ def _bears(take: Take, leg: Leg, path: Array) -> NDArray[np.bool_]:
     return result
 
 
-def _centre_arm(tree: Tree, masses: FrameMasses, q: Array, X_WB: Array) -> Array:
+def _centre_arm(tree: JointTree, masses: FrameMasses, q: Array, X_WB: Array) -> Array:
     """Return the centre of mass relative to the body's origin (n, 3), along world axes [m]."""
     X = tree.pose(q)
     joints = (X[..., :3, :3] @ masses.centre[:-1, :, None])[..., 0] + X[..., :3, 3]

@@ -1,11 +1,15 @@
 """Figure analysis: the public face of the figures for reports on a drawing, which has no take."""
 
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.figures.denavit import DenavitRow, denavit_table, to_denavit
+from pipeline.simulation.figures.denavit_hartenberg import (
+    DenavitRow,
+    denavit_table,
+    to_denavit,
+)
 from pipeline.simulation.figures.drawing import draw
 from pipeline.simulation.figures.figure import Figure, build_figure
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, analyse
 from pipeline.simulation.figures.skeleton import BODY, Limb
 
@@ -18,10 +22,10 @@ __all__ = [
     "TAIL",
     "DenavitRow",
     "Figure",
-    "Inertia",
+    "FigureMass",
+    "JointTree",
     "Limb",
     "MassProperties",
-    "Tree",
     "analyse",
     "build_figure",
     "denavit_table",

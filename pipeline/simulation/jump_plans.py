@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pipeline.simulation.locomotion.pronking.ordinary import Ordinary, ordinary
-from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
+from pipeline.simulation.locomotion.pronking.reference_jump import (
+    ReferenceJump,
+    rehearse_jump,
+)
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.terrain import level_ground
 from pipeline.spec import Scene
@@ -53,7 +56,7 @@ class JumpPlan:
     balance: float
     is_aimed: bool
     asked: tuple[str, ...]
-    rehearsal: Ordinary | None
+    rehearsal: ReferenceJump | None
 
 
 def jump_plans(scene: Scene) -> list[JumpPlan]:
@@ -64,7 +67,7 @@ def jump_plans(scene: Scene) -> list[JumpPlan]:
     """
     plans = []
     for troupe in Simulation(scene).troupes:
-        if not isinstance(troupe, Pronkers):
+        if not isinstance(troupe, HopperTroupe):
             continue
         level = level_ground(0.0, troupe.world.ground)
         for c, (of, hopping) in enumerate(zip(troupe.pronkers, troupe.hoppings, strict=True)):
@@ -88,7 +91,7 @@ def jump_plans(scene: Scene) -> list[JumpPlan]:
                     balance=of.balance,
                     is_aimed=bool(of.words.land_at),
                     asked=tuple(k for k in CHOSEN_KEYS if getattr(of.words, k) is not None),
-                    rehearsal=ordinary(of, level, hopping),
+                    rehearsal=rehearse_jump(of, level, hopping),
                 )
             )
     return plans

@@ -15,8 +15,8 @@ from pipeline.errors import UsageError
 from pipeline.production.reports.jump_report import facts, report_jumps, table
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.jump_plans import JumpPlan, jump_plans
-from pipeline.simulation.locomotion.pronking.hopping import Hopping
-from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
+from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene, read_scene
 
@@ -48,7 +48,7 @@ def found(scene: Scene) -> dict[str, JumpPlan]:
     return {plan.name: plan for plan in jump_plans(scene)}
 
 
-def forces(hopping: Hopping) -> np.ndarray:
+def forces(hopping: HopSimulation) -> np.ndarray:
     """Return the mean force of all legs of one, as large as it is [N]."""
     legs = hopping.leg_forces()
     return np.linalg.norm(legs.sum(axis=0)) / len(legs)
@@ -61,7 +61,7 @@ def test_the_report_agrees_with_the_simulated_jump(
 ) -> None:
     told = facts(found[name])
     simulation = Simulation(scene)
-    (troupe,) = (t for t in simulation.troupes if isinstance(t, Pronkers))
+    (troupe,) = (t for t in simulation.troupes if isinstance(t, HopperTroupe))
     hopping = troupe.hoppings[troupe.herd.names.index(name)]
     seen: dict[str, list[float]] = {"pushing": [], "landing": []}
     lifts, crouches, touches = [], [], []

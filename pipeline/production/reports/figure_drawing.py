@@ -22,8 +22,8 @@ from pipeline.production.reports.canvas import (
     Panel,
     rgb,
 )
-from pipeline.production.shading import Painted, shaded
-from pipeline.simulation.figure_analysis import BODY, LEG, Figure, Tree
+from pipeline.production.shots.solid_preview import Painted, shaded
+from pipeline.simulation.figure_analysis import BODY, LEG, Figure, JointTree
 from pipeline.simulation.spatial import Array
 
 SIDE = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
@@ -58,7 +58,7 @@ class StandingFigure:
     def frames(self) -> Array:
         """Frames (J, 4, 4) of the joints, relative to the body."""
         skeleton = self.figure.skeleton
-        return Tree.of(skeleton).pose(skeleton.preferred)
+        return JointTree.of(skeleton).pose(skeleton.preferred)
 
     @cached_property
     def solids(self) -> list[tuple[int, bool, Array, NDArray[np.uint32]]]:

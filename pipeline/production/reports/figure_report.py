@@ -17,7 +17,7 @@ from pipeline.simulation.figure_analysis import (
     BODY,
     DenavitRow,
     Figure,
-    Inertia,
+    FigureMass,
     MassProperties,
     denavit_table,
     to_denavit,
@@ -40,7 +40,7 @@ def headline(figure: Figure) -> str:
     return ", ".join([figure.style, *(limbs or ["no limbs"]), joints, size])
 
 
-def report(figure: Figure, inertia: Inertia) -> str:
+def report(figure: Figure, inertia: FigureMass) -> str:
     """Return all that the analysis found, one part a line, with masses."""
     drawing, anatomy = figure.drawing, figure.anatomy
     nodes = counted(len(drawing.names), "node")
@@ -65,7 +65,7 @@ def counted(n: int, thing: str) -> str:
     return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
 
 
-def _mass_text(inertia: Inertia) -> str:
+def _mass_text(inertia: FigureMass) -> str:
     whole, body = inertia.at_rest, inertia.links[0].mass
     # Adding zero turns -0.0 into 0.0.
     x, y, z = (float(value) + 0.0 for value in whole.centre.round(3))
@@ -119,7 +119,7 @@ def _denavit_lines(limb: str, rows: list[DenavitRow]) -> Iterator[str]:
         yield DENAVIT_ROW.format(joint, after.strip(), row.kind, *numbers)
 
 
-def facts(figure: Figure, inertia: Inertia) -> dict[str, Any]:
+def facts(figure: Figure, inertia: FigureMass) -> dict[str, Any]:
     """Return masses, centres of mass and inertias of a figure and its links.
 
     Those of the whole figure are in its rest pose, in the body's frame.

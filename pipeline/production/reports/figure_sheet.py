@@ -38,7 +38,7 @@ from pipeline.production.reports.figure_report import (
     headline,
     report,
 )
-from pipeline.simulation.figure_analysis import Figure, Inertia, build_figure
+from pipeline.simulation.figure_analysis import Figure, FigureMass, build_figure
 from pipeline.spec import load_figures
 
 WIDTH, TOP, GAP = 1600, 92, 20
@@ -99,7 +99,7 @@ def figure_sheet(figure: Figure, out: Path, denavit: bool = False) -> Sheet:
         files = write_pictures(out / figure.name.replace(" ", "_"), figure_svg(figure))
     except OSError as error:
         raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
-    inertia = Inertia(figure)
+    inertia = FigureMass(figure)
     text, plain = report(figure, inertia), facts(figure, inertia)
     if denavit:
         text, plain = f"{text}\n{denavit_text(figure)}", {**plain, "denavit": denavit_facts(figure)}

@@ -30,10 +30,10 @@ from pipeline.production.reports.time_axis import Axis, draw_frames, draw_second
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
-from pipeline.simulation.foot_contacts import foot_path, ground_below, resting_rows
 from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
+from pipeline.simulation.stance_detection import foot_path, ground_below, resting_rows
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from pipeline.spec.cast import Creature

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.inverse_dynamics import FrameMasses
-from pipeline.simulation.locomotion.gaits.paces import Paces
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.spatial import Array
@@ -23,7 +23,7 @@ def mechanisms_of(herd: Herd) -> list[Mechanism]:
     found = []
     for key, figure in figures.items():
         skeleton = figure.skeleton
-        masses = FrameMasses.of(skeleton, Inertia(figure).links)
+        masses = FrameMasses.of(skeleton, FigureMass(figure).links)
         found.append(
             Mechanism(
                 tuple(members[key]),
@@ -40,7 +40,7 @@ def mechanisms_of(herd: Herd) -> list[Mechanism]:
     return found
 
 
-def legs_of(herd: Herd, paces: Paces, phase: Array) -> list[Leg]:
+def legs_of(herd: Herd, paces: PaceSchedule, phase: Array) -> list[Leg]:
     """Return the legs of a herd, with the stances planned from phase 0 up to `phase` (C,)."""
     limbs = [limb for figure in herd.figures for limb in figure.skeleton.legs]
     found = []

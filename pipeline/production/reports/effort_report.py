@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.production.reports.effort import Effort, efforts, legged_of
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
@@ -50,7 +50,7 @@ def report_effort(order: Order, reporter: Reporter, with_csv: bool = False) -> T
         text = table(found)
         if with_csv:
             file = run.outputs.folder / f"{order.name}_torques.csv"
-            put(file, torques_csv(found).encode("utf-8"))
+            write_if_changed(file, torques_csv(found).encode("utf-8"))
             text += f"\n{file}"
     return Told(text, [facts(effort) for effort in found])
 

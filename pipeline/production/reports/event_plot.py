@@ -13,12 +13,12 @@ from pathlib import Path
 
 import drawsvg
 
-from audio.banks import Signal
-from audio.files import put
-from audio.grid import grid_of
+from audio.atomic_file import write_if_changed
+from audio.dsp import Signal
+from audio.notes import Note, notes_of
 from audio.score import Score
-from audio.voices import Note, notes_of
-from audio.waveform import outline
+from audio.time_grid import tick_grid
+from audio.wav_file import read_waveform
 from pipeline.production.reports.canvas import FONT, Canvas, Panel
 from pipeline.production.reports.colors import FAINT, INK, PANEL, PAPER
 from pipeline.production.reports.figure_picture import png_of
@@ -91,12 +91,12 @@ def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tupl
             if frames
             else (),
             shape=shape,
-            wave=outline(run.outputs.wav, round(axis.length)),
+            wave=read_waveform(run.outputs.wav, round(axis.length)),
         )
         svg = event_svg(heard)
         files = tuple(run.outputs.folder / f"{order.name}_events.{end}" for end in ("svg", "png"))
-        put(files[0], svg.encode("utf-8"))
-        put(files[1], png_of(svg))
+        write_if_changed(files[0], svg.encode("utf-8"))
+        write_if_changed(files[1], png_of(svg))
     return files[0], files[1]
 
 
@@ -119,7 +119,7 @@ def shown(axis: Axis, shape: tuple[int, int], frames: int) -> list[int]:
 
 def event_svg(heard: Heard) -> str:
     """Return the plot as SVG."""
-    axis, grid = axis_of(heard.score), grid_of(heard.score.rate)
+    axis, grid = axis_of(heard.score), tick_grid(heard.score.rate)
     notes = sung(heard.notes, grid, axis.duration)
     width = axis.x + axis.length + MARGIN
     tall = height_of(notes)

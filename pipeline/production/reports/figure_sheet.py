@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.errors import SceneError, StoreError
 from pipeline.production.reports.denavit_report import denavit_text
 from pipeline.production.reports.figure_facts import denavit_facts, facts
@@ -65,8 +65,8 @@ def figure_sheet(figure: Figure, out: Path, denavit: bool = False) -> Sheet:
     files = out / f"{stem}.svg", out / f"{stem}.png"
     try:
         out.mkdir(parents=True, exist_ok=True)
-        put(files[0], svg.encode("utf-8"))
-        put(files[1], png_of(svg))
+        write_if_changed(files[0], svg.encode("utf-8"))
+        write_if_changed(files[1], png_of(svg))
     except OSError as error:
         raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
     inertia = Inertia(figure)

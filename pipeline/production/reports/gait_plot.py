@@ -12,7 +12,7 @@ from pathlib import Path
 
 import drawsvg
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.production.reports.canvas import FONT, Canvas, Panel
 from pipeline.production.reports.colors import FAINT, INK, PANEL, PAPER, limb_colors
 from pipeline.production.reports.figure_picture import png_of
@@ -54,8 +54,8 @@ def plot_gait(order: Order, reporter: Reporter) -> tuple[Path, Path]:
         creatures = tuple(bars_of(order.scene, walkers, take))
         svg = gait_svg(take.header.title or order.name, creatures, take.header.frames / rate, rate)
         files = tuple(run.outputs.folder / f"{order.name}_gait.{end}" for end in ("svg", "png"))
-        put(files[0], svg.encode("utf-8"))
-        put(files[1], png_of(svg))
+        write_if_changed(files[0], svg.encode("utf-8"))
+        write_if_changed(files[1], png_of(svg))
     return files[0], files[1]
 
 

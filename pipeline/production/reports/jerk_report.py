@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.production.reports.figure_picture import png_of
 from pipeline.production.reports.jerk_plot import jerk_svg
 from pipeline.production.reports.jerk_trials import (
@@ -86,9 +86,9 @@ def report_jerk(order: Order, reporter: Reporter) -> Told:
         folder = run.outputs.folder
         files = [folder / f"{order.name}_jerk.{end}" for end in ("csv", "svg", "png")]
         svg = jerk_svg(f"{member.name}: {member.dance}", dance, trials[-1])
-        put(files[0], table_csv(dance, trials).encode("utf-8"))
-        put(files[1], svg.encode("utf-8"))
-        put(files[2], png_of(svg))
+        write_if_changed(files[0], table_csv(dance, trials).encode("utf-8"))
+        write_if_changed(files[1], svg.encode("utf-8"))
+        write_if_changed(files[2], png_of(svg))
     told = "\n".join([text, *(str(file) for file in files)])
     return Told(told, [_facts(trial, compared[trial.name]) for trial in trials])
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import drawsvg
 import numpy as np
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.errors import UsageError
 from pipeline.production.reports.canvas import FONT, Canvas, Panel
 from pipeline.production.reports.colors import INK, LEG_COLORS, PANEL, PAPER, WARNING
@@ -84,8 +84,8 @@ def plot_mind(order: Order, reporter: Reporter) -> tuple[Path, Path]:
             rate,
         )
         files = tuple(run.outputs.folder / f"{order.name}_mind.{end}" for end in ("svg", "png"))
-        put(files[0], svg.encode("utf-8"))
-        put(files[1], png_of(svg))
+        write_if_changed(files[0], svg.encode("utf-8"))
+        write_if_changed(files[1], png_of(svg))
     return files[0], files[1]
 
 

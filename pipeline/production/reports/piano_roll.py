@@ -9,10 +9,10 @@ from math import ceil, floor
 
 import drawsvg
 
-from audio.gestures import BEND_RANGE, Moment, gesture_of
-from audio.grid import Grid
+from audio.controller_curves import BEND_RANGE, ControllerPoint, controller_curve
+from audio.notes import Note
 from audio.score import Marker
-from audio.voices import Note
+from audio.time_grid import TickGrid
 from pipeline.production.reports.canvas import LETTER, Canvas, Panel
 from pipeline.production.reports.cause_colors import color_of
 from pipeline.production.reports.colors import FAINT, INK, WARNING
@@ -48,7 +48,7 @@ class Sung:
 
     note: Note
     end: float
-    moments: tuple[Moment, ...]
+    moments: tuple[ControllerPoint, ...]
 
     @property
     def pitches(self) -> list[float]:
@@ -56,12 +56,12 @@ class Sung:
         return [self.note.pitch + bent(moment) for moment in self.moments] or [self.note.pitch]
 
 
-def bent(moment: Moment) -> float:
+def bent(moment: ControllerPoint) -> float:
     """Return by how many semitones a moment is bent."""
     return BEND_RANGE * moment.bend / _WHEEL
 
 
-def sung(notes: Sequence[Note], grid: Grid, duration: float) -> tuple[Sung, ...]:
+def sung(notes: Sequence[Note], grid: TickGrid, duration: float) -> tuple[Sung, ...]:
     """Return notes as they are drawn, the loudest last so that they lie on top.
 
     Args:
@@ -74,7 +74,7 @@ def sung(notes: Sequence[Note], grid: Grid, duration: float) -> tuple[Sung, ...]
         end = min(float(note.onset) + note.seconds, duration)
         start = grid.tick_at(note.onset)
         last = max(start + 1, round(end / float(grid.seconds(1))))
-        moments = () if note.drum else gesture_of(note.event, grid, start, last)
+        moments = () if note.drum else controller_curve(note.event, grid, start, last)
         found.append(Sung(note, end, moments))
     return tuple(found)
 
@@ -115,7 +115,7 @@ class Roll:
         self.low, self.high = pitches_of(notes)
         self._row = row_of(notes)
 
-    def draw(self, grid: Grid) -> None:
+    def draw(self, grid: TickGrid) -> None:
         """Draw keys and notes."""
         self._keyboard()
         for one in self.notes:
@@ -174,7 +174,7 @@ class Roll:
         tall = self._row - 2
         self.canvas.draw(drawsvg.Rectangle(x, y + 1, min(LEAST_WIDTH, width), tall, **full))
 
-    def _bent(self, one: Sung, grid: Grid) -> None:
+    def _bent(self, one: Sung, grid: TickGrid) -> None:
         """Draw what lasts as a line that follows its bend."""
         note = one.note
         words = {"stroke": color_of(note.event.cause), "stroke_opacity": _strength(note)}
@@ -192,7 +192,7 @@ class Roll:
 
 def legend(canvas: Canvas, notes: Sequence[Note], at: tuple[float, float], right: float) -> float:
     """List causes and how often each is heard; return the base line of the last row."""
-    counts = Counter(note.event.cause for note in notes if note.opens)
+    counts = Counter(note.event.cause for note in notes if note.is_first)
     x, y = at
     for cause, count in sorted(counts.items(), key=lambda pair: -pair[1]):
         text = f"{cause} {count}"

@@ -17,7 +17,7 @@ import pytest
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.simulation.figures.figure import build_figure
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 
@@ -465,7 +465,7 @@ def test_poses_come_back_from_the_printed_parameters(pronk: Pronk, name: str) ->
     assert [row["joint"] for row in rows] == list(skeleton.joint_names)
     chance = np.random.default_rng(1)
     for q in (skeleton.preferred, *chance.uniform(skeleton.lower, skeleton.upper, (3, len(rows)))):
-        assert np.abs(rebuilt(rows, q) - Tree.of(skeleton).pose(q)).max() < 1e-9
+        assert np.abs(rebuilt(rows, q) - JointTree.of(skeleton).pose(q)).max() < 1e-9
 
 
 @pytest.mark.usefixtures("folder", "unpictured")

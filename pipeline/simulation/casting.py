@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
-from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.groups.groups import Groups
 from pipeline.simulation.bodies.props import Props
 from pipeline.simulation.figures.figure import Figure, build_figure
-from pipeline.simulation.locomotion.inching.chain import is_chain
-from pipeline.simulation.locomotion.inching.worms import Inchworms
-from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
+from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
+from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.terrain import level_ground
@@ -96,9 +95,9 @@ def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         if walkers:
             troupes.append(Walkers(walkers, there, _materials(walkers)))
         if hop:
-            troupes.append(Pronkers(hop, there, _materials(hop)))
+            troupes.append(HopperTroupe(hop, there, _materials(hop)))
         if worms:
-            troupes.append(Inchworms(worms, there, _materials(worms)))
+            troupes.append(InchwormTroupe(worms, there, _materials(worms)))
     return troupes
 
 
@@ -116,31 +115,10 @@ def _alone(scene: Scene, world: World) -> list[Troupe]:
     return [Tumblers(alone, world, [member.material or THING for _, member in alone])]
 
 
-def refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
-    """Refuse instructions to those who follow none, and looks of those who have none.
-
-    Raises:
-        SceneError: if there are any.
-    """
-    worms = {w.name for troupe in troupes if isinstance(troupe, Inchworms) for w in troupe.worms}
-    problems = [
-        Problem(f"script[{i}].who", f"'{one.who}' is an inchworm, which follows no script")
-        for i, one in enumerate(scene.script)
-        if one.who in worms
-    ]
-    problems += [
-        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
-        for i, member in scene.creatures
-        if member.name in worms and member.look_at is not None
-    ]
-    if problems:
-        raise scene.places.located(SceneError(problems))
-
-
 def _inches(performer: Performer) -> bool:
     """Tell whether a creature moves as an inchworm; one that is posed is its author's to move."""
     _, member, figure = performer
-    return is_chain(figure) and not member.pose
+    return is_inchworm(figure) and not member.pose
 
 
 def _level(member: Creature) -> float | None:

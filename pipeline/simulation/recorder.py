@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.attaching import Bond
+from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.reel import put_down, reel
 from pipeline.simulation.script import Orders
@@ -64,7 +64,7 @@ class Recorder:
         self._notes: dict[tuple[str, str], Note] = {}
         self.orders: list[Told] = []
 
-    def hang(self, bonds: Iterable[Bond]) -> None:
+    def attach(self, bonds: Iterable[Attachment]) -> None:
         """Let performers hang on the nodes that they go along with."""
         nodes = list(self.nodes)
         for bond in bonds:
@@ -117,7 +117,7 @@ class Recorder:
         """Let nodes be seen in rows that are not kept yet, but in which they are in the world."""
         self.quaternions[which, nodes] = quaternion(self._turned(which)[:, nodes])
 
-    def attached(self, which: slice, bonds: Iterable[Bond]) -> tuple[Array, Array]:
+    def attached(self, which: slice, bonds: Iterable[Attachment]) -> tuple[Array, Array]:
         """Bring all nodes of the rows `which` into the world, all troupes having written theirs.
 
         Args:

@@ -29,7 +29,7 @@ from pipeline.spec.minding import faults_of_minds, faults_of_urges
 from pipeline.spec.mood import MOODS
 from pipeline.spec.nearest import hint
 from pipeline.spec.script import FORMS
-from render.words import MATERIALS
+from render.config import MATERIALS
 
 Place = tuple[Step, ...]
 

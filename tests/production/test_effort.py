@@ -16,7 +16,7 @@ from pipeline.errors import UsageError
 from pipeline.production.reports.effort import Effort, efforts, legged_of
 from pipeline.production.reports.effort_report import facts, torques_csv
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.figures.row_motion import motion_of_rows
+from pipeline.simulation.figures.inverse_dynamics import finite_difference_motion
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array, rotation
 from pipeline.spec import read_scene
@@ -89,7 +89,7 @@ def _error(rows: int) -> Array:
     t = np.linspace(0.0, 1.0, rows)
     axis = np.array([0.6, 0.0, 0.8])
     R, p = rotation(axis, np.sin(3 * t)), np.stack([np.cos(t), t**3, np.exp(t)], axis=-1)
-    motion = motion_of_rows(np.sin(2 * t)[:, None], R, p, float(t[1]))
+    motion = finite_difference_motion(np.sin(2 * t)[:, None], R, p, float(t[1]))
     t = t[1:-1]
     expected = (
         (motion.speeds[:, 0], 2 * np.cos(2 * t)),

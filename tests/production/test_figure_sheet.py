@@ -16,10 +16,10 @@ from pipeline.production.reports.figure_picture import figure_svg, png_of
 from pipeline.production.reports.figure_report import report
 from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
 from pipeline.production.reports.figure_views import FRONT, SIDE, Standing
-from pipeline.production.shading import Painted, shaded
+from pipeline.production.shots.solid_preview import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.solids import ball
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.solids import ball_solid
 
 SCENE = """\
 pronk: 1
@@ -96,14 +96,14 @@ def test_a_figure_that_is_none_is_refused_at_its_line(folder: Path) -> None:
 
 
 def test_the_report_tells_all_parts(folder: Path, beetle: Figure) -> None:
-    told = report(beetle, Inertia(beetle)).splitlines()
+    told = report(beetle, FigureMass(beetle)).splitlines()
     assert told[0].startswith("beetle: insect, 6 legs, 1 head, 1 tail, 2 feelers, 47 joints")
     for limb in beetle.skeleton.limbs:
         (line,) = [line for line in told if line.split()[0] == limb.name]
         assert f"{limb.kind}, {len(limb.links)} link" in line
     assert any("hip1_l - knee1_l - ankle1_l - foot1_l" in line for line in told)
     worm = figures_of("play:worm")[0]
-    text = report(worm, Inertia(worm))
+    text = report(worm, FigureMass(worm))
     assert "ignored     x" in text
     assert "warning     'x' is not connected to the rest and ignored" in text
 
@@ -151,7 +151,7 @@ def test_a_figure_stands_on_the_ground_and_is_seen_whole(beetle: Figure) -> None
 
 
 def test_a_ball_is_seen_as_a_disc_lit_from_above() -> None:
-    solid = ball(np.zeros(3), 40.0)
+    solid = ball_solid(np.zeros(3), 40.0)
     vertices = solid.vertices * [1.0, -1.0, 1.0] + [50.0, 50.0, 0.0]
     faces = [Painted(vertices, solid.faces, np.array([0.2, 0.5, 0.8]), 0)]
     picture = shaded(faces, (100, 100), np.ones(3))
@@ -163,7 +163,7 @@ def test_a_ball_is_seen_as_a_disc_lit_from_above() -> None:
 
 
 def test_the_nearer_ball_hides_the_other() -> None:
-    solid = ball(np.zeros(3), 20.0)
+    solid = ball_solid(np.zeros(3), 20.0)
     upright = solid.vertices * [1.0, -1.0, 1.0]
     red, blue = np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
     near = Painted(upright + np.array([40.0, 40.0, 30.0]), solid.faces, red, 0)

@@ -14,8 +14,8 @@ from pipeline.commands import options
 from pipeline.errors import UsageError
 from pipeline.production.reports.jump_report import Hop, facts, hops_of, report_jumps, table
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking.hopping import Hopping
-from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
+from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene, read_scene
 
@@ -47,7 +47,7 @@ def found(scene: Scene) -> dict[str, Hop]:
     return {hop.of.name: hop for hop in hops_of(scene)}
 
 
-def forces(hopping: Hopping) -> np.ndarray:
+def forces(hopping: HopSimulation) -> np.ndarray:
     """Return the mean force of all legs of one, as large as it is [N]."""
     legs = hopping.leg_forces()
     return np.linalg.norm(legs.sum(axis=0)) / len(legs)
@@ -58,7 +58,7 @@ def forces(hopping: Hopping) -> np.ndarray:
 def test_what_is_told_is_what_it_does(found: dict[str, Hop], scene: Scene, name: str) -> None:
     told = facts(found[name])
     simulation = Simulation(scene)
-    (troupe,) = (t for t in simulation.troupes if isinstance(t, Pronkers))
+    (troupe,) = (t for t in simulation.troupes if isinstance(t, HopperTroupe))
     hopping = troupe.hoppings[troupe.herd.names.index(name)]
     seen: dict[str, list[float]] = {"pushing": [], "landing": []}
     lifts, crouches, touches = [], [], []

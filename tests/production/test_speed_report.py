@@ -43,7 +43,7 @@ def test_size_and_samples_are_words_of_the_film(unmade, pronk, tmp_path) -> None
     words = ("frame", "tiny", "1", "--size", "32x18", "--samples", "2", "--json")
     code, _, _ = pronk(*words, cwd=studio.folder)
     assert code == 0
-    from render.pictures import read_png
+    from render.image_files import read_png
 
     assert read_png(studio.frame(1)).shape == (18, 32, 3)
 

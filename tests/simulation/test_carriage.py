@@ -9,8 +9,8 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation import simulate as simulation
-from pipeline.simulation.locomotion.carriage.bearing import Bearing
-from pipeline.simulation.locomotion.carriage.clearing import Clearing
+from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
@@ -297,11 +297,11 @@ def test_a_raised_tail_is_higher() -> None:
 
 
 def test_a_mood_may_change_from_moment_to_moment() -> None:
-    moments = [Bearing.neutral(3), Bearing.neutral(3)]
+    moments = [MotionStyle.neutral(3), MotionStyle.neutral(3)]
     moments[1] = replace(moments[1], sway=np.array([0.0, 2.0, 1.0]))
-    stacked = Bearing.stacked(moments)
+    stacked = MotionStyle.stacked(moments)
     np.testing.assert_array_equal(stacked.sway, [[1, 1, 1], [0, 2, 1]])
-    assert Bearing.stacked([moments[0]] * 5).head_raise.shape == (5, 3)
+    assert MotionStyle.stacked([moments[0]] * 5).head_raise.shape == (5, 3)
 
 
 # --- what is in the way -----------------------------------------------------------
@@ -329,7 +329,7 @@ def test_feelers_are_raised_where_the_ground_rises_before_the_feet(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert _lowest("feeler_r1") > 0.02
-    monkeypatch.setattr(Clearing, "wishes", lambda self, rows, others: np.zeros_like(others))
+    monkeypatch.setattr(LimbClearance, "wishes", lambda self, rows, others: np.zeros_like(others))
     assert _lowest("feeler_r1") < -0.05
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.part_names import PartNames
+from pipeline.simulation.figures.pose_plan import PartNames
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix, turn

@@ -24,14 +24,14 @@ from pipeline.production.goldens.frame_slates import slate
 from pipeline.production.goldens.golden_card import Framing
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from render.codecs import CODECS
 from render.errors import RenderError
-from render.film import Picture, write_film
+from render.film_encoder import Picture, write_film
 from render.renderer import Renderer
 from render.shot import Shot
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pipeline.simulation.figures.denavit import DenavitRow, denavit_table
+from pipeline.simulation.figures.denavit_hartenberg import DenavitRow, denavit_table
 from pipeline.simulation.figures.figure import Figure
 
 HEAD = "  {:<16} {:<18} {:<9} {:>10} {:>10} {:>10} {:>10}"

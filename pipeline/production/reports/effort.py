@@ -29,14 +29,14 @@ from pipeline.production.reports.gait_contacts import rests, tips_of
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.support import support
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.inverse_dynamics import (
+    ExternalForces,
     FrameMasses,
-    Push,
+    finite_difference_motion,
     inverse_dynamics,
 )
-from pipeline.simulation.figures.kinematics import Tree
-from pipeline.simulation.figures.row_motion import motion_of_rows
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, cross, matrix
@@ -150,12 +150,14 @@ def _effort(walkers: Walkers, c: int, take: Take) -> Effort:
     """Return the effort of creature `c`."""
     herd = walkers.herd
     name, figure = herd.names[c], herd.figures[c]
-    skeleton, inertia = figure.skeleton, Inertia(figure)
+    skeleton, inertia = figure.skeleton, FigureMass(figure)
     dt = 1.0 / float(take.header.rate * take.header.samples)
     body = [node.performer for node in take.nodes].index(name)
     place = take.positions[:, body]
-    motion = motion_of_rows(_joints(take, name, figure), matrix(take.rotations[:, body]), place, dt)
-    tree, masses = Tree.of(skeleton), FrameMasses.of(skeleton, inertia.links)
+    motion = finite_difference_motion(
+        _joints(take, name, figure), matrix(take.rotations[:, body]), place, dt
+    )
+    tree, masses = JointTree.of(skeleton), FrameMasses.of(skeleton, inertia.links)
     legs = np.flatnonzero(herd.owner == c)
     tips = np.stack([tips_of(take, herd, int(leg)) for leg in legs], axis=1)
     stands = np.stack([_stands(tips[:, i], walkers, int(leg), dt) for i, leg in enumerate(legs)], 1)
@@ -166,7 +168,7 @@ def _effort(walkers: Walkers, c: int, take: Take) -> Effort:
     points = tips[1:-1]
     borne = support(points - middle[:, None], stands, needed.force, about)
     frames = [limb.joints[-1] for limb in skeleton.legs]
-    load = inverse_dynamics(tree, masses, motion, Push(frames, points, borne.forces))
+    load = inverse_dynamics(tree, masses, motion, ExternalForces(frames, points, borne.forces))
     return Effort(
         name,
         figure,
@@ -195,7 +197,7 @@ def _stands(tip: Array, walkers: Walkers, leg: int, dt: float) -> NDArray[np.boo
     return result
 
 
-def _centre_arm(tree: Tree, masses: FrameMasses, q: Array, X_WB: Array) -> Array:
+def _centre_arm(tree: JointTree, masses: FrameMasses, q: Array, X_WB: Array) -> Array:
     """Return where the centre of mass is from the body's origin (n, 3), in the world [m]."""
     X = tree.pose(q)
     joints = (X[..., :3, :3] @ masses.centre[:-1, :, None])[..., 0] + X[..., :3, 3]

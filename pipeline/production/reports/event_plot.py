@@ -28,7 +28,7 @@ from pipeline.production.reports.time_axis import GRID, Axis, draw_frames, draw_
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working, write_score
 from pipeline.production.run.progress import Reporter
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 
 MARGIN, LEFT = 36, 62
 """Around all, and beside the axis for the names of pitches [pixels]."""

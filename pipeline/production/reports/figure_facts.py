@@ -11,13 +11,13 @@ from dataclasses import asdict
 from typing import Any
 
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.figures.denavit import denavit_table, to_denavit
+from pipeline.simulation.figures.denavit_hartenberg import denavit_table, to_denavit
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.skeleton import BODY
 
 
-def facts(figure: Figure, inertia: Inertia) -> dict[str, Any]:
+def facts(figure: Figure, inertia: FigureMass) -> dict[str, Any]:
     """Return masses, centres of mass and inertias of a figure and its links.
 
     Those of the whole are in its rest pose, in the body's frame.

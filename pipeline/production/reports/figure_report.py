@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 
 
 def headline(figure: Figure) -> str:
@@ -21,7 +21,7 @@ def headline(figure: Figure) -> str:
     return ", ".join([figure.style, *(limbs or ["no limbs"]), joints, size])
 
 
-def report(figure: Figure, inertia: Inertia) -> str:
+def report(figure: Figure, inertia: FigureMass) -> str:
     """Return all that the analysis found, one part a line, and what the parts weigh."""
     drawing, anatomy = figure.drawing, figure.anatomy
     nodes = counted(len(drawing.names), "node")
@@ -46,7 +46,7 @@ def counted(n: int, thing: str) -> str:
     return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
 
 
-def _weight(inertia: Inertia) -> str:
+def _weight(inertia: FigureMass) -> str:
     """Return what the whole figure weighs, and where its centre of mass is."""
     whole, body = inertia.at_rest, inertia.links[0].mass
     # No minus before a number that is shown as zero.

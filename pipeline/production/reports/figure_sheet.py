@@ -13,7 +13,7 @@ from pipeline.production.reports.figure_facts import denavit_facts, facts
 from pipeline.production.reports.figure_picture import figure_svg, png_of
 from pipeline.production.reports.figure_report import report
 from pipeline.simulation.figures.figure import Figure, build_figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.spec import load_figures
 
 
@@ -69,7 +69,7 @@ def figure_sheet(figure: Figure, out: Path, denavit: bool = False) -> Sheet:
         write_if_changed(files[1], png_of(svg))
     except OSError as error:
         raise StoreError(f"{out}: cannot be written ({error.strerror})") from error
-    inertia = Inertia(figure)
+    inertia = FigureMass(figure)
     text, told = report(figure, inertia), facts(figure, inertia)
     if denavit:
         text, told = f"{text}\n{denavit_text(figure)}", {**told, "denavit": denavit_facts(figure)}

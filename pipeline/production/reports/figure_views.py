@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shading import Painted, shaded
+from pipeline.production.shots.solid_preview import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.spatial import Array
 
@@ -40,7 +40,7 @@ class Standing:
     def frames(self) -> Array:
         """Frames (J, 4, 4) of the joints, relative to the body."""
         skeleton = self.figure.skeleton
-        return Tree.of(skeleton).pose(skeleton.preferred)
+        return JointTree.of(skeleton).pose(skeleton.preferred)
 
     @cached_property
     def solids(self) -> list[tuple[int, bool, Array, NDArray[np.uint32]]]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from pipeline.errors import UsageError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.gaits.gait import TOGETHER
+from pipeline.simulation.locomotion.gaits.gait import PHASE_TOLERANCE
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
@@ -140,7 +140,7 @@ def _gaps(stances: Sequence[Array], course: Array) -> Array:
     spans = spans[np.argsort(spans[:, 0], kind="stable")]
     ends = np.maximum.accumulate(spans[:, 1]) if len(spans) else spans[:, 1]
     gaps = np.stack([ends[:-1], spans[1:, 0]], axis=-1)
-    return gaps[gaps[:, 1] > gaps[:, 0] + TOGETHER]
+    return gaps[gaps[:, 1] > gaps[:, 0] + PHASE_TOLERANCE]
 
 
 def _planned(phases: Array, course: Array, times: Array) -> Array:

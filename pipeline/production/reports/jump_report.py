@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.errors import UsageError
-from pipeline.simulation.locomotion.pronking.ordinary import Ordinary, ordinary
-from pipeline.simulation.locomotion.pronking.pronker import Pronker
-from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
+from pipeline.simulation.locomotion.pronking.hopper import Hopper
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
+from pipeline.simulation.locomotion.pronking.reference_jump import (
+    ReferenceJump,
+    rehearse_jump,
+)
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.terrain import level_ground
 from pipeline.spec import Scene
@@ -34,8 +37,8 @@ class Hop:
     """
 
     figure: str
-    of: Pronker
-    jump: Ordinary | None
+    of: Hopper
+    jump: ReferenceJump | None
 
     @property
     def is_aimed(self) -> bool:
@@ -76,10 +79,10 @@ def hops_of(scene: Scene) -> list[Hop]:
     """
     found = []
     for troupe in Simulation(scene).troupes:
-        if isinstance(troupe, Pronkers):
+        if isinstance(troupe, HopperTroupe):
             level = level_ground(0.0, troupe.world.ground)
             for c, (of, hopping) in enumerate(zip(troupe.pronkers, troupe.hoppings, strict=True)):
-                jump = ordinary(of, level, hopping)
+                jump = rehearse_jump(of, level, hopping)
                 found.append(Hop(troupe.herd.figures[c].name, of, jump))
     if not found:
         raise UsageError(
@@ -188,7 +191,7 @@ def _pushing(hop: Hop) -> Iterator[Row]:
     yield "balance", f"{share:.4g}", says
 
 
-def _origin(of: Pronker, word: str) -> str:
+def _origin(of: Hopper, word: str) -> str:
     """Return whether a word was asked for, or where its value comes from."""
     words = of.words
     if getattr(words, word) is not None:

@@ -11,10 +11,10 @@ from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter, stage, step
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from render.backend import choose
+from render.config import FullFilm
 from render.renderer import Renderer, Split
-from render.words import FullFilm
 
 
 @dataclass(frozen=True, slots=True)

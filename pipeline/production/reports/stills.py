@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import FilmingError, UsageError
-from pipeline.production.filming import due, write_frame
 from pipeline.production.run.frame_ranges import counted
 from pipeline.production.run.gpu_fallback import on_some_backend
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter, stage, step
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.frame_rendering import due, write_frame
+from pipeline.production.shots.shot_builder import Shooting
 from render.backend import Backend
 from render.errors import RenderError
-from render.pictures import read_png, write_png
+from render.image_files import read_png, write_png
 from render.renderer import Renderer
 
 GAP = 6

@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.production.filming import due
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.production import Production
 from pipeline.production.run.progress import stage, step
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.frame_rendering import due
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.take import Take
 from render.backend import choose
-from render.pictures import read_png
+from render.config import Film
+from render.image_files import read_png
 from render.renderer import Renderer
-from render.words import Film
 
 FINER = 1.5
 """Pixels of a thumbnail for each of the plot's, which are enlarged as much in its PNG."""

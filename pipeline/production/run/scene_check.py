@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pipeline.errors import Problem
-from pipeline.production.mounting import mounts_of, sharp_nodes_of
+from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
 from pipeline.simulation.figures.drawing import draw
 from pipeline.simulation.figures.network import analyse
 from pipeline.simulation.simulate import Simulation

@@ -16,7 +16,7 @@ from pipeline.simulation.bodies.pips import MATERIAL, pips
 from pipeline.simulation.bodies.polyhedra import hull_of_words
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.dynamics.rigid import Build
-from pipeline.simulation.figures.solids import Solid, ball
+from pipeline.simulation.figures.solids import Solid, ball_solid
 from pipeline.simulation.take import Mesh
 from pipeline.spec.body import Sphere
 
@@ -69,7 +69,7 @@ def _isotropic(mass: MassProperties) -> MassProperties:
 def seen_of(words: Any, build: Build, material: str) -> list[tuple[str, Solid, str]]:
     """Return what is seen of a body: names after its own, solids and materials."""
     if build.hull is None:
-        return [("", ball(np.zeros(3), build.radius), material)]
+        return [("", ball_solid(np.zeros(3), build.radius), material)]
     seen = [("", bevelled(build.hull), material)]
     if words.shape == "die":
         seen.append((".pips", pips(words.size), MATERIAL))

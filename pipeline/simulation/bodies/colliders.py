@@ -20,11 +20,10 @@ from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
 from pipeline.simulation.dynamics.pushing import Pushed
 from pipeline.simulation.obstacles import directions
-from pipeline.simulation.script import Orders
 from pipeline.simulation.solid import Motion, Obstacle, Weight
 from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.take import Contact, Note
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World, WriteStage
 from pipeline.spec.cast import Body, Many
 
 FALL = 10.0
@@ -36,7 +35,7 @@ OVERLAP = 1e-3
 HALVINGS = 48
 
 
-class Colliders:
+class Colliders(Troupe):
     """All bodies of a scene that meet one another.
 
     Args:
@@ -48,6 +47,8 @@ class Colliders:
     Raises:
         SceneError: a shape is no solid, or two bodies begin in one another or in the ground.
     """
+
+    write_stage = WriteStage.AFTER_PUSHERS
 
     def __init__(
         self,
@@ -87,16 +88,7 @@ class Colliders:
 
     # --- the passes of the step -----------------------------------------------------
 
-    def read(self, orders: Orders) -> None:
-        """Take in nothing: no script moves a body."""
-
-    def advance(self, step: int) -> None:
-        """Wait for those who push; see `meet`."""
-
-    def keep(self) -> None:
-        """Keep nothing yet; see `meet`."""
-
-    def meet(self, step: int, p: Array, R: Array) -> None:
+    def advance_to_row(self, step: int, p: Array, R: Array) -> None:
         """Go on to the row at `step`.
 
         Args:
@@ -146,19 +138,19 @@ class Colliders:
 
     # --- those who run into them ------------------------------------------------------
 
-    def solids(self) -> list[Obstacle]:
+    def movable_solids(self) -> list[Obstacle]:
         """Return all bodies; their nodes count from the first."""
         return [_solid(i, block) for i, block in enumerate(self.blocks)]
 
-    def motion(self) -> Motion:
+    def solid_motion(self) -> Motion:
         """Return where they are in the last row, and how fast."""
         state, R = self.solver.state, matrix(self.solver.state.q)
         borne = self.solver.asleep | self.solver.touching
         return Motion(state.p, R, state.v, turn(R, state.w), self.alive.copy(), borne)
 
-    def push(self, impulses: Array, twists: Array) -> None:
+    def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
         """Let them be pushed until the next row: (N, 3) [N s], about their middles [N m s]."""
-        self.solver.push(impulses, twists)
+        self.solver.push(impulses, angular_impulses)
 
     # --- what rolls and slides --------------------------------------------------------
 

@@ -16,14 +16,13 @@ import numpy as np
 
 from pipeline.simulation.bodies.paths import path_of, scale_of
 from pipeline.simulation.bodies.shapes import bottom, solid_of
-from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
-from pipeline.simulation.troupe import Facts, Inventory, Rows, World
+from pipeline.simulation.troupe import Inventory, Rows, Troupe, World
 from pipeline.spec.cast import Prop
 
 
-class Props:
+class Props(Troupe):
     """All props of a scene."""
 
     def __init__(self, cast: Sequence[Prop], world: World, materials: Sequence[str]) -> None:
@@ -36,14 +35,11 @@ class Props:
         self._steps: list[int] = []
         self._step = 0
 
-    def read(self, orders: Orders) -> None:
-        """Take in nothing: no script moves a prop."""
-
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         self._step = step + 1
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present step as the next row."""
         self._steps.append(self._step)
 
@@ -56,10 +52,6 @@ class Props:
             rows.scales[:, n] = track(times)
         rows.alive[:] = True
         self._steps.clear()
-
-    def facts(self) -> Facts:
-        """Return nothing: props meet nobody."""
-        return Facts()
 
 
 def _start(member: Prop, world: World) -> Array:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.figures.solids import Solid, ball, lofted
+from pipeline.simulation.figures.solids import Solid, ball_solid, loft
 from pipeline.simulation.spatial import Array
 from pipeline.spec.prop import BallShape, BoxShape, ConeShape, CylinderShape, GearShape, Shape
 
@@ -47,7 +47,7 @@ def _bevelled(outer: Array, inner: Array, half: float, bevel: float) -> Solid:
     """Return what stands between rings (n, 3), turning from z to x: `inner` at both ends."""
     levels = (inner, -half), (outer, bevel - half), (outer, half - bevel), (inner, half)
     rings = np.stack([ring + np.array([0.0, y, 0.0]) for ring, y in levels])
-    return lofted(rings, rings[[0, -1]].mean(axis=1))
+    return loft(rings, rings[[0, -1]].mean(axis=1))
 
 
 def cone(words: ConeShape) -> Solid:
@@ -60,7 +60,7 @@ def cone(words: ConeShape) -> Solid:
     angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     ring = np.stack([np.sin(angle), np.zeros(AROUND), np.cos(angle)], axis=-1)
     rings = np.stack([radius * ring + np.array([0.0, y, 0.0]) for radius, y in profile])
-    return lofted(rings, rings[[0, -1]].mean(axis=1))
+    return loft(rings, rings[[0, -1]].mean(axis=1))
 
 
 def gear(words: GearShape) -> Solid:
@@ -82,7 +82,7 @@ def gear(words: GearShape) -> Solid:
 
 def sphere(words: BallShape) -> Solid:
     """Return a ball."""
-    return ball(np.zeros(3), words.radius)
+    return ball_solid(np.zeros(3), words.radius)
 
 
 SHAPES: dict[type[Any], Callable[[Any], Solid]] = {

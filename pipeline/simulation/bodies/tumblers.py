@@ -15,11 +15,10 @@ from pipeline.simulation.bodies.building import build_of, mesh_of, seen_of
 from pipeline.simulation.bodies.rubbing import SLIPS, Rub, Rubbing
 from pipeline.simulation.dynamics.bouncing import Bouncing, Impact
 from pipeline.simulation.dynamics.rigid import Bodies, Build, State, dot, unturned
-from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading, matrix, quaternion
 from pipeline.simulation.take import Contact, Mesh, Node, Note, Part
 from pipeline.simulation.tracks import turned
-from pipeline.simulation.troupe import Facts, Inventory, Rows, World
+from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
 from pipeline.spec.cast import Body
 
 FALL = 10.0
@@ -34,7 +33,7 @@ Member = tuple[int, Body]
 """Place in the cast, and words."""
 
 
-class Tumblers:
+class Tumblers(Troupe):
     """All rigid bodies of a scene.
 
     Raises:
@@ -62,9 +61,6 @@ class Tumblers:
         self._notes: tuple[Note, ...] = ()
         self._kept: list[tuple[Array, Array, Array]] = []
 
-    def read(self, orders: Orders) -> None:
-        """Take in nothing: no script moves a body."""
-
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
         impacts = self.bouncing.advance(self.world.clock.dt)
@@ -79,7 +75,7 @@ class Tumblers:
         text = f"left the terrain, and was dropped {FALL:g} m below it"
         self._notes = tuple(Note("dropped", step + 1, self.names[i], text) for i in lost)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         state = self.bouncing.state
         self._kept.append((state.p.copy(), state.q.copy(), self.alive.copy()))

@@ -18,7 +18,7 @@ from pipeline.simulation.bodies.groups import looks
 from pipeline.simulation.bodies.groups.chance import Chance
 from pipeline.simulation.bodies.groups.others import Cast, Others, Outline
 from pipeline.simulation.bodies.groups.rule import Setting
-from pipeline.simulation.figures.solids import Solid, lofted
+from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import UP, Array, heading, rotation
 from pipeline.simulation.take import Contact, Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory, Rows
@@ -153,4 +153,4 @@ def _blade(tall: float) -> Solid:
     rings[..., 0] = wide[:, None] * np.sin(around)
     rings[..., 1] = tall * LEVELS[:, None]
     rings[..., 2] = 0.35 * wide[:, None] * np.cos(around)
-    return lofted(rings, np.array([[0.0, 0.0, 0.0], [0.0, tall, 0.0]]))
+    return loft(rings, np.array([[0.0, 0.0, 0.0], [0.0, tall, 0.0]]))

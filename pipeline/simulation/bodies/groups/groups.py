@@ -25,7 +25,7 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Mesh, Node
-from pipeline.simulation.troupe import Facts, Inventory, Rows, World
+from pipeline.simulation.troupe import Inventory, Rows, Troupe, World, WriteStage
 from pipeline.spec.cast import Group
 from pipeline.spec.group import Fire, Flock, Grass, Rain, School, Swarm
 from pipeline.spec.script import GoTo
@@ -53,8 +53,10 @@ Member = tuple[int, Group]
 """Place in the cast, and words."""
 
 
-class Groups:
+class Groups(Troupe):
     """All groups of a scene."""
+
+    write_stage = WriteStage.LAST
 
     def __init__(self, cast: Sequence[Member], world: World) -> None:
         self.world = world
@@ -64,7 +66,7 @@ class Groups:
         self._steps: list[int] = []
         self._rows: Rows | None = None
 
-    def look_around(
+    def bind(
         self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
     ) -> None:
         """Find those whom groups follow, avoid or go along with.
@@ -89,10 +91,10 @@ class Groups:
                     rule.send(time, do.go_to)
 
     def advance(self, step: int) -> None:
-        """Go from `step` to the next; what has moved by then is seen in `follow`."""
+        """Go from `step` to the next; what has moved by then is seen in `write_last`."""
         self._step = step + 1
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present step as the next row."""
         self._steps.append(self._step)
 
@@ -101,7 +103,7 @@ class Groups:
         rows.alive[:] = True
         self._rows = rows
 
-    def follow(self, R: Array, p: Array) -> list[Contact]:
+    def write_last(self, R: Array, p: Array) -> list[Contact]:
         """Write all rows kept, and return the contacts that began in them.
 
         Args:
@@ -125,10 +127,6 @@ class Groups:
             contacts += rule.write(own, times, Others(R, p))
         self._steps.clear()
         return contacts
-
-    def facts(self) -> Facts:
-        """Return nothing: what groups do is known when their rows are written."""
-        return Facts()
 
 
 def _rule(i: int, member: Group, world: World) -> Rule:

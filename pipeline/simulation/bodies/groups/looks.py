@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.figures.solids import Solid, lofted
+from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory
@@ -27,7 +27,7 @@ def spindle(places: Array, heights: Array, widths: Array) -> Solid:
     rings[..., 1] = heights[:, None] * np.cos(angle)
     rings[..., 2] = widths[:, None] * np.sin(angle)
     ends = np.array([[places[0], 0.0, 0.0], [places[-1], 0.0, 0.0]])
-    return lofted(rings, ends)
+    return loft(rings, ends)
 
 
 def plate(outline: Array, thickness: float) -> Solid:

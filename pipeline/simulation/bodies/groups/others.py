@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.attaching import number_of
+from pipeline.simulation.attachment import node_number
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Mesh, Node
@@ -53,7 +53,7 @@ class Cast:
             SceneError: there is none; `path` says where it was named.
         """
         numbers = {node.name: i for i, node in enumerate(self.nodes)}
-        found = number_of(whom, self.figures, numbers)
+        found = node_number(whom, self.figures, numbers)
         if isinstance(found, str):
             raise SceneError([Problem(path, found)])
         return found

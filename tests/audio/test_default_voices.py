@@ -16,12 +16,12 @@ from audio.cause_voices import CAUSE_VOICES
 from audio.general_midi import INSTRUMENTS, program_number, usual_range
 from audio.harmony import parse_scale
 from audio.notes import Note, notes_of
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score as placed
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.shipped import library
-from render.words.material import MATERIALS
+from render.config.material import MATERIALS
 
 ALIKE = ({"stone", "brick", "gravel"}, {"flesh", "soil", "sand", "grass", "snow"})
 """Families that one instrument may stand for: hard and dull pieces, and what gives way."""

@@ -11,7 +11,7 @@ import pytest
 from audio.harmony import parse_steps
 from audio.notes import Note, arrange
 from audio.score import Score
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene

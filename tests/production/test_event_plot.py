@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from audio.config.sound import Sound
 from audio.errors import SoundFileError
+from audio.notes import notes_of
 from audio.score import Marker, Score, ScoreEvent
-from audio.voices import notes_of
-from audio.waveform import outline
-from audio.words import Sound
+from audio.wav_file import read_waveform
 from pipeline.production.reports.canvas import CAUSE_COLORS, cause_color, png_of
 from pipeline.production.reports.event_plot import (
     EventPlot,
@@ -166,7 +166,7 @@ def wav(path: Path, sound: np.ndarray, width: int = 3) -> Path:
 def test_the_outline_holds_every_sample_and_no_more(tmp_path: Path, samples: int) -> None:
     rng = np.random.default_rng(samples)
     sound = rng.uniform(-1, 1, (samples, 2)) * np.array([1.0, 0.3])
-    found = outline(wav(tmp_path / "a.wav", sound), 50)
+    found = read_waveform(wav(tmp_path / "a.wav", sound), 50)
     assert found.shape == (50, 2, 2)
     edges = np.linspace(0, samples, 51).round().astype(int)
     for k, (a, b) in enumerate(pairwise(edges)):
@@ -179,12 +179,12 @@ def test_the_outline_holds_every_sample_and_no_more(tmp_path: Path, samples: int
 
 def test_what_is_no_such_sound_is_refused_with_its_name(tmp_path: Path) -> None:
     with pytest.raises(SoundFileError, match=r"gone\.wav: cannot be read"):
-        outline(tmp_path / "gone.wav", 10)
+        read_waveform(tmp_path / "gone.wav", 10)
     (tmp_path / "torn.wav").write_bytes(b"RIFF")
     with pytest.raises(SoundFileError, match=r"torn\.wav: cannot be read"):
-        outline(tmp_path / "torn.wav", 10)
+        read_waveform(tmp_path / "torn.wav", 10)
     with pytest.raises(SoundFileError, match="no WAV file of 24 bits and two sides"):
-        outline(wav(tmp_path / "coarse.wav", np.zeros((9, 2)), 2), 10)
+        read_waveform(wav(tmp_path / "coarse.wav", np.zeros((9, 2)), 2), 10)
 
 
 # --- the command ---------------------------------------------------------------------------

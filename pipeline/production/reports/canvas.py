@@ -14,7 +14,7 @@ import drawsvg
 import resvg_py
 from PIL import ImageFont
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.production.run.outputs import Outputs
 
 FONT = "Aileron, Helvetica, Arial, sans-serif"
@@ -229,6 +229,6 @@ def write_plot(outputs: Outputs, kind: str, svg: str) -> tuple[Path, Path]:
 def write_pictures(stem: Path, svg: str) -> tuple[Path, Path]:
     """Write a picture as SVG and PNG, named by a path without suffix."""
     files = stem.with_name(f"{stem.name}.svg"), stem.with_name(f"{stem.name}.png")
-    put(files[0], svg.encode("utf-8"))
-    put(files[1], png_of(svg))
+    write_if_changed(files[0], svg.encode("utf-8"))
+    write_if_changed(files[1], png_of(svg))
     return files

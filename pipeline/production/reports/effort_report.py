@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.errors import UsageError
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
@@ -40,7 +40,7 @@ def report_effort(order: Order, reporter: Reporter, with_csv: bool = False) -> R
         text = table(efforts)
         if with_csv:
             file = run.outputs.folder / f"{order.name}_torques.csv"
-            put(file, torques_csv(efforts).encode("utf-8"))
+            write_if_changed(file, torques_csv(efforts).encode("utf-8"))
             text += f"\n{file}"
     return Report(text, [facts(effort) for effort in efforts])
 

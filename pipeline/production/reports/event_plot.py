@@ -11,11 +11,11 @@ from pathlib import Path
 
 import drawsvg
 
-from audio.banks import Signal
-from audio.grid import grid_of
+from audio.dsp import Signal
+from audio.notes import Note, notes_of
 from audio.score import Score
-from audio.voices import Note, notes_of
-from audio.waveform import outline
+from audio.time_grid import tick_grid
+from audio.wav_file import read_waveform
 from pipeline.production.reports.canvas import (
     FAINT,
     GRID,
@@ -97,7 +97,7 @@ def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tupl
             notes=notes_of(score),
             pictures=tuple(zip(frames, images, strict=True)),
             shape=shape,
-            wave=outline(run.outputs.wav, round(axis.length)),
+            wave=read_waveform(run.outputs.wav, round(axis.length)),
         )
         return write_plot(run.outputs, "events", event_svg(plot))
 
@@ -118,7 +118,7 @@ def shown_frames(axis: Axis, shape: tuple[int, int], frames: int) -> list[int]:
 
 def event_svg(plot: EventPlot) -> str:
     """Return the plot as SVG."""
-    axis, grid = axis_of(plot.score), grid_of(plot.score.rate)
+    axis, grid = axis_of(plot.score), tick_grid(plot.score.rate)
     roll = Roll(drawn_notes(plot.notes, grid, axis.duration))
     width = axis.x + axis.length + MARGIN
     strip = STRIP + GAP if plot.pictures else 0

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.production.reports.canvas import write_plot
 from pipeline.production.reports.jerk_plot import jerk_svg
 from pipeline.production.reports.jerk_trials import (
@@ -71,7 +71,7 @@ def report_jerk(order: Order, reporter: Reporter) -> Report:
         compared = {t.name: agreements(t) if is_figure_three(dance) else [] for t in trials}
         text = _text(member.name, dance, trials, compared)
         table = run.outputs.folder / f"{order.name}_jerk.csv"
-        put(table, table_csv(dance, trials).encode("utf-8"))
+        write_if_changed(table, table_csv(dance, trials).encode("utf-8"))
         svg = jerk_svg(f"{member.name}: {member.dance}", dance, trials[-1])
         files = (table, *write_plot(run.outputs, "jerk", svg))
     facts = [_facts(trial, compared[trial.name]) for trial in trials]

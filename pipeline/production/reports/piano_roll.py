@@ -9,10 +9,10 @@ from math import ceil, floor
 
 import drawsvg
 
-from audio.gestures import BEND_RANGE, Moment, gesture_of
-from audio.grid import Grid
+from audio.controller_curves import BEND_RANGE, ControllerPoint, controller_curve
+from audio.notes import Note
 from audio.score import Marker
-from audio.voices import Note
+from audio.time_grid import TickGrid
 from pipeline.production.reports.canvas import (
     FAINT,
     GRID,
@@ -56,7 +56,7 @@ class DrawnNote:
 
     note: Note
     end: float
-    moments: tuple[Moment, ...]
+    moments: tuple[ControllerPoint, ...]
 
     @property
     def pitches(self) -> list[float]:
@@ -64,12 +64,12 @@ class DrawnNote:
         return [self.note.pitch + bend_of(moment) for moment in self.moments] or [self.note.pitch]
 
 
-def bend_of(moment: Moment) -> float:
+def bend_of(moment: ControllerPoint) -> float:
     """Return the bend of a moment [semitones]."""
     return BEND_RANGE * moment.bend / _PITCH_WHEEL
 
 
-def drawn_notes(notes: Sequence[Note], grid: Grid, duration: float) -> tuple[DrawnNote, ...]:
+def drawn_notes(notes: Sequence[Note], grid: TickGrid, duration: float) -> tuple[DrawnNote, ...]:
     """Return notes as they are drawn, the loudest last, on top.
 
     Args:
@@ -82,7 +82,7 @@ def drawn_notes(notes: Sequence[Note], grid: Grid, duration: float) -> tuple[Dra
         end = min(float(note.onset) + note.seconds, duration)
         start = grid.tick_at(note.onset)
         last = max(start + 1, round(end / float(grid.seconds(1))))
-        moments = () if note.drum else gesture_of(note.event, grid, start, last)
+        moments = () if note.drum else controller_curve(note.event, grid, start, last)
         found.append(DrawnNote(note, end, moments))
     return tuple(found)
 
@@ -103,7 +103,7 @@ class Roll:
         """Height of the roll [pixels]."""
         return self._row * (self.high - self.low + 1)
 
-    def draw(self, canvas: Canvas, panel: Panel, axis: Axis, grid: Grid) -> None:
+    def draw(self, canvas: Canvas, panel: Panel, axis: Axis, grid: TickGrid) -> None:
         """Draw keys and notes into a panel as long as the axis and as high as the roll."""
         self._draw_keyboard(canvas, panel)
         for drawn in self.notes:
@@ -145,7 +145,7 @@ class Roll:
         canvas.draw(drawsvg.Rectangle(x, y, min(MIN_NOTE_WIDTH, width), height, **onset_style))
 
     def _draw_bent(
-        self, canvas: Canvas, panel: Panel, axis: Axis, drawn: DrawnNote, grid: Grid
+        self, canvas: Canvas, panel: Panel, axis: Axis, drawn: DrawnNote, grid: TickGrid
     ) -> None:
         """Draw a lasting note as a line that follows its bend."""
         note = drawn.note

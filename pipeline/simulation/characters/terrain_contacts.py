@@ -7,8 +7,8 @@ from pipeline.simulation.characters.contact_response import (
     ABOVE,
     LEAST_BOUNCE,
     PAUSE,
-    Log,
-    note,
+    TouchLog,
+    log_touch,
     rubbed,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
@@ -59,7 +59,7 @@ def stand(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move one character out of the ground, which is a level plane or is not."""
     first = owner.nodes[0]
@@ -82,12 +82,12 @@ def stand(
     first = owner.links[0]
     for n in range(first, first + owner.links[1]):
         link = links[n]
-        if link.girth == 0.0 or link.ends[0] == link.ends[1]:
+        if link.radius == 0.0 or link.ends[0] == link.ends[1]:
             continue
         one, other = nodes[link.ends[0]], nodes[link.ends[1]]
-        parts = min(int(link.reach[0] / APART) + 1, MOST)
+        parts = min(int(link.length_limits[0] / APART) + 1, MOST)
         for k in range(1, parts):
-            _meet(one, other, links, owner, grid, k / parts, link.girth, h, slack, moment, log)
+            _meet(one, other, links, owner, grid, k / parts, link.radius, h, slack, moment, log)
 
 
 @compiled
@@ -102,7 +102,7 @@ def _meet(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move a ball on the way from one node to another out of the ground."""
     at = _between(one.p, other.p, t)
@@ -162,7 +162,7 @@ def _press(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move a place on a link along a normal if it is in the ground, and rub it across.
 
@@ -180,42 +180,42 @@ def _press(
     """
     depth, n = -where[0], (where[1], where[2], where[3])
     node = one if t < 0.5 else other
-    node.grounded = owner.ground
+    node.ground_damping = owner.ground_damping
     if t == 0.0 and node.lock == LANDING:
-        node.lock, node.give = LOCKED, 0.0
-        set_triple(node.place, triple(node.p))
-    weight = one.give if t == 0.0 else (1.0 - t) ** 2 * one.give + t * t * other.give
+        node.lock, node.mobility = LOCKED, 0.0
+        set_triple(node.lock_place, triple(node.p))
+    weight = one.mobility if t == 0.0 else (1.0 - t) ** 2 * one.mobility + t * t * other.mobility
     if depth <= 0.0 or weight == 0.0:
         return
-    owner.deep = max(owner.deep, depth)
-    went = minus(_between(one.p, other.p, t), _between(one.before, other.before, t))
+    owner.penetration = max(owner.penetration, depth)
+    went = minus(_between(one.p, other.p, t), _between(one.previous, other.previous, t))
     nearer = max(-dot(went, n), 0.0)
-    _tell(node, links[node.link], n, nearer / h, weight, moment, log)
+    _tell(node, links[node.ground_link], n, nearer / h, weight, moment, log)
     stopped = min(depth, nearer)
     parted = min(depth - stopped, slack)
     move = plus(times(stopped, n), rubbed(went, n, owner.friction * stopped))
     back = 0.0
     if owner.bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
         back = owner.bounciness * nearer + nearer - stopped
-    share = 1.0 if t == 0.0 else (1.0 - t) * one.give / weight
+    share = 1.0 if t == 0.0 else (1.0 - t) * one.mobility / weight
     for k in range(3):
         one.p[k] += share * (move[k] + parted * n[k])
-        one.before[k] += share * (parted - back) * n[k]
+        one.previous[k] += share * (parted - back) * n[k]
     if t > 0.0:
-        share = t * other.give / weight
+        share = t * other.mobility / weight
         for k in range(3):
             other.p[k] += share * (move[k] + parted * n[k])
-            other.before[k] += share * (parted - back) * n[k]
+            other.previous[k] += share * (parted - back) * n[k]
 
 
 @inlined
 def _tell(
-    node: Record, link: Record, n: Vector, speed: float, weight: float, moment: float, log: Log
+    node: Record, link: Record, n: Vector, speed: float, weight: float, moment: float, log: TouchLog
 ) -> None:
     """Let a link know that it touches the ground."""
     energy = 0.5 * speed * speed / weight
     if link.age[1] > PAUSE and speed > ABOVE:
-        note(log, moment, (node.link, TERRAIN), triple(node.p), n, (speed, energy))
+        log_touch(log, moment, (node.ground_link, TERRAIN), triple(node.p), n, (speed, energy))
     if link.age[0] > 0.0:
         link.touched, link.touched_owner = TERRAIN, NOBODY
     link.energy = max(link.energy, energy)

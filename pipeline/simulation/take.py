@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.reel import rows_of
+from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
@@ -366,7 +366,7 @@ class Take:
             state.update(words.encode())
         for name, values in self.arrays():
             state.update(f"{name}{values.dtype.str}{values.shape}".encode())
-            for some in rows_of(values):
+            for some in row_chunks(values):
                 state.update(np.ascontiguousarray(values[some]).data)
         return state.hexdigest()
 

@@ -17,7 +17,7 @@ import zarr
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
-from pipeline.simulation.reel import reel, rows_of
+from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.take import (
     FORMAT,
     LATER,
@@ -84,7 +84,7 @@ def _write_array(group: zarr.Group, name: str, values: NDArray[Any], samples: in
         name, shape=values.shape, dtype=values.dtype, chunks=(rows, *shape[1:])
     )
     if values.size:
-        for some in rows_of(values, rows):
+        for some in row_chunks(values, rows):
             array[some] = values[some]
 
 
@@ -120,9 +120,9 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
     def array(name: str) -> NDArray[Any]:
         found = group[name]
         assert isinstance(found, zarr.Array)
-        values = reel(found.shape, found.dtype)
+        values = allocate_rows(found.shape, found.dtype)
         if values.size:
-            for some in rows_of(values, found.chunks[0]):
+            for some in row_chunks(values, found.chunks[0]):
                 values[some] = found[some]
         return values
 

@@ -13,7 +13,7 @@ import mido
 import pytest
 import symusic
 
-from audio.midi import write_midi
+from audio.midi_file import write_midi
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate

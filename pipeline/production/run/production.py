@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from audio.atomic_file import write_if_changed
 from audio.errors import AudioError
-from audio.files import put
-from audio.midi import write_midi
-from audio.modal import write_wav
+from audio.midi_file import write_midi
 from audio.score import Score
+from audio.wav_file import write_wav
 from pipeline.errors import FilmingError, ScoringError, StoreError
 from pipeline.production.run.frame_ranges import (
     contiguous,
@@ -378,4 +378,4 @@ def _finish(run: Production, take: Take) -> None:
     words.pop("manifest", None)
     seconds = {**run.manifest.seconds, **run.seconds}
     if run.changed or words != {k: v for k, v in run.manifest.words.items() if k != "manifest"}:
-        put(outputs.manifest, Manifest(words, seconds).encoded())
+        write_if_changed(outputs.manifest, Manifest(words, seconds).encoded())

@@ -1,4 +1,4 @@
-"""The scenes in the documentation are accepted as they stand there, and its links lead somewhere."""
+"""Documented scenes are accepted as they stand, and links of the pages lead to files."""
 
 from __future__ import annotations
 

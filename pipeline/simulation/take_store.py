@@ -17,10 +17,11 @@ import zarr
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.take import (
     FORMAT,
-    LATER,
+    OPTIONAL_TABLES,
     Channel,
     Contact,
     Header,
@@ -44,6 +45,8 @@ ROWS: dict[str, Any] = {
     "events": SoundEvent,
     "notes": Note,
     "told": Told,
+    "mechanisms": Mechanism,
+    "legs": Leg,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
@@ -129,7 +132,7 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
     tables: dict[str, Any] = {
         name: tuple(_rows(row, plain["tables"][name]))
         for name, row in ROWS.items()
-        if name not in LATER or name in plain["tables"]
+        if name not in OPTIONAL_TABLES or name in plain["tables"]
     }
     rows: dict[str, Any] = {name: array(name) for name in BY_ROW}
     terrain = plain["terrain"]

@@ -5,4 +5,4 @@ from pipeline.processor import hold
 __version__ = "0.1.0"
 
 HELD = hold()
-"""Whether takes made in this process are the same bytes as on other processors of its kind."""
+"""Whether takes made in this process equal those of every other held processor byte for byte."""

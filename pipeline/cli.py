@@ -14,7 +14,7 @@ from pipeline.commands.golden import golden
 from pipeline.commands.plots import plots
 from pipeline.commands.report import reports
 from pipeline.errors import PronkError
-from pipeline.production.interrupts import heard, ignore, listen
+from pipeline.production.run.interrupts import heard, ignore, listen
 
 INTERRUPTED = 130
 

@@ -1,4 +1,4 @@
-"""Arithmetic is the same on all processors that have what it is held to."""
+"""Arithmetic is the same on all processors that have the units it is held to."""
 
 from __future__ import annotations
 
@@ -8,16 +8,21 @@ import sys
 
 import pytest
 
-from pipeline.processor import HELD, UNITS, class_of, units
+from pipeline.processor import HELD, RELATED, REQUIRED_FLAGS, class_name, processor_flags
 
-TELL = "import pipeline; from pipeline.simulation.simulate import processor_class as c; print(c())"
-NAMES = (*HELD, "NPY_DISABLE_CPU_FEATURES")
+PRINT_CLASS = (
+    "import pipeline; from pipeline.simulation.versions import processor_class; "
+    "print(processor_class())"
+)
 
-able = pytest.mark.skipif(not units() >= UNITS, reason="this processor has no AVX2, or is no x86")
+needs_avx2 = pytest.mark.skipif(
+    not processor_flags() >= REQUIRED_FLAGS, reason="the processor has no AVX2, or is no x86-64"
+)
 
 
-def told(code: str, **variables: str) -> str:
-    clean = {name: value for name, value in os.environ.items() if name not in NAMES}
+def output(code: str, **variables: str) -> str:
+    """Return what a Python process prints whose environment chooses kernels by `variables` only."""
+    clean = {name: value for name, value in os.environ.items() if name not in RELATED}
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", code],
         env={**clean, **variables},
@@ -30,18 +35,36 @@ def told(code: str, **variables: str) -> str:
 
 
 @pytest.mark.slow
-@able
-def test_a_process_of_ours_is_held_and_those_it_starts() -> None:
-    assert told(TELL) == "x86_64-X86_V3"
-    below = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {TELL!r}], check=True)"
-    assert told("import pipeline; " + below) == "x86_64-X86_V3"
+@needs_avx2
+def test_child_processes_inherit_the_hold() -> None:
+    child = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {PRINT_CLASS!r}])"
+    assert output("import pipeline; " + child) == "x86_64-X86_V3"
 
 
-@able
-def test_numpy_and_its_blas_obey() -> None:
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "variables",
+    [
+        {},
+        HELD,
+        {"OPENBLAS_CORETYPE": "Haswell"},
+        {"OPENBLAS_CORETYPE": "haswell"},
+        {"OPENBLAS_CORETYPE": ""},
+        {"NPY_ENABLE_CPU_FEATURES": "X86_V3"},
+        {"NPY_DISABLE_CPU_FEATURES": ""},
+    ],
+    ids=lambda variables: " ".join(f"{k}={v}" for k, v in variables.items()) or "nothing set",
+)
+@needs_avx2
+def test_settings_that_agree_with_the_hold_are_completed(variables: dict[str, str]) -> None:
+    assert output(PRINT_CLASS, **variables) == "x86_64-X86_V3"
+
+
+@needs_avx2
+def test_numpy_and_its_blas_obey_the_hold() -> None:
     found = "n.show_config(mode='dicts')['SIMD Extensions']['found']"
-    assert told(f"import pipeline, numpy as n; print(*{found})") == "X86_V3"
-    assert "Haswell" in told("import pipeline, numpy", OPENBLAS_VERBOSE="2")
+    assert output(f"import pipeline, numpy as n; print(*{found})") == "X86_V3"
+    assert "Haswell" in output("import pipeline, numpy", OPENBLAS_VERBOSE="2")
 
 
 @pytest.mark.slow
@@ -49,15 +72,19 @@ def test_numpy_and_its_blas_obey() -> None:
     ("before", "variables"),
     [
         ("import numpy; ", {}),
+        ("import numpy; ", {"OPENBLAS_CORETYPE": "Haswell"}),
         ("", {"OPENBLAS_CORETYPE": "Nehalem"}),
         ("", {"NPY_DISABLE_CPU_FEATURES": "X86_V3"}),
+        ("", {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V3"}),
     ],
-    ids=["numpy was loaded", "another kernel", "fewer units"],
+    ids=["numpy first", "numpy first, kernel chosen", "other kernel", "fewer units", "mixed"],
 )
-@able
-def test_who_is_not_held_is_of_another_class(before: str, variables: dict[str, str]) -> None:
-    assert told(before + TELL, **variables).endswith("-own")
+@needs_avx2
+def test_a_process_that_is_not_held_has_a_class_of_its_own(
+    before: str, variables: dict[str, str]
+) -> None:
+    assert output(before + PRINT_CLASS, **variables).endswith("-own")
 
 
-def test_other_processors_keep_what_they_have() -> None:
-    assert class_of(["X86_V3"], held=True) != class_of(["X86_V3"], held=False)
+def test_other_processors_keep_the_units_they_have() -> None:
+    assert class_name(["X86_V3"], held=True) != class_name(["X86_V3"], held=False)

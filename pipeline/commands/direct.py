@@ -42,9 +42,9 @@ def direct(
 
     Leaves a take, and a scene that does the same by itself.
     """
-    from pipeline.production.direct.doors import door_of
-    from pipeline.production.direct.keeping import place_of
-    from pipeline.production.direct.serving import direct as serve
+    from pipeline.production.direct.recording import place_of
+    from pipeline.production.direct.server import direct as serve
+    from pipeline.production.direct.transport import door_of
     from pipeline.spec import find_scene, load_scene
 
     reporter_of(False, quiet, verbose, stopped="the take is given up, the commands are kept")

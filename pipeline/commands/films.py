@@ -28,7 +28,7 @@ from pipeline.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from pipeline.production.order import Order
+    from pipeline.production.run.order import Order
 
 
 def render(
@@ -52,8 +52,8 @@ def render(
 
     What is there and still right is kept; a run that was stopped goes on where it was.
     """
-    from pipeline.production import produce
-    from pipeline.production.order import refuse_clashes
+    from pipeline.production.run import production
+    from pipeline.production.run.order import refuse_clashes
 
     reporter = reporter_of(json_lines, quiet, verbose)
     changes = changes_of(sets, size, samples)
@@ -63,7 +63,7 @@ def render(
     ]
     refuse_clashes(orders)
     for order in orders:
-        reporter.result(f"{produce.render(order, reporter).folder}")
+        reporter.result(f"{production.render(order, reporter).folder}")
 
 
 def frame(
@@ -80,7 +80,7 @@ def frame(
     verbose: VerboseFlag = False,
 ) -> None:
     """Render one frame."""
-    from pipeline.production.stills import still
+    from pipeline.production.reports.stills import still
 
     reporter = reporter_of(json_lines, quiet, verbose)
     order = order_of(scene, changes_of(sets, size, samples), out, preset, backend)
@@ -102,7 +102,7 @@ def sheet(
     verbose: VerboseFlag = False,
 ) -> None:
     """Render a contact sheet: frames spread evenly over the film."""
-    from pipeline.production.stills import sheet as contact_sheet
+    from pipeline.production.reports.stills import sheet as contact_sheet
 
     reporter = reporter_of(json_lines, quiet, verbose)
     order = order_of(scene, changes_of(sets, size, samples), out, preset, backend)
@@ -128,8 +128,8 @@ def watch(
     verbose: VerboseFlag = False,
 ) -> None:
     """Show a scene, and again whenever its file or what it names has changed."""
-    from pipeline.production import produce, watching
-    from pipeline.production.stills import still
+    from pipeline.production.reports.stills import still
+    from pipeline.production.run import production, watch
     from pipeline.spec import find_scene
 
     reporter = reporter_of(json_lines, quiet, verbose)
@@ -137,15 +137,17 @@ def watch(
 
     def order_now() -> Order:
         changes = changes_of(sets, size, samples)
-        return order_of(str(file), changes, out / watching.PLACE, preset, backend)
+        return order_of(str(file), changes, out / watch.PLACE, preset, backend)
 
     def make(order: Order) -> Path:
         if film:
-            return produce.render(order, reporter).film(suffix=order.scene.film.resolved().suffix)
+            return production.render(order, reporter).film(
+                suffix=order.scene.film.resolved().suffix
+            )
         last = order.scene.n_frames
         return still(order, min(frame or (last + 1) // 2, last), reporter)
 
-    watching.watch(file, order_now, make, reporter, say)
+    watch.watch(file, order_now, make, reporter, say)
 
 
 def midi(
@@ -161,10 +163,10 @@ def midi(
     verbose: VerboseFlag = False,
 ) -> None:
     """Write a scene's score as MIDI and as sound, rendering nothing."""
-    from pipeline.production import produce
+    from pipeline.production.run import production
 
     reporter = reporter_of(json_lines, quiet, verbose)
-    outputs = produce.score_only(order_of(scene, sets, out, subframe=subframe), reporter)
+    outputs = production.score_only(order_of(scene, sets, out, subframe=subframe), reporter)
     reporter.result(f"{outputs.midi}")
 
 
@@ -188,10 +190,10 @@ def bench(
     """Say how long a frame takes with each preset, and the whole film."""
     from dataclasses import asdict
 
-    from pipeline.production import speed_report
+    from pipeline.production.reports import render_speed
 
     reporter = reporter_of(json_lines, quiet, verbose)
     order = order_of(scene, changes_of(sets, size, samples), out, backend=backend)
     presets = [one.value for one in preset or Preset]
-    speeds = speed_report.measure(order, presets, frames, reporter)
-    reporter.result(speed_report.told(speeds), presets=[asdict(speed) for speed in speeds])
+    speeds = render_speed.measure(order, presets, frames, reporter)
+    reporter.result(render_speed.table(speeds), presets=[asdict(speed) for speed in speeds])

@@ -19,7 +19,7 @@ def doctor(
     import json
     from dataclasses import asdict
 
-    from pipeline.production.doctor import examine
+    from pipeline.production.run.doctor import examine
 
     findings = examine(fresh)
     for finding in findings:

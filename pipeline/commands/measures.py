@@ -28,10 +28,10 @@ def simulate(
     verbose: VerboseFlag = False,
 ) -> None:
     """Simulate a scene and keep its take, rendering nothing."""
-    from pipeline.production import produce
+    from pipeline.production.run import production
 
     reporter = reporter_of(json_lines, quiet, verbose)
-    outputs, take = produce.simulate_only(order_of(scene, sets, out), reporter)
+    outputs, take = production.simulate_only(order_of(scene, sets, out), reporter)
     reporter.result(f"{outputs.take}: digest {take.digest}")
 
 
@@ -47,7 +47,7 @@ def effort(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say what walking takes: power, energy, cost of transport, torques of the joints."""
-    from pipeline.production.effort_report import report_effort
+    from pipeline.production.reports.effort_report import report_effort
 
     reporter = reporter_of(json_lines, quiet, verbose)
     told = report_effort(order_of(scene, sets, out), reporter, csv)
@@ -62,7 +62,7 @@ def jumps(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say how creatures hop: what was asked for, what was resolved, and what a jump takes."""
-    from pipeline.production.jump_report import report_jumps
+    from pipeline.production.reports.jump_report import report_jumps
     from pipeline.spec import find_scene, load_scene
 
     reporter = reporter_of(json_lines, quiet, verbose)
@@ -78,9 +78,9 @@ def fit(
     verbose: VerboseFlag = False,
 ) -> None:
     """Find gains with which the first dancer of a scene moves its hands more smoothly."""
-    from pipeline.production.jerk_fit import fit_jerk
+    from pipeline.production.reports.jerk_fit import fit_jerk
     from pipeline.spec import find_scene, load_scene
 
     reporter = reporter_of(json_lines, quiet, verbose)
     fitted = fit_jerk(load_scene(find_scene(scene), sets or []), reporter)
-    reporter.result(fitted.text, fit=fitted.facts)
+    reporter.result(fitted.text, fit=fitted.facts[0])

@@ -13,8 +13,8 @@ import typer
 from pipeline.errors import PronkError, SceneError, UsageError
 
 if TYPE_CHECKING:
-    from pipeline.production.order import Order
-    from pipeline.production.reporting import Reporter
+    from pipeline.production.run.order import Order
+    from pipeline.production.run.progress import Reporter
 
 
 GOES_ON = "the same command goes on where it was"
@@ -50,7 +50,7 @@ class Flags:
 
     def reporter(self) -> Reporter:
         """Return the reporter that suits them."""
-        from pipeline.production.reporting import reporter_for
+        from pipeline.production.run.progress import reporter_for
 
         return reporter_for(self.json_lines, self.quiet, self.verbose)
 
@@ -119,7 +119,7 @@ def order_of(
         UsageError: if there is no such scene.
         SceneError: if it is wrong.
     """
-    from pipeline.production.order import Order
+    from pipeline.production.run.order import Order
     from pipeline.spec import find_scene, load_scene
 
     file = find_scene(name)

@@ -37,7 +37,7 @@ def plot_events(
     verbose: VerboseFlag = False,
 ) -> None:
     """Draw what is heard: a piano roll by causes, frames of the film, the waveform."""
-    from pipeline.production import event_plot
+    from pipeline.production.reports import event_plot
 
     reporter = reporter_of(json_lines, quiet, verbose)
     order = order_of(scene, sets, out, backend=backend)
@@ -55,7 +55,7 @@ def plot_gait(
     verbose: VerboseFlag = False,
 ) -> None:
     """Draw when the feet of all walkers are down, as planned and as they were."""
-    from pipeline.production import gait_plot
+    from pipeline.production.reports import gait_plot
 
     reporter = reporter_of(json_lines, quiet, verbose)
     svg, png = gait_plot.plot_gait(order_of(scene, sets, out), reporter)
@@ -72,7 +72,7 @@ def plot_mind(
     verbose: VerboseFlag = False,
 ) -> None:
     """Draw anxiety, distance, focus and behaviour of all who have a mind."""
-    from pipeline.production import mind_plot
+    from pipeline.production.reports import mind_plot
 
     reporter = reporter_of(json_lines, quiet, verbose)
     svg, png = mind_plot.plot_mind(order_of(scene, sets, out), reporter)

@@ -35,7 +35,7 @@ def jerk(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say how smoothly the first dancer moves its hands, by both controllers."""
-    from pipeline.production.jerk_report import report_jerk
+    from pipeline.production.reports.jerk_report import report_jerk
 
     reporter = reporter_of(json_lines, quiet, verbose)
     told = report_jerk(order_of(scene, sets, out), reporter)

@@ -24,7 +24,7 @@ def new(
     """Write a commented starter scene, NAME.yaml, into this folder."""
     import shlex
 
-    from pipeline.production.starter import write_starter
+    from pipeline.production.run.starter_scene import write_starter
 
     path = write_starter(name, Path())
     typer.echo(f"{path}: written; try: pronk render {shlex.quote(str(path))} --preset draft")
@@ -38,7 +38,7 @@ def check(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say whether scenes are right; every mistake at once, with its line."""
-    from pipeline.production.checking import check_scene, remarks_on
+    from pipeline.production.run.scene_check import check_scene, figure_remarks
     from pipeline.spec import find_scene, load_scene
 
     reporter = reporter_of(json_lines, quiet, verbose)
@@ -48,7 +48,7 @@ def check(
         try:
             scene = load_scene(find_scene(name), sets or [])
             reporter.result(f"{name}: {check_scene(scene)}")
-            for remark in remarks_on(scene):
+            for remark in figure_remarks(scene):
                 reporter.note(f"note: {remark}", detail=True)
         except SceneError as error:
             problems.extend(error.problems)
@@ -77,7 +77,7 @@ def figure(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say which parts a figure's drawing has and what they weigh, and picture it as it stands."""
-    from pipeline.production.figure_sheet import figure_sheet, figures_of
+    from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
 
     reporter = reporter_of(json_lines, quiet, verbose)
     for name in names:

@@ -13,9 +13,9 @@ import mido
 import pytest
 import symusic
 
-from audio.midi import write_midi
-from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from audio.midi_file import write_midi
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
@@ -58,7 +58,7 @@ def test_every_note_of_a_shipped_scene_stands_on_its_frame(
 ) -> None:
     scene = load_scene(library() / (name + SUFFIX))
     take = simulate(scene)
-    score, _ = score_of(scene, take, Shooting(scene, take).poses)
+    score, _ = build_score(scene, take, Shooting(scene, take).poses)
     path = tmp_path / "score.mid"
     drums = any(voice.drum for voice in scene.sound.voices)
     for rate in {*RATES, scene.rate}:

@@ -10,11 +10,11 @@ import pyloudnorm
 import pytest
 from scipy.signal import resample_poly
 
-from audio.grid import sample_at
-from audio.modal import write_wav
-from audio.voices import notes_of
-from pipeline.production.scoring import score_of
-from pipeline.production.shooting import Shooting
+from audio.notes import notes_of
+from audio.time_grid import sample_at
+from audio.wav_file import write_wav
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
@@ -31,7 +31,7 @@ SCENES = [
 def test_the_track_of_a_shipped_scene(name: str, read_wav: Any, tmp_path: Path) -> None:
     scene = load_scene(library() / (name + SUFFIX))
     take = simulate(scene)
-    score, _ = score_of(scene, take, Shooting(scene, take).poses)
+    score, _ = build_score(scene, take, Shooting(scene, take).poses)
     report = write_wav(score, tmp_path / "track.wav")
     sound = read_wav(tmp_path / "track.wav")
     magnitude = np.abs(sound).max(axis=1)

@@ -18,9 +18,9 @@ import pytest
 
 from pipeline import cli
 from pipeline.commands import options
-from pipeline.production.order import Order
-from pipeline.production.produce import render
-from pipeline.production.reporting import Quiet
+from pipeline.production.run.order import Order
+from pipeline.production.run.production import render
+from pipeline.production.run.progress import Quiet
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene

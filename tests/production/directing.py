@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from pipeline.production.direct.keeping import Place
+from pipeline.production.direct.framing import Wire
 from pipeline.production.direct.protocol import Protocol
-from pipeline.production.direct.serving import serve
+from pipeline.production.direct.recording import Place
+from pipeline.production.direct.server import serve
 from pipeline.production.direct.session import Session
-from pipeline.production.direct.wire import Wire
-from pipeline.production.produce import take_key
-from pipeline.production.reporting import Quiet
+from pipeline.production.run.production import take_key
+from pipeline.production.run.progress import Quiet
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene, read_scene

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
+from pipeline.production.direct.framing import MOST_BYTES
 from pipeline.production.direct.protocol import MOST_IN_BATCH, Protocol
-from pipeline.production.direct.wire import MOST_BYTES
 from pipeline.spec import read_scene
 from tests.production.directing import STAGE, replayed, request, served, session_in
 

@@ -21,11 +21,11 @@ import pytest
 
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.direct import session
-from pipeline.production.direct.doors import LOOPBACK, Door, Say, door_of
-from pipeline.production.direct.keeping import Kept, Place, place_of
-from pipeline.production.direct.serving import direct
-from pipeline.production.direct.wire import Wire
-from pipeline.production.reporting import Quiet
+from pipeline.production.direct.framing import Wire
+from pipeline.production.direct.recording import Kept, Place, place_of
+from pipeline.production.direct.server import direct
+from pipeline.production.direct.transport import LOOPBACK, Door, Say, door_of
+from pipeline.production.run.progress import Quiet
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take_store import read_take
 from tests.production.directing import STAGE, replayed, request, stage

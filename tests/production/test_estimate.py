@@ -6,9 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.production.estimate import MOST, Estimate, remembered, spoken, work_of
+from pipeline.production.run.time_estimate import (
+    MOST,
+    Estimate,
+    remembered,
+    spoken,
+    work_of,
+)
 from render.backend import Backend
-from render.words import Film
+from render.config import Film
 
 BACKEND = Backend("llvm_ad_rgb", "", "23.1", "for a test")
 

@@ -8,10 +8,10 @@ from unittest.mock import Mock
 import pytest
 
 from pipeline.errors import FilmingError
-from pipeline.production import falling_back
-from pipeline.production.falling_back import on_some_backend
-from pipeline.production.filming import film_frames
-from pipeline.production.reporting import Plain
+from pipeline.production.run import gpu_fallback
+from pipeline.production.run.gpu_fallback import on_some_backend
+from pipeline.production.run.progress import Plain
+from pipeline.production.shots.frame_rendering import film_frames
 from render.backend import Backend
 from render.device_memory import told_memory
 from render.errors import DeviceMemoryShort, ShotError
@@ -44,8 +44,8 @@ def test_the_processor_goes_on_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -
                 raise RuntimeError(SAID)
         return "film"
 
-    monkeypatch.setattr(falling_back, "choose", lambda choice: CUDA)
-    monkeypatch.setattr(falling_back, "without_gpu", lambda: LLVM)
+    monkeypatch.setattr(gpu_fallback, "choose", lambda choice: CUDA)
+    monkeypatch.setattr(gpu_fallback, "without_gpu", lambda: LLVM)
     stream = io.StringIO()
     assert on_some_backend("auto", Plain(stream), work) == "film"
     assert tried == ["cuda_ad_rgb", "llvm_ad_rgb"]

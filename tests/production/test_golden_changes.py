@@ -18,24 +18,24 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipeline.production.goldens.card import Framing, read_card
-from pipeline.production.goldens.case import Case, Lab
-from pipeline.production.goldens.checking import check
-from pipeline.production.goldens.content import Content, read_content
-from pipeline.production.goldens.judging import judge_frames
-from pipeline.production.goldens.places import GoldenFolder
-from pipeline.production.goldens.proof import Proof, filmed_for
-from pipeline.production.goldens.recording import record
+from pipeline.production.goldens.golden_card import Framing, read_card
+from pipeline.production.goldens.golden_case import Case, Lab
+from pipeline.production.goldens.golden_check import check
+from pipeline.production.goldens.golden_content import Content, read_content
+from pipeline.production.goldens.golden_files import GoldenFolder
+from pipeline.production.goldens.golden_record import record
+from pipeline.production.goldens.judges import judge_frames
+from pipeline.production.goldens.sampling_proof import Proof, filmed_for
 from pipeline.production.goldens.verdict import Outcome
-from pipeline.production.outputs import Outputs
-from pipeline.production.reporting import Quiet
-from pipeline.production.workers import Share, film_in_processes
+from pipeline.production.run.outputs import Outputs
+from pipeline.production.run.progress import Quiet
+from pipeline.production.run.workers import Share, film_in_processes
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import write_take
 from pipeline.spec import Scene, read_scene
 from render.backend import choose, libraries
-from render.pictures import read_png
+from render.image_files import read_png
 from render.shot import Shot
 
 ROOT = Path(__file__).parents[2]
@@ -303,8 +303,8 @@ def other_jobs(base: Base, k: int, folder: Path) -> None:
 SOMEWHERE_ELSE = """
 import sys
 import numpy as np
-from pipeline.production.goldens.card import Framing
-from pipeline.production.goldens.proof import Proof, filmed_for
+from pipeline.production.goldens.golden_card import Framing
+from pipeline.production.goldens.sampling_proof import Proof, filmed_for
 from pipeline.spec import read_scene
 from render.backend import Backend
 from render.renderer import Renderer

@@ -14,7 +14,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from pipeline.production.goldens.card import read_card
+from pipeline.production.goldens.golden_card import read_card
 
 Pronk = Callable[..., tuple[int, str, str]]
 
@@ -44,9 +44,9 @@ def _by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a scene and its golden, which nobody may change."""
-    from pipeline.production.goldens.case import Lab, cases_of
-    from pipeline.production.goldens.recording import record
-    from pipeline.production.reporting import Quiet
+    from pipeline.production.goldens.golden_case import Lab, cases_of
+    from pipeline.production.goldens.golden_record import record
+    from pipeline.production.run.progress import Quiet
 
     folder = tmp_path_factory.mktemp("recorded")
     scene = folder / "tiny.yaml"

@@ -15,20 +15,13 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from pipeline.errors import GoldenMissing, StoreError
-from pipeline.production.motion_golden import (
-    MotionGolden,
-    Outcome,
-    Verdict,
-    compare,
-    golden_of,
-    motion_digest,
-    read_golden,
-    sampling,
-    tolerance,
-    write_golden,
-)
-from pipeline.production.motion_golden.file import encoded
-from pipeline.production.motion_golden.series import Series
+from pipeline.production.goldens import motion_sampling, motion_tolerance
+from pipeline.production.goldens.motion_comparison import compare
+from pipeline.production.goldens.motion_digest import motion_digest
+from pipeline.production.goldens.motion_file import encoded, read_golden, write_golden
+from pipeline.production.goldens.motion_golden import MotionGolden, golden_of
+from pipeline.production.goldens.motion_verdict import Outcome, Verdict
+from pipeline.production.goldens.packed_series import Series
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix, quaternion, rotation
@@ -140,7 +133,7 @@ def test_the_digest_is_of_the_motion_alone(take: Take) -> None:
 
 
 def test_twice_the_tolerance_is_named_and_nothing_else(golden: MotionGolden, take: Take) -> None:
-    verdict = compare(golden, _moved(take, 2 * tolerance.POSITION))
+    verdict = compare(golden, _moved(take, 2 * motion_tolerance.POSITION))
     assert _only(verdict) == (ROW, "position", NODE)
     assert verdict.differences[0].excess == pytest.approx(2, abs=0.3)
     said = str(verdict)
@@ -151,7 +144,7 @@ def test_twice_the_tolerance_is_named_and_nothing_else(golden: MotionGolden, tak
 
 
 def test_a_rotation_is_named(golden: MotionGolden, take: Take) -> None:
-    verdict = compare(golden, _turned(take, 2 * tolerance.ROTATION))
+    verdict = compare(golden, _turned(take, 2 * motion_tolerance.ROTATION))
     assert _only(verdict) == (ROW, "rotation", NODE)
     assert verdict.differences[0].excess == pytest.approx(2, abs=0.3)
     assert "degrees off" in str(verdict)
@@ -162,8 +155,8 @@ def test_half_the_tolerance_passes_and_is_noted(
     golden: MotionGolden, take: Take, share: float
 ) -> None:
     for spoilt in (
-        _moved(take, share * tolerance.POSITION),
-        _turned(take, share * tolerance.ROTATION),
+        _moved(take, share * motion_tolerance.POSITION),
+        _turned(take, share * motion_tolerance.ROTATION),
     ):
         verdict = compare(golden, spoilt)
         assert verdict.outcome is Outcome.WITHIN
@@ -189,7 +182,7 @@ def test_the_first_of_several_is_the_earliest_and_nearest_to_the_root(
 def test_a_channel_is_named(golden: MotionGolden, take: Take) -> None:
     values, name = take.values.copy(), "bug.speed"
     column = [channel.name for channel in take.channels].index(name)
-    values[16, column] += 2 * tolerance.CHANNEL
+    values[16, column] += 2 * motion_tolerance.CHANNEL
     assert _only(compare(golden, replace(take, values=values))) == (16, "channel", name)
 
 
@@ -268,11 +261,11 @@ def test_contacts_have_tolerances_of_their_own(
 ) -> None:
     contact = take.contacts[3]
     x, y, z = contact.place
-    bound = tolerance.STRENGTH * (1.0 + contact.speed)
+    bound = motion_tolerance.STRENGTH * (1.0 + contact.speed)
     for changed in (
-        replace(contact, place=(x, y, z + share * tolerance.PLACE)),
+        replace(contact, place=(x, y, z + share * motion_tolerance.PLACE)),
         replace(contact, speed=contact.speed + share * bound),
-        replace(contact, fraction=contact.fraction + share * tolerance.MOMENT),
+        replace(contact, fraction=contact.fraction + share * motion_tolerance.MOMENT),
     ):
         spoilt = replace(take, contacts=(*take.contacts[:3], changed, *take.contacts[4:]))
         verdict = compare(golden, spoilt)
@@ -354,7 +347,7 @@ def test_on_another_machine_the_tolerant_rule_is_used(
     assert near.outcome is Outcome.WITHIN
     assert f"tolerant: {name} another, the golden's" in near.rule
     assert not near.bits
-    far = compare(golden, _moved(there, 2 * tolerance.POSITION))
+    far = compare(golden, _moved(there, 2 * motion_tolerance.POSITION))
     assert _only(far) == (ROW, "position", NODE)
     assert f"tolerant: {name} another" in str(far)
 
@@ -366,7 +359,7 @@ def test_other_code_is_held_to_the_same_golden(golden: MotionGolden, take: Take)
 
 
 def test_a_long_take_keeps_fewer_rows(take: Take, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sampling, "NUMBERS", 2_200)
+    monkeypatch.setattr(motion_sampling, "NUMBERS", 2_200)
     golden = golden_of(take, "tiny")
     assert golden.stride == 4
     assert len(golden.series["positions"].multiples) == 9
@@ -380,7 +373,7 @@ def test_a_long_take_keeps_fewer_rows(take: Take, monkeypatch: pytest.MonkeyPatc
 
 def _every_row(take: Take) -> dict[str, Series]:
     nodes, channels = [n.name for n in take.nodes], [c.name for c in take.channels]
-    kept = sampling.kept(take, 1, nodes, channels)
+    kept = motion_sampling.kept(take, 1, nodes, channels)
     return {name: Series.of(v, np.full(v.shape[1], 1e-4)) for name, v in kept.items()}
 
 
@@ -456,11 +449,11 @@ def test_a_slightly_other_walk_is_noticed_where_it_first_leaves(
     # An independent look at both takes; the golden's rounding is 0.3 of the tolerance.
     if first.kind == "position":
         way = np.linalg.norm(other.positions - first_steps.positions, axis=-1)
-        apart = way / tolerance.POSITION
+        apart = way / motion_tolerance.POSITION
     else:
         assert first.kind == "rotation"
         cosine = np.abs((other.rotations * first_steps.rotations).sum(axis=-1))
-        apart = 2.0 * np.arccos(np.minimum(cosine, 1.0)) / tolerance.ROTATION
+        apart = 2.0 * np.arccos(np.minimum(cosine, 1.0)) / motion_tolerance.ROTATION
     assert apart[: first.step].max(initial=0.0) < 1.3
     assert 0.7 < apart[first.step, _node(other, first.who)] < 3.0
     if word == "bounciness":

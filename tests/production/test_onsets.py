@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pipeline.production.goldens.frame_slates import number_on, slate
 from pipeline.production.goldens.onsets import CLEAR, Onset, best_shift, onsets_of, unmatched
-from pipeline.production.goldens.slates import number_on, slate
 
 RATE = 48_000
 

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 import symusic
 
-from pipeline.production.produce import score_only
-from pipeline.production.reporting import Quiet
+from pipeline.production.run.production import score_only
+from pipeline.production.run.progress import Quiet
 from render.color import developed
-from render.pictures import read_exr, read_png
+from render.image_files import read_exr, read_png
 
 if TYPE_CHECKING:
     from tests.production.conftest import Studio

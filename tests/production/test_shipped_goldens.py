@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.production.goldens.case import Lab, cases_of, found_in
-from pipeline.production.goldens.checking import check
+from pipeline.production.goldens.golden_case import Lab, cases_of, found_in
+from pipeline.production.goldens.golden_check import check
 from pipeline.production.goldens.verdict import Outcome
-from pipeline.production.reporting import Quiet
+from pipeline.production.run.progress import Quiet
 
 FILMS = Path(__file__).parents[1] / "goldens" / "films"
 MOST_BYTES = 600_000

@@ -9,7 +9,8 @@ from types import ModuleType
 import pytest
 
 from pipeline.errors import PronkError
-from pipeline.production.motion_golden import compare, read_golden
+from pipeline.production.goldens.motion_comparison import compare
+from pipeline.production.goldens.motion_file import read_golden
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
 from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes

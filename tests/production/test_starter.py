@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pipeline.errors import PronkError, UsageError
-from pipeline.production.checking import check_scene
-from pipeline.production.starter import write_starter
+from pipeline.production.run.scene_check import check_scene
+from pipeline.production.run.starter_scene import write_starter
 from pipeline.spec import load_scene
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from pipeline.production.outputs import Outputs, opened
+from pipeline.production.run.outputs import Outputs, opened
 
 if TYPE_CHECKING:
     from tests.production.conftest import Running, Studio

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from pipeline.errors import PronkError
-from pipeline.production.order import Order
-from pipeline.production.reporting import Quiet
-from pipeline.production.watching import Stamps, changes_of, files_of, stamps, watch
+from pipeline.production.run.order import Order
+from pipeline.production.run.progress import Quiet
+from pipeline.production.run.watch import Stamps, changes_of, files_of, stamps, watch
 from pipeline.spec import load_scene
 
 SCENE = "pronk: 1\nframes: 4\ncast: [{figure: beetle, walk: {}}]\n"

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.locomotion.pronking.happening import Happening
-from pipeline.simulation.locomotion.pronking.hopping import Hopping
-from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
-from pipeline.simulation.locomotion.pronking.state import level
+from pipeline.simulation.locomotion.pronking.hop_events import HopEvent
+from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
+from pipeline.simulation.locomotion.pronking.hop_state import level_height
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
@@ -38,13 +38,13 @@ class Hops:
 
     simulation: Simulation
     seen: list[list[Seen]] = field(default_factory=list)
-    happened: list[list[Happening]] = field(default_factory=list)
+    happened: list[list[HopEvent]] = field(default_factory=list)
     _lifts: dict[int, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
     @property
-    def troupe(self) -> Pronkers:
+    def troupe(self) -> HopperTroupe:
         """Its creatures that hop."""
-        return next(t for t in self.simulation.troupes if isinstance(t, Pronkers))
+        return next(t for t in self.simulation.troupes if isinstance(t, HopperTroupe))
 
     def look(self) -> None:
         """Keep the state of this step."""
@@ -76,7 +76,7 @@ class Hops:
         return tips_of(self.simulation, self.troupe.herd)
 
 
-def _seen(one: Hopping) -> Seen:
+def _seen(one: HopSimulation) -> Seen:
     state, of = one.state, one.of
     return Seen(
         state.time,
@@ -84,7 +84,7 @@ def _seen(one: Hopping) -> Seen:
         state.jumps,
         state.p.copy(),
         state.v.copy(),
-        level(of, state.p) - state.floor,
+        level_height(of, state.p) - state.floor,
         state.now(of).tilt,
         state.down.copy(),
         one.leg_forces(),

@@ -14,8 +14,7 @@ from PIL import Image
 
 from pipeline.errors import SimulationError
 from pipeline.simulation.figures.figure import Figure, build_figure
-from pipeline.simulation.locomotion.gaits.named import gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_gaits
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene, load_scene, read_scene
 from pipeline.spec.mood import MOODS
@@ -98,7 +97,7 @@ def drawn_manner(figure: str, chance: np.random.Generator) -> Words:
         return {"walk": {}}
     skeleton = _figure(figure).skeleton
     forward = [float(skeleton.links[leg.links[0]].ends[0, 0]) for leg in skeleton.legs]
-    gaits = gaits_of(Rows.of([leg.side for leg in skeleton.legs], forward))
+    gaits = available_gaits(LegRows.of([leg.side for leg in skeleton.legs], forward))
     manner: Words = {"walk": {"gait": str(chance.choice(list(gaits)))}}
     mood = chance.choice(["", *MOODS])
     return manner | ({"mood": str(mood)} if mood else {})

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.simulation import scheduler
 from pipeline.simulation import simulate as simulation
-from pipeline.simulation.locomotion.carriage.bearing import Bearing
-from pipeline.simulation.locomotion.carriage.clearing import Clearing
+from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
+from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
 from tests.simulation.conftest import SHIPPED, scene_of
@@ -297,11 +299,11 @@ def test_a_raised_tail_is_higher() -> None:
 
 
 def test_a_mood_may_change_from_moment_to_moment() -> None:
-    moments = [Bearing.neutral(3), Bearing.neutral(3)]
+    moments = [MotionStyle.neutral(3), MotionStyle.neutral(3)]
     moments[1] = replace(moments[1], sway=np.array([0.0, 2.0, 1.0]))
-    stacked = Bearing.stacked(moments)
+    stacked = MotionStyle.stacked(moments)
     np.testing.assert_array_equal(stacked.sway, [[1, 1, 1], [0, 2, 1]])
-    assert Bearing.stacked([moments[0]] * 5).head_raise.shape == (5, 3)
+    assert MotionStyle.stacked([moments[0]] * 5).head_raise.shape == (5, 3)
 
 
 # --- what is in the way -----------------------------------------------------------
@@ -329,7 +331,7 @@ def test_feelers_are_raised_where_the_ground_rises_before_the_feet(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert _lowest("feeler_r1") > 0.02
-    monkeypatch.setattr(Clearing, "wishes", lambda self, rows, others: np.zeros_like(others))
+    monkeypatch.setattr(LimbClearance, "wishes", lambda self, rows, others: np.zeros_like(others))
     assert _lowest("feeler_r1") < -0.05
 
 
@@ -347,8 +349,8 @@ def test_rows_do_not_depend_on_how_many_are_written_at_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found = []
-    for at_once in (96, 1, 7):
-        monkeypatch.setattr(simulation, "ROWS_AT_ONCE", at_once)
+    for rows in (96, 1, 7):
+        monkeypatch.setattr(scheduler, "BATCH_LIMITS", BatchLimits(rows, rows))
         take = simulation.simulate(scene_of(*CAST, duration=1.5))
         found.append((take.positions.tobytes(), take.rotations.tobytes(), take.values.tobytes()))
     assert found[1] == found[0]

@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.simulation.dancers.torso import AXES, LINKS, torso_of
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
-from pipeline.simulation.people.frames import FRAMES
+from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.proportions import ADULT, CHILD, SEGMENT_MASSES
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene, read_scene

@@ -7,18 +7,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.gaits.change import SLOWEST, STEEPEST, GaitChange, shortest
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.gait_transition import (
+    SLOWEST,
+    STEEPEST,
+    GaitTransition,
+    shortest_transition,
+)
+from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_gaits
 from pipeline.simulation.spatial import Array
 
-FOUR = gaits_of(Rows((0, 1), (2, 3)))
+FOUR = available_gaits(LegRows((0, 1), (2, 3)))
 PAIRS = [(a, b) for a in FOUR for b in FOUR]
 
 
 @st.composite
-def changes(draw: st.DrawFn) -> GaitChange:
+def changes(draw: st.DrawFn) -> GaitTransition:
     """Any two gaits of the same legs, at any moment, as quick as may be or slower."""
     n = draw(st.integers(1, 8))
     phase = st.floats(0.0, 1.0, exclude_max=True)
@@ -30,11 +34,13 @@ def changes(draw: st.DrawFn) -> GaitChange:
         return Gait(up, np.mod(up + length, 1.0))
 
     before, after = gait(), gait()
-    length = shortest(before, after) * draw(st.floats(1.0, 5.0))
-    return GaitChange(before, after, draw(st.floats(0.0, 50.0)), length)
+    length = shortest_transition(before, after) * draw(st.floats(1.0, 5.0))
+    return GaitTransition(before, after, draw(st.floats(0.0, 50.0)), length)
 
 
-def course(change: Gait | GaitChange, start: float, end: float) -> list[list[tuple[float, float]]]:
+def course(
+    change: Gait | GaitTransition, start: float, end: float
+) -> list[list[tuple[float, float]]]:
     """Return when each foot goes up and comes down from `start` to `end`."""
     legs: list[list[tuple[float, float]]] = [[] for _ in change_legs(change)]
     phase = np.full(len(legs), start)
@@ -47,12 +53,12 @@ def course(change: Gait | GaitChange, start: float, end: float) -> list[list[tup
     return legs
 
 
-def change_legs(change: Gait | GaitChange) -> Array:
+def change_legs(change: Gait | GaitTransition) -> Array:
     return change.up if isinstance(change, Gait) else change.before.up
 
 
 @given(changes())
-def test_clocks_of_legs_never_go_back_nor_stand_still(change: GaitChange) -> None:
+def test_clocks_of_legs_never_go_back_nor_stand_still(change: GaitTransition) -> None:
     phases = np.linspace(change.start - 1.0, change.end + 1.0, 400)
     speed = np.diff(change.leg_phase(phases), axis=0) / np.diff(phases)[:, None]
     assert speed.min() > SLOWEST - 1e-6
@@ -62,7 +68,7 @@ def test_clocks_of_legs_never_go_back_nor_stand_still(change: GaitChange) -> Non
 @pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
-def test_feet_go_up_and_come_down_in_turn_once_a_cycle_of_their_own(change: GaitChange) -> None:
+def test_feet_go_up_and_come_down_in_turn_once_a_cycle_of_their_own(change: GaitTransition) -> None:
     for leg, steps in enumerate(course(change, change.start - 2.0, change.end + 2.0)):
         moments = np.array(steps).ravel()
         assert (np.diff(moments) > 0.0).all()
@@ -75,7 +81,7 @@ def test_feet_go_up_and_come_down_in_turn_once_a_cycle_of_their_own(change: Gait
 @pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
-def test_before_and_after_it_is_the_two_gaits(change: GaitChange) -> None:
+def test_before_and_after_it_is_the_two_gaits(change: GaitTransition) -> None:
     steps = course(change, change.start - 3.0, change.end + 3.0)
     for leg, (before, after) in enumerate(
         zip(
@@ -98,7 +104,7 @@ def test_before_and_after_it_is_the_two_gaits(change: GaitChange) -> None:
 @pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
-def test_the_gait_of_the_moment_goes_over_without_a_jump(change: GaitChange) -> None:
+def test_the_gait_of_the_moment_goes_over_without_a_jump(change: GaitTransition) -> None:
     phases = np.linspace(change.start - 0.1, change.end + 0.1, 500)
     up = np.stack([change.at(float(phase)).up for phase in phases])
     swing = np.stack([change.at(float(phase)).swing for phase in phases])
@@ -110,7 +116,7 @@ def test_the_gait_of_the_moment_goes_over_without_a_jump(change: GaitChange) -> 
 
 
 @given(changes())
-def test_legs_go_the_shorter_way_round(change: GaitChange) -> None:
+def test_legs_go_the_shorter_way_round(change: GaitTransition) -> None:
     assert np.abs(change.shift).max() <= 0.5
     off = np.mod(change.before.up + change.shift - change.after.up + 0.5, 1.0) - 0.5
     assert np.abs(off).max() < 1e-12
@@ -121,7 +127,7 @@ def test_legs_go_the_shorter_way_round(change: GaitChange) -> None:
 def test_named_gaits_go_over_into_one_another_and_swings_stay_what_they_are(
     first: str, second: str
 ) -> None:
-    change = GaitChange(FOUR[first], FOUR[second], 3.0, 3.0)
+    change = GaitTransition(FOUR[first], FOUR[second], 3.0, 3.0)
     quick = 0.5 * STEEPEST / 3.0
     swings = np.concatenate([change.before.swing, change.after.swing])
     for steps in course(change, 0.0, 8.0):
@@ -131,13 +137,13 @@ def test_named_gaits_go_over_into_one_another_and_swings_stay_what_they_are(
 
 
 def test_a_change_to_the_same_gait_changes_nothing() -> None:
-    change = GaitChange(FOUR["walk"], FOUR["walk"], 1.3, 1.0)
+    change = GaitTransition(FOUR["walk"], FOUR["walk"], 1.3, 1.0)
     both = zip(course(change, 0.0, 5.0), course(FOUR["walk"], 0.0, 5.0), strict=True)
     assert all(np.allclose(a, b, atol=1e-9) for a, b in both)
 
 
 def test_a_change_that_hurries_the_legs_is_refused() -> None:
     with pytest.raises(ValueError, match=r"take .* or more"):
-        GaitChange(FOUR["trot"], FOUR["pace"], 0.0, 0.3)
+        GaitTransition(FOUR["trot"], FOUR["pace"], 0.0, 0.3)
     with pytest.raises(ValueError, match="4 and of 2 legs"):
-        GaitChange(FOUR["trot"], gaits_of(Rows((0,), (1,)))["walk"], 0.0, 3.0)
+        GaitTransition(FOUR["trot"], available_gaits(LegRows((0,), (1,)))["walk"], 0.0, 3.0)

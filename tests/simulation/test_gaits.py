@@ -10,11 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.gaits.automatic import ripple, trot, wave
-from pipeline.simulation.locomotion.gaits.flight import Bounce
-from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import NEEDS, gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
+from pipeline.simulation.locomotion.gaits.named_gaits import (
+    LEG_REQUIREMENTS,
+    LegRows,
+    available_gaits,
+    ripple,
+    trot,
+    wave,
+)
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import GaitName
 
@@ -30,16 +34,16 @@ def sides(draw: st.DrawFn, least: int = 1, middle: bool = True) -> list[str]:
 
 
 @st.composite
-def rows(draw: st.DrawFn, least: int = 1) -> Rows:
+def rows(draw: st.DrawFn, least: int = 1) -> LegRows:
     """Legs at any places, in any order."""
     sides_ = draw(sides(least))
     forward = draw(st.permutations(range(len(sides_))))
-    return Rows.of(sides_, [float(x) for x in forward])
+    return LegRows.of(sides_, [float(x) for x in forward])
 
 
-def even(left: int, right: int) -> Rows:
+def even(left: int, right: int) -> LegRows:
     """Return rows with legs opposite each other, numbered left first, front to back."""
-    return Rows(tuple(range(left)), tuple(range(left, left + right)))
+    return LegRows(tuple(range(left)), tuple(range(left, left + right)))
 
 
 def apart(a: Array | float, b: Array | float) -> Array:
@@ -49,8 +53,8 @@ def apart(a: Array | float, b: Array | float) -> Array:
 
 
 @given(rows())
-def test_phases_lie_in_a_cycle_and_no_foot_is_always_up_or_always_down(legs: Rows) -> None:
-    for gait in gaits_of(legs).values():
+def test_phases_lie_in_a_cycle_and_no_foot_is_always_up_or_always_down(legs: LegRows) -> None:
+    for gait in available_gaits(legs).values():
         for phases in (gait.up, gait.down):
             assert phases.shape == (legs.count,)
             assert ((phases >= 0.0) & (phases < 1.0)).all()
@@ -58,8 +62,8 @@ def test_phases_lie_in_a_cycle_and_no_foot_is_always_up_or_always_down(legs: Row
 
 
 @given(rows())
-def test_a_foot_is_down_at_every_phase_where_a_gait_has_no_flight(legs: Rows) -> None:
-    for name, gait in gaits_of(legs).items():
+def test_a_foot_is_down_at_every_phase_where_a_gait_has_no_flight(legs: LegRows) -> None:
+    for name, gait in available_gaits(legs).items():
         grounded = (
             name in GROUNDED
             or (name == "trot" and legs.count > 1)
@@ -70,7 +74,7 @@ def test_a_foot_is_down_at_every_phase_where_a_gait_has_no_flight(legs: Rows) ->
 
 
 @given(rows(least=2))
-def test_neighbours_never_swing_together_in_a_trot(legs: Rows) -> None:
+def test_neighbours_never_swing_together_in_a_trot(legs: LegRows) -> None:
     swinging = ~trot(legs).standing(FINE)
     for row in legs:
         for a, b in itertools.pairwise(row):
@@ -79,7 +83,7 @@ def test_neighbours_never_swing_together_in_a_trot(legs: Rows) -> None:
 
 @pytest.mark.slow
 @given(rows(least=2))
-def test_a_wave_goes_from_back_to_front_and_no_neighbours_swing_together(legs: Rows) -> None:
+def test_a_wave_goes_from_back_to_front_and_no_neighbours_swing_together(legs: LegRows) -> None:
     gait = wave(legs)
     for row in legs:
         lag = np.mod(np.diff(gait.up[list(row[::-1])]), 1.0)
@@ -88,10 +92,10 @@ def test_a_wave_goes_from_back_to_front_and_no_neighbours_swing_together(legs: R
 
 
 @given(rows())
-def test_each_row_of_a_wave_is_timed_by_its_own_legs(legs: Rows) -> None:
+def test_each_row_of_a_wave_is_timed_by_its_own_legs(legs: LegRows) -> None:
     gait = wave(legs)
     for row in legs:
-        alone = wave(Rows(tuple(range(len(row))), ()))
+        alone = wave(LegRows(tuple(range(len(row))), ()))
         assert np.allclose(gait.up[list(row)], alone.up)
         assert np.allclose(gait.swing[list(row)], alone.swing)
 
@@ -107,7 +111,7 @@ def test_mirroring_is_half_a_cycle_or_nothing(n: int) -> None:
 
 @pytest.mark.parametrize("name", ["walk", "amble", "pace"])
 def test_symmetrical_gaits_are_their_own_mirror_half_a_cycle_later(name: str) -> None:
-    gait = gaits_of(even(2, 2))[name]
+    gait = available_gaits(even(2, 2))[name]
     assert apart(gait.down[[2, 3, 0, 1]], gait.down + 0.5).max() < 1e-12
 
 
@@ -134,8 +138,8 @@ def test_a_ripple_of_an_insect_has_two_feet_up_at_most() -> None:
 
 
 def test_a_leg_in_the_middle_takes_turns_with_those_beside_it() -> None:
-    legs = Rows.of(["l", "m", "r"], [-0.1, 0.2, -0.1])
-    assert legs == Rows((1, 0), (2,))
+    legs = LegRows.of(["l", "m", "r"], [-0.1, 0.2, -0.1])
+    assert legs == LegRows((1, 0), (2,))
     gait = trot(legs)
     assert gait.up[0] == gait.up[2] != gait.up[1]
 
@@ -147,7 +151,7 @@ L_FORE, L_HIND, R_FORE, R_HIND = range(4)
 
 def quadruped(name: str) -> Gait:
     """Return a gait of four legs."""
-    return gaits_of(even(2, 2))[name]
+    return available_gaits(even(2, 2))[name]
 
 
 @pytest.mark.parametrize(
@@ -201,23 +205,23 @@ def test_running_gaits_have_their_beats_and_their_flights(
 
 
 def test_what_a_biped_does() -> None:
-    gaits = gaits_of(even(1, 1))
+    gaits = available_gaits(even(1, 1))
     assert {"walk", "run", "hop", "skip", "trot", "wave"} == set(gaits)
     assert [len(gaits[name].flights()) for name in ("walk", "run", "hop", "skip")] == [0, 2, 1, 1]
-    assert set(gaits_of(even(0, 1))) == {"trot", "wave", "hop"}
+    assert set(available_gaits(even(0, 1))) == {"trot", "wave", "hop"}
 
 
 def test_every_special_gait_says_what_it_needs() -> None:
-    found = {name for n in range(10) for m in (n, n + 1) for name in gaits_of(even(n, m))}
-    assert found == {*NEEDS, "trot", "wave"} == set(get_args(GaitName))
+    found = {name for n in range(10) for m in (n, n + 1) for name in available_gaits(even(n, m))}
+    assert found == {*LEG_REQUIREMENTS, "trot", "wave"} == set(get_args(GaitName))
 
 
 # --- duty and flights ---------------------------------------------------------------
 
 
 @given(rows(), st.floats(0.05, 0.95))
-def test_duty_keeps_the_middles_of_the_swings(legs: Rows, duty: float) -> None:
-    for gait in gaits_of(legs).values():
+def test_duty_keeps_the_middles_of_the_swings(legs: LegRows, duty: float) -> None:
+    for gait in available_gaits(legs).values():
         changed = gait.with_duty(duty)
         assert np.allclose(changed.duty, duty)
         middles = (one.up + 0.5 * one.swing for one in (gait, changed))
@@ -225,7 +229,7 @@ def test_duty_keeps_the_middles_of_the_swings(legs: Rows, duty: float) -> None:
 
 
 @given(rows(), st.floats(0.05, 0.95))
-def test_flights_are_when_no_foot_is_down(legs: Rows, duty: float) -> None:
+def test_flights_are_when_no_foot_is_down(legs: LegRows, duty: float) -> None:
     gait = trot(legs).with_duty(duty)
     flights = gait.flights()
     for begin, length in flights:
@@ -236,9 +240,11 @@ def test_flights_are_when_no_foot_is_down(legs: Rows, duty: float) -> None:
 
 
 @given(rows(), st.floats(0.05, 0.4))
-def test_a_body_in_flight_falls_freely_and_its_speed_never_jumps(legs: Rows, duty: float) -> None:
-    for gait in gaits_of(legs).values():
-        bounce = Bounce.of(gait.with_duty(duty))
+def test_a_body_in_flight_falls_freely_and_its_speed_never_jumps(
+    legs: LegRows, duty: float
+) -> None:
+    for gait in available_gaits(legs).values():
+        bounce = FlightBounce.of(gait.with_duty(duty))
         if bounce is None:
             continue
         for begin, length in bounce.flights:
@@ -254,5 +260,5 @@ def test_a_body_in_flight_falls_freely_and_its_speed_never_jumps(legs: Rows, dut
 
 
 def test_a_bounce_is_there_for_gaits_with_flights_alone() -> None:
-    assert Bounce.of(quadruped("walk")) is None
-    assert Bounce.of(quadruped("pace")) is not None
+    assert FlightBounce.of(quadruped("walk")) is None
+    assert FlightBounce.of(quadruped("pace")) is not None

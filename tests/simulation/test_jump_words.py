@@ -9,8 +9,12 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.locomotion.pronking.parameters import FORMULA, Jump, jump_of
-from pipeline.simulation.locomotion.pronking.pronkers import Pronkers
+from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
+from pipeline.simulation.locomotion.pronking.jump_parameters import (
+    FORMULA,
+    Jump,
+    resolve_jump,
+)
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 from pipeline.spec.creature import Pronk
@@ -27,10 +31,10 @@ cast:
 ADVICE = re.compile(r"\b(distance|height|speed): ([0-9.e+-]+)")
 
 
-def begun(figure: str, words: str) -> Pronkers:
+def begun(figure: str, words: str) -> HopperTroupe:
     """Return the creatures of a scene of one that hops as it is told."""
     (troupe,) = Simulation(read_scene(SCENE.format(figure=figure, words=words))).troupes
-    assert isinstance(troupe, Pronkers)
+    assert isinstance(troupe, HopperTroupe)
     return troupe
 
 
@@ -57,7 +61,7 @@ def drawn(number: int) -> dict[str, float]:
 def told(words: dict[str, float]) -> str:
     """Return what is wrong with them, nothing if they are taken."""
     try:
-        jump_of("cast[0].pronk", Pronk(**words), 1.0)
+        resolve_jump("cast[0].pronk", Pronk(**words), 1.0)
     except SceneError as error:
         (problem,) = error.problems
         assert problem.path == "cast[0].pronk.speed"

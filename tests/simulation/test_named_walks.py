@@ -8,11 +8,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import gaits_of
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY
-from pipeline.simulation.locomotion.gaits.rows import Rows
-from pipeline.simulation.locomotion.herd import REACH
+from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_gaits
+from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
 from tests.simulation.conftest import Walk, scene_of, walk_through
 
 LEGS = {
@@ -31,7 +30,7 @@ LEGS = {
 PAIRS = [
     (figure, gait)
     for figure, (left, right) in LEGS.items()
-    for gait in gaits_of(Rows(tuple(range(left)), tuple(range(left, left + right))))
+    for gait in available_gaits(LegRows(tuple(range(left)), tuple(range(left, left + right))))
 ]
 RUNS = [("horse", "canter"), ("antelope", "rotary gallop"), ("person", "run"), ("kangaroo", "hop")]
 UNEVEN = (
@@ -63,7 +62,7 @@ def keeps_its_promises(walk: Walk) -> None:
         "kij,lj->kli", recorder.rotations[:, 0], herd.hips
     )
     stretch = np.linalg.norm(walk.tips - hips, axis=-1) / herd.legs.lengths
-    assert stretch.max() < REACH + 0.005
+    assert stretch.max() < MAX_REACH + 0.005
     dt = walk.simulation.world.clock.dt
     # In flight it falls, on its feet it is thrown up again: up to 2 g for a hop.
     assert np.abs(np.diff(recorder.positions[:, 0], 2, axis=0)).max() < 2.0 * GRAVITY * dt**2

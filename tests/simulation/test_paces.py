@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.simulation.locomotion.gaits.gait_transition import (
+    PaceSchedule,
+    PaceTransition,
+)
 from pipeline.simulation.locomotion.gaits.pace import Pace
-from pipeline.simulation.locomotion.gaits.paces import PaceChange, Paces
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec.mood import MOODS
@@ -124,7 +127,7 @@ def test_what_is_gone_is_the_integral_of_speed_whatever_the_frame_rate() -> None
 
 def test_a_way_is_the_integral_of_the_stride() -> None:
     walk = walked("beetle", "{}", "{gait: wave}", duration=3)
-    paces: Paces = walk.walkers.going.paces
+    paces: PaceSchedule = walk.walkers.going.paces
     (change,) = paces.changes[0]
     phase = np.linspace(change.gaits.start - 1.0, change.gaits.end + 1.0, 20001)
     stride = paces.number("stride", 0, phase)
@@ -144,7 +147,7 @@ def test_a_change_that_is_asked_for_during_another_waits_for_its_end() -> None:
 def test_a_change_is_smooth_at_both_ends() -> None:
     walk = walked("beetle", "{}", "{gait: wave}", duration=3)
     (change,) = walk.walkers.going.paces.changes[0]
-    assert isinstance(change, PaceChange)
+    assert isinstance(change, PaceTransition)
     edge = np.array([change.gaits.start, change.gaits.end])
     slope = (change.done(edge + 1e-4) - change.done(edge - 1e-4)) / 2e-4
     np.testing.assert_allclose(slope, 0.0, atol=1e-6)

@@ -11,14 +11,21 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from pipeline.production.skinning import Skin
-from pipeline.simulation.people.clothes import Clothes, Hair, Stature, clothes_of
-from pipeline.simulation.people.flesh import Layer, dressed, worn
-from pipeline.simulation.people.frames import FRAMES, PARENTS, frame_origins, frames_of
+from pipeline.production.shots.skinning import Skin
+from pipeline.simulation.people.body_frames import FRAMES, PARENTS, frame_origins, frames_of
+from pipeline.simulation.people.person_mesh import (
+    Clothes,
+    Hair,
+    Layer,
+    Stature,
+    clothes_of,
+    dressed,
+    worn,
+)
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, Proportions
 from pipeline.simulation.spatial import Array, quaternion, rotation
 from pipeline.simulation.take import Node
-from render.words import MATERIALS
+from render.config import MATERIALS
 
 DENSITY = 985.0
 """Of a human body [kg/m³]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.people.frames import (
+from pipeline.simulation.people.body_frames import (
     FRAMES,
     NOD,
     ORIGINS,

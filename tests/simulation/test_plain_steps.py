@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.simulation.figures.settling import brought, settle
-from pipeline.simulation.locomotion.footing.footholds import Foothold
-from pipeline.simulation.locomotion.footing.plain_steps import Lift, PlainSteps
+from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
+from pipeline.simulation.locomotion.foot_placement.foothold_planner import Lift, PlainSteps
+from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
+from pipeline.simulation.locomotion.routes.route_progress import SLOPE_SAMPLES_PER_SECOND
 from pipeline.simulation.locomotion.walking import Walkers
-from pipeline.simulation.locomotion.ways.going import LOOKS
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
@@ -121,7 +121,7 @@ def test_no_plan_of_a_whole_walk_is_made_twice(
     # What is expected in the last steps lifts after them.
     assert sum(asked) <= lifted + len(before)
     # One call between two looks at slopes, or a second one for who went otherwise.
-    assert len(asked) <= 2 * LOOKS
+    assert len(asked) <= 2 * SLOPE_SAMPLES_PER_SECOND
 
 
 def test_a_step_is_forgotten_when_its_creature_is_led_elsewhere(walkers: Walkers) -> None:
@@ -142,8 +142,8 @@ def test_misses_are_how_far_limbs_settle_from_their_goals(walkers: Walkers) -> N
     legs, chains = walkers.herd.legs, walkers.herd.chains
     chance = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))
     goals = legs.tips + 0.3 * legs.lengths[:, None] * chance
-    settled = settle(legs, chains, goals).residual
+    settled = solve_near_rest(legs, chains, goals).residual
     rows = np.tile(np.arange(len(legs.lengths)), 3)
-    _, asked = brought(legs, chains, rows, goals.reshape(-1, 3))
+    _, asked = solve_each_near_rest(legs, chains, rows, goals.reshape(-1, 3))
     assert (settled > 1e-3 * legs.lengths).any()
     assert np.allclose(asked, settled.ravel(), rtol=0.0, atol=1e-12)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.take import Contact
 from tests.simulation.conftest import Walk, walk_through
 from tests.simulation.pairs import HELD_OUT, KINDS, SEED, WALKERS, pair

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pipeline.simulation.locomotion.ways.route import (
+from pipeline.simulation.locomotion.routes.route import (
     Route,
-    direction,
-    standing,
-    straight,
-    through,
-    turning,
+    heading_vector,
+    sharp_corners,
+    spline_route,
+    standing_route,
+    straight_route,
+    turn_in_place,
 )
-from pipeline.simulation.locomotion.ways.wayfinding import corners_of
 from pipeline.simulation.spatial import Array
 
 WAYPOINTS = st.lists(
@@ -30,8 +30,8 @@ def fine(route: Route) -> Array:
 @given(WAYPOINTS, st.booleans())
 def test_goes_through_every_waypoint_at_unit_speed(points: list[Array], closed: bool) -> None:
     closed = closed and len(points) > 2
-    assume(not corners_of([points[-1], *points, points[0]] if closed else points))
-    route = through(points, None, closed)
+    assume(not sharp_corners([points[-1], *points, points[0]] if closed else points))
+    route = spline_route(points, None, closed)
     s = fine(route)
     xz, turned = route.at(s)
     gaps = np.linalg.norm(xz[:, None] - np.array(points), axis=-1).min(axis=0)
@@ -39,31 +39,31 @@ def test_goes_through_every_waypoint_at_unit_speed(points: list[Array], closed: 
     speed = np.linalg.norm(np.diff(xz, axis=0), axis=-1) / np.diff(s)
     assert np.abs(np.median(speed) - 1.0) < 0.01
     assert speed.max() < 1.2
-    ahead = np.einsum("si,si->s", np.diff(xz, axis=0), direction(turned)[:-1]) / np.diff(s)
+    ahead = np.einsum("si,si->s", np.diff(xz, axis=0), heading_vector(turned)[:-1]) / np.diff(s)
     assert np.median(ahead) > 0.99
     if closed:
         np.testing.assert_allclose(xz[-1], xz[0], atol=1e-9)
 
 
 def test_begins_with_the_heading_that_it_is_given() -> None:
-    route = through([np.zeros(2), np.array([4.0, 1.0])], 0.7)
+    route = spline_route([np.zeros(2), np.array([4.0, 1.0])], 0.7)
     xz, turned = route.at(np.array([0.0, 0.05]))
     assert turned[0] == pytest.approx(0.7, abs=0.05)
-    np.testing.assert_allclose((xz[1] - xz[0]) / 0.05, direction(0.7), atol=0.06)
+    np.testing.assert_allclose((xz[1] - xz[0]) / 0.05, heading_vector(0.7), atol=0.06)
 
 
 def test_a_straight_way_never_ends_and_one_that_stands_never_begins() -> None:
     s = np.array([-1.0, 0.0, 2.5, 1e6])
-    xz, turned = straight(np.array([1.0, 2.0]), 0.3).at(s)
-    np.testing.assert_allclose(xz, [1.0, 2.0] + s[:, None] * direction(0.3))
+    xz, turned = straight_route(np.array([1.0, 2.0]), 0.3).at(s)
+    np.testing.assert_allclose(xz, [1.0, 2.0] + s[:, None] * heading_vector(0.3))
     np.testing.assert_array_equal(turned, np.full(4, 0.3))
-    assert straight(np.zeros(2), 0.0).length == np.inf
-    xz, _ = standing(np.array([1.0, 2.0]), 0.3).at(s[1:])
+    assert straight_route(np.zeros(2), 0.0).length == np.inf
+    xz, _ = standing_route(np.array([1.0, 2.0]), 0.3).at(s[1:])
     np.testing.assert_array_equal(xz, np.tile([1.0, 2.0], (3, 1)))
 
 
 def test_turns_on_the_spot() -> None:
-    route = turning(np.array([1.0, -1.0]), 0.5, -2.0, 0.4)
+    route = turn_in_place(np.array([1.0, -1.0]), 0.5, -2.0, 0.4)
     assert route.length == pytest.approx(0.8)
     xz, turned = route.at(fine(route))
     np.testing.assert_allclose(xz, np.tile([1.0, -1.0], (1500, 1)), atol=1e-12)
@@ -72,11 +72,11 @@ def test_turns_on_the_spot() -> None:
 
 
 def test_routes_are_cut_and_joined_without_a_jump() -> None:
-    first = through([np.zeros(2), np.array([2.0, 1.0]), np.array([3.0, 4.0])], None)
+    first = spline_route([np.zeros(2), np.array([2.0, 1.0]), np.array([3.0, 4.0])], None)
     cut = first.upto(1.3)
     assert cut.length == pytest.approx(1.3)
     place, turned = first.at(np.array([1.3]))
-    whole = cut.then(turning(place[0], float(turned[0]) + 4 * np.pi, 1.0, 0.5))
+    whole = cut.then(turn_in_place(place[0], float(turned[0]) + 4 * np.pi, 1.0, 0.5))
     assert whole.length == pytest.approx(1.8)
     s = np.linspace(0.0, 1.3, 200)
     np.testing.assert_allclose(whole.at(s)[0], first.at(s)[0], atol=1e-3)
@@ -86,7 +86,7 @@ def test_routes_are_cut_and_joined_without_a_jump() -> None:
 
 def test_a_circle_bends_as_a_circle_does() -> None:
     angles = np.linspace(0.0, 2.0 * np.pi, 17)[:-1]
-    route = through([3.0 * direction(-a) for a in angles], None, closed=True)
+    route = spline_route([3.0 * heading_vector(-a) for a in angles], None, closed=True)
     assert route.length == pytest.approx(6.0 * np.pi, rel=5e-3)
     bends = route.curvature(fine(route)[50:-50])
     assert np.abs(np.median(np.abs(bends)) - 1 / 3) < 0.02

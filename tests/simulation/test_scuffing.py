@@ -11,7 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.simulation.locomotion.swings.scuffing import LOW, MIDDLE, QUICK, WEIGHT, brushed, slid
+from pipeline.simulation.locomotion.swing.foot_contacts import (
+    LOW,
+    MIDDLE,
+    QUICK,
+    WEIGHT,
+    scuff_at_touchdown,
+    scuff_in_swing,
+)
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import SoundEvent, Take
@@ -128,12 +135,12 @@ def test_a_foot_that_is_drawn_straight_over_a_plane(slope: float) -> None:
         return way + (0.03 + gap) * normal
 
     for gap, weight in ((0.0, WEIGHT), (0.005, 0.5 * WEIGHT), (-0.01, WEIGHT)):
-        scuff = brushed(plane(slope), drawn(gap), MIDDLE, 0.03, 0.01)
+        scuff = scuff_in_swing(plane(slope), drawn(gap), MIDDLE, 0.03, 0.01)
         assert scuff is not None
         assert scuff.way == pytest.approx(0.4 * down / 0.5)
         assert scuff.weight == pytest.approx(weight)
         assert scuff.normal == pytest.approx(normal)
-    assert brushed(plane(slope), drawn(0.0101), MIDDLE, 0.03, 0.01) is None
+    assert scuff_in_swing(plane(slope), drawn(0.0101), MIDDLE, 0.03, 0.01) is None
 
 
 def test_it_scuffs_at_the_bump_in_its_way() -> None:
@@ -141,14 +148,14 @@ def test_it_scuffs_at_the_bump_in_its_way() -> None:
     heights[:, 26] = 0.05
     ground = Ground(HeightField(heights, (0.4, 1.0)), np.zeros((2, 40), dtype=bool), "rock")
     tips = np.stack([np.linspace(-0.2, 0.2, 65), np.full(65, 0.065), np.zeros(65)], axis=-1)
-    scuff = brushed(ground, tips, MIDDLE, 0.0, 0.02)
+    scuff = scuff_in_swing(ground, tips, MIDDLE, 0.0, 0.02)
     assert scuff is not None
     assert scuff.place[0] == pytest.approx(0.06, abs=0.4 / 64)
 
 
 def test_a_foot_that_slides_as_it_comes_down_scuffs() -> None:
     tips = np.array([[0.0, 0.01, 0.0], [0.006, 0.0, 0.008]])
-    scuff = slid(tips, np.array([0.99, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]))
+    scuff = scuff_at_touchdown(tips, np.array([0.99, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]))
     assert scuff.way == pytest.approx(1.0)
     assert scuff.part == 1.0
 
@@ -176,7 +183,7 @@ def test_feet_that_do_not_come_to_rest_scuff_as_they_touch(monkeypatch: pytest.M
     def even(start: Array, end: Array, height: Array, s: Array, bend: object = None) -> Array:
         return start + s[:, None] * (end - start)
 
-    monkeypatch.setattr("pipeline.simulation.locomotion.swings.scuffing.swing", even)
+    monkeypatch.setattr("pipeline.simulation.locomotion.swing.foot_contacts.swing_positions", even)
     take = simulate(scene("beetle", "", "flat"))
     touches = [c for c in take.contacts if c.kind == "touch"]
     scuffs = [c for c in take.contacts if c.kind == "scuff"]

@@ -10,12 +10,18 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.swings import plans as swing_plans
-from pipeline.simulation.locomotion.swings.bend import KNOTS, POINTS, SPANS, bend_through, bent
-from pipeline.simulation.locomotion.swings.passive import fall
-from pipeline.simulation.locomotion.swings.plans import PLANNERS
-from pipeline.simulation.locomotion.swings.swing import lift_to_clear
-from pipeline.simulation.locomotion.swings.trial import ROWS, SwingTrial
+from pipeline.simulation.locomotion.swing import swing_planner as swing_plans
+from pipeline.simulation.locomotion.swing.passive_swing import fall
+from pipeline.simulation.locomotion.swing.swing_dynamics import ROWS, SwingTrial
+from pipeline.simulation.locomotion.swing.swing_planner import PLANNERS
+from pipeline.simulation.locomotion.swing.swing_trajectory import (
+    KNOTS,
+    POINTS,
+    SPANS,
+    clearance_height,
+    fit_offset,
+    offset_at,
+)
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
@@ -39,7 +45,7 @@ def test_every_kind_of_the_language_has_a_planner() -> None:
 def test_bends_begin_and_end_at_rest_and_are_smooth() -> None:
     bend = np.random.default_rng(1).normal(size=(POINTS, 3))
     s = np.linspace(0.0, 1.0, 4001)
-    p = bent(np.broadcast_to(bend, (len(s), POINTS, 3)), s)
+    p = offset_at(np.broadcast_to(bend, (len(s), POINTS, 3)), s)
     h = s[1]
     speed, change = np.diff(p, axis=0) / h, np.diff(p, 2, axis=0) / h**2
     assert not p[[0, -1]].any()
@@ -56,7 +62,7 @@ def test_bends_follow_values_to_fourth_order() -> None:
     def error(waves: float) -> float:
         values = np.sin(waves * KNOTS)[:, None] * np.ones(3)
         s = np.linspace(0.3, 0.7, 101)
-        p = bent(np.broadcast_to(bend_through(values), (len(s), POINTS, 3)), s)
+        p = offset_at(np.broadcast_to(fit_offset(values), (len(s), POINTS, 3)), s)
         return float(np.abs(p - np.sin(waves * s)[:, None]).max())
 
     assert error(3.0) < 1e-4
@@ -97,7 +103,7 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
                 trial: SwingTrial, ground: Ground, sole: float, least: float
             ) -> tuple[float, Array]:
                 height, bend = PLANNERS[kind](trial, ground, sole, least)
-                plain = lift_to_clear(ground, trial.start, trial.end, sole, least)
+                plain = clearance_height(ground, trial.start, trial.end, sole, least)
                 found.append(Planned(trial, height, bend, plain))
                 return height, bend
 

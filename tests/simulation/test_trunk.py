@@ -9,18 +9,17 @@ import pytest
 
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.locomotion.carriage.trunk import (
+from pipeline.simulation.locomotion.body_motion.trunk_oscillation import (
     GRAVITY,
     MOST_PITCH,
     MOST_ROLL,
     PITCHES,
-    Trunk,
+    TrunkOscillation,
 )
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.named import gaits_of
-from pipeline.simulation.locomotion.gaits.rows import Rows
+from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_gaits
 from pipeline.simulation.spatial import Array
 
 PHASES = np.arange(4096) / 4096
@@ -44,7 +43,7 @@ def summed(gait: Gait, cycle: float) -> Array:
 def test_pitch_is_what_two_integrations_of_the_torque_make() -> None:
     """At a cycle so quick that no bound is near."""
     gait = Gait.of(np.array([0.5, 0.0, 0.43, 0.1]), 0.25)
-    trunk = Trunk.of(gait, HIPS, MASS, 0.12)
+    trunk = TrunkOscillation.of(gait, HIPS, MASS, 0.12)
     pitch, _ = trunk.at(PHASES)
     expected = summed(gait, 0.12)
     assert 0.0 < np.abs(expected).max() < 0.3 * MOST_PITCH
@@ -53,7 +52,7 @@ def test_pitch_is_what_two_integrations_of_the_torque_make() -> None:
 
 def test_a_leg_that_is_down_half_of_the_cycle_is_no_pole() -> None:
     near, at = (
-        Trunk.of(Gait.of(np.array([0.5, 0.0, 0.5, 0.0]), duty), HIPS, MASS, 0.2)
+        TrunkOscillation.of(Gait.of(np.array([0.5, 0.0, 0.5, 0.0]), duty), HIPS, MASS, 0.2)
         for duty in (0.4999, 0.5)
     )
     np.testing.assert_allclose(near.pitch, at.pitch, atol=1e-4)
@@ -61,7 +60,7 @@ def test_a_leg_that_is_down_half_of_the_cycle_is_no_pole() -> None:
 
 def test_three_feet_hold_a_body() -> None:
     gait = Gait.of(np.array([0.0, 0.25, 0.5, 0.75]), 0.8)
-    trunk = Trunk.of(gait, HIPS, MASS, 1.0)
+    trunk = TrunkOscillation.of(gait, HIPS, MASS, 1.0)
     assert not trunk.pitch.any()
     assert not trunk.roll.any()
 
@@ -70,8 +69,10 @@ def rocking(figure: Figure, name: str) -> tuple[float, float]:
     """Greatest pitch and roll [degrees] of a horse in a gait, at a cycle of 0.6 s."""
     skeleton = figure.skeleton
     legs = LimbBatch.of([(skeleton, limb) for limb in skeleton.legs])
-    rows = Rows.of([leg.side for leg in skeleton.legs], legs.places[:, 0, 0].tolist())
-    trunk = Trunk.of(gaits_of(rows)[name], legs.places[:, 0], Inertia(figure).at_rest, 0.6)
+    rows = LegRows.of([leg.side for leg in skeleton.legs], legs.places[:, 0, 0].tolist())
+    trunk = TrunkOscillation.of(
+        available_gaits(rows)[name], legs.places[:, 0], FigureMass(figure).at_rest, 0.6
+    )
     pitch, roll = (np.degrees(np.abs(angle)).max() for angle in trunk.at(PHASES))
     return float(pitch), float(roll)
 
@@ -92,13 +93,13 @@ def test_gallops_rock_and_trots_do_not(library: Callable[[str], Figure]) -> None
 
 def test_slow_cycles_rock_no_farther_than_bodies_do() -> None:
     gait = Gait.of(np.array([0.5, 0.0, 0.4, 0.1]), 0.25)
-    pitch, roll = Trunk.of(gait, HIPS, MASS, 30.0).at(PHASES)
+    pitch, roll = TrunkOscillation.of(gait, HIPS, MASS, 30.0).at(PHASES)
     assert 0.9 * MOST_PITCH < np.abs(pitch).max() <= 1.001 * MOST_PITCH
     assert 0.9 * MOST_ROLL < np.abs(roll).max() <= 1.001 * MOST_ROLL
 
 
 @pytest.mark.parametrize("turns", [1.0, 40.0])
 def test_whole_cycles_change_nothing(turns: float) -> None:
-    trunk = Trunk.of(Gait.of(np.array([0.5, 0.0, 0.4, 0.1]), 0.25), HIPS, MASS, 0.6)
+    trunk = TrunkOscillation.of(Gait.of(np.array([0.5, 0.0, 0.4, 0.1]), 0.25), HIPS, MASS, 0.6)
     there, again = trunk.at(PHASES), trunk.at(PHASES + turns)
     np.testing.assert_allclose(there, again, atol=1e-12)

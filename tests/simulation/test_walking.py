@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.herd import REACH
+from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
 
 if TYPE_CHECKING:
     from tests.simulation.conftest import Walk
@@ -152,7 +152,7 @@ def test_no_leg_is_overstretched(walk: Walk) -> None:
     R, p = recorder.rotations[:, 0, None], recorder.positions[:, 0, None]
     hips = p + (R @ herd.hips[..., None])[..., 0]
     stretch = np.linalg.norm(walk.tips - hips, axis=-1) / herd.legs.lengths
-    assert stretch.max() < REACH + 0.005
+    assert stretch.max() < MAX_REACH + 0.005
 
 
 def test_all_is_finite_and_turns_are_turns(walk: Walk) -> None:

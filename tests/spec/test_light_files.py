@@ -65,7 +65,7 @@ def test_a_picture_that_is_of_no_use_is_one_problem_with_its_place(
 
 
 def test_a_picture_is_watched(tmp_path: Path) -> None:
-    from pipeline.production.watching import files_of
+    from pipeline.production.run.watch import files_of
 
     picture(tmp_path / "place.exr")
     scene = load_scene(written(tmp_path, "hdr: {file: place.exr}"))

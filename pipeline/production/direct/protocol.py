@@ -29,7 +29,7 @@ from pjrpc.server.validators.base import (
 )
 
 from pipeline.errors import PronkError, SceneError
-from pipeline.production.direct.wire import MOST_BYTES, TooLong
+from pipeline.production.direct.framing import MOST_BYTES, TooLong
 
 DEEPEST = 48
 """Levels of lists and mappings in each other."""

@@ -6,12 +6,18 @@ from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
 from pipeline.errors import Problem, PronkError, SceneError, SimulationError
-from pipeline.production.direct.answers import Answers
-from pipeline.production.direct.keeping import Kept, Place
-from pipeline.production.direct.news import ALL_KINDS, Item, News
+from pipeline.production.direct.notifications import ALL_KINDS, Item, News
 from pipeline.production.direct.protocol import Method, OutOfOrder
-from pipeline.production.direct.words import EndWords, QueryWords, StepWords, SubscribeWords, read
-from pipeline.production.interrupts import held_back
+from pipeline.production.direct.queries import Answers
+from pipeline.production.direct.recording import Kept, Place
+from pipeline.production.direct.requests import (
+    EndWords,
+    QueryWords,
+    StepWords,
+    SubscribeWords,
+    read,
+)
+from pipeline.production.run.interrupts import held_back
 from pipeline.simulation.simulate import COMMAND, Simulation
 from pipeline.spec import Scene
 from pipeline.spec.rpc_instruction import instruction_of
@@ -79,7 +85,7 @@ class Session:
             text = f"a scene holds at most {MAX_INSTRUCTIONS} instructions"
             raise SceneError([Problem("", text)])
         try:
-            self.simulation.tell(instruction)
+            self.simulation.add_instruction(instruction)
         except SceneError as error:
             problems = error.problems
             raise SceneError(

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import FilmingError, StoreError
-from pipeline.production.goldens.card import AGAIN
+from pipeline.production.goldens.frame_slates import number_on
+from pipeline.production.goldens.golden_card import AGAIN
 from pipeline.production.goldens.onsets import Onset, best_shift, onsets_of, unmatched
-from pipeline.production.goldens.slates import number_on
 
 RATE: Final = 48_000
 

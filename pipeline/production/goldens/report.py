@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.production.goldens.case import Case
+from pipeline.production.goldens.flip_palette import painted
+from pipeline.production.goldens.golden_case import Case
 from pipeline.production.goldens.metric_plot import metric_plot
-from pipeline.production.goldens.palette import painted
 from pipeline.production.goldens.verdict import (
     FrameVerdict,
     LayerVerdict,
@@ -27,7 +27,7 @@ from pipeline.production.goldens.verdict import (
 )
 from render.comparison import flip
 from render.errors import RenderError
-from render.pictures import read_png
+from render.image_files import read_png
 
 SHOWN = (Outcome.CHANGED, Outcome.UNJUDGED, Outcome.WITHIN)
 """Outcomes of frames that are shown."""

@@ -9,11 +9,10 @@ import numpy as np
 
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dynamics.linkage import Capsule
-from pipeline.simulation.figures.solids import Solid, lofted
+from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.obstacles import directions
-from pipeline.simulation.people.clothes import Clothes
-from pipeline.simulation.people.flesh import dressed, worn
-from pipeline.simulation.people.frames import FRAMES, frame_origins
+from pipeline.simulation.people.body_frames import FRAMES, frame_origins
+from pipeline.simulation.people.person_mesh import Clothes, dressed, worn
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
@@ -128,5 +127,5 @@ def _drum(drum: Drum) -> Solid:
     low, outer, inner = -drum.height, drum.radius, drum.radius - RIM
     levels = ((inner, low), (outer, low + RIM), (outer, -RIM), (inner, 0.0))
     rings = np.stack([radius * ring + [0.0, y, 0.0] for radius, y in levels])
-    solid = lofted(rings, rings[[0, -1]].mean(axis=1))
+    solid = loft(rings, rings[[0, -1]].mean(axis=1))
     return Solid(solid.vertices + np.array(drum.at), solid.faces)

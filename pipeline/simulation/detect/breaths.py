@@ -15,7 +15,7 @@ from pipeline.simulation.detect.hearing import event_of_spell, fits
 from pipeline.simulation.detect.scenery import Scenery, Seen, Solid
 from pipeline.simulation.detect.spells import Spell
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.take import SoundEvent
 from pipeline.spec.sound_thresholds import Breath, Detect
 
@@ -56,7 +56,7 @@ class _Breather:
         own = [s for s in scenery.solids.values() if s.performer == name]
         heads = [s for s in own if s.part.startswith(f"{name}.head")]
         self.mouth: Solid = (heads or own)[-1 if heads else 0]
-        mass = Inertia(figure).mass_of(range(len(figure.skeleton.links)))
+        mass = FigureMass(figure).mass_of(range(len(figure.skeleton.links)))
         self._rest = (words.per_minute or 53.5 * mass**-0.26) / 60.0
         self._strides, self._dt = words.strides, scenery.dt
         self._gait = scenery.channel(f"{name}.gait_phase")

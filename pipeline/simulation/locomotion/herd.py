@@ -12,13 +12,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.chains import Chains, chains_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.locomotion.gaits.moods import blended, in_mood
-from pipeline.simulation.locomotion.gaits.pace import Pace, pace_of
-from pipeline.simulation.locomotion.gaits.spread import REACH as REACH
-from pipeline.simulation.locomotion.gaits.spread import Spread
+from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
+from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
+from pipeline.simulation.locomotion.gaits.pace import Pace, choose_pace
+from pipeline.simulation.locomotion.gaits.spread import LegLayout
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Creature
 from pipeline.spec.mood import Mood
@@ -52,7 +51,7 @@ class Herd:
     figures: tuple[Figure, ...]
     starts: Array
     headings: Array
-    spreads: tuple[Spread, ...]
+    spreads: tuple[LegLayout, ...]
     plain: tuple[Pace, ...]
     paces: tuple[Pace, ...]
     cycle: Array
@@ -93,9 +92,9 @@ class Herd:
         return [(owners, self.first_leg[owners] + k) for k, owners in enumerate(having)]
 
     @cached_property
-    def chains(self) -> list[Chains]:
+    def chains(self) -> list[ChainGroup]:
         """The legs by their makes."""
-        return chains_of(self.legs, self.owner)
+        return group_chains(self.legs, self.owner)
 
     @property
     def hips(self) -> Array:
@@ -103,7 +102,7 @@ class Herd:
         return self.legs.places[:, 0]
 
 
-def gather(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str, Mood]) -> Herd:
+def build_herd(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str, Mood]) -> Herd:
     """Collect creatures into one herd.
 
     Args:
@@ -121,13 +120,13 @@ def gather(cast: Sequence[tuple[int, Creature, Figure]], moods: Mapping[str, Moo
     legs = LimbBatch.of(limbs)
     tips = legs.pose(legs.preferred).tips if limbs else np.zeros((0, 3))
     owners = np.array(owner, dtype=np.int64)
-    spreads, plain, paces = list[Spread](), list[Pace](), list[Pace]()
+    spreads, plain, paces = list[LegLayout](), list[Pace](), list[Pace]()
     for c, (number, member, figure) in enumerate(cast):
         own = owners == c
-        spreads.append(Spread(legs.places[own, 0], tips[own], legs.lengths[own]))
-        plain.append(pace_of(f"cast[{number}].walk", member.walk, figure, spreads[-1]))
-        feeling = blended(member.mood, moods)
-        paces.append(in_mood(plain[-1], feeling, figure, spreads[-1]))
+        spreads.append(LegLayout(legs.places[own, 0], tips[own], legs.lengths[own]))
+        plain.append(choose_pace(f"cast[{number}].walk", member.walk, figure, spreads[-1]))
+        feeling = blend_moods(member.mood, moods)
+        paces.append(apply_mood(plain[-1], feeling, figure, spreads[-1]))
     spans = [
         np.abs(tips[owners == c][:, [0, 2]]).max(axis=0, initial=0.05) for c in range(len(cast))
     ]

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.carriage.idle import Idlers
+from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import OWN, UNSEEN, Channel, Mesh, Node, Part
@@ -38,14 +38,14 @@ class NodeTable:
     parent: NDArray[np.int64]
 
     @staticmethod
-    def of(herd: Herd, idlers: Idlers) -> NodeTable:
+    def of(herd: Herd, idlers: FreeJoints) -> NodeTable:
         """Number the nodes of a herd."""
         frame_of = _frame_numbers(herd, idlers)
         names, owner, frame = list[str](), list[int](), list[int]()
         rest, parent = list[Array](), list[int]()
         for c, figure in enumerate(herd.figures):
             first = len(names)
-            for link, above in zip(figure.skeleton.links, links_above(figure), strict=True):
+            for link, above in zip(figure.skeleton.links, parent_links(figure), strict=True):
                 names.append(f"{herd.names[c]}.{link.name}")
                 owner.append(c)
                 frame.append(frame_of[c, link.joint])
@@ -72,7 +72,7 @@ class NodeTable:
         return poses
 
 
-def _frame_numbers(herd: Herd, idlers: Idlers) -> dict[tuple[int, int], int]:
+def _frame_numbers(herd: Herd, idlers: FreeJoints) -> dict[tuple[int, int], int]:
     """Return creature and joint -> number of the frame; see `NodeTable`."""
     numbers = {(c, BODY): 0 for c in range(len(herd.names))}
     width, leg = herd.legs.is_joint.shape[1], 0
@@ -87,7 +87,7 @@ def _frame_numbers(herd: Herd, idlers: Idlers) -> dict[tuple[int, int], int]:
     return numbers
 
 
-def links_above(figure: Figure) -> list[int | None]:
+def parent_links(figure: Figure) -> list[int | None]:
     """Return for each link the one that it hangs on, None for the body."""
     skeleton = figure.skeleton
     link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
@@ -101,8 +101,8 @@ def links_above(figure: Figure) -> list[int | None]:
     return above
 
 
-def describe(
-    herd: Herd, idlers: Idlers, table: NodeTable, materials: Sequence[str], rows: int
+def describe_herd(
+    herd: Herd, idlers: FreeJoints, table: NodeTable, materials: Sequence[str], rows: int
 ) -> Inventory:
     """Return nodes, channels, meshes and parts of a herd.
 
@@ -133,14 +133,14 @@ def describe(
     meshes, parts, looks = list[Mesh](), list[Part](), list[Mesh]()
     for c, figure in enumerate(herd.figures):
         first = int(np.argmax(table.owner == c))
-        own = solids(herd.names[c], figure, first, len(meshes), materials[c], rows)
+        own = creature_solids(herd.names[c], figure, first, len(meshes), materials[c], rows)
         meshes.extend(own[0])
-        parts.extend(with_looks(own[1], figure, len(looks)))
-        looks.extend(skins(figure, first))
+        parts.extend(assign_looks(own[1], figure, len(looks)))
+        looks.extend(creature_skins(figure, first))
     return Inventory(nodes, channels, tuple(meshes), tuple(parts), looks=tuple(looks))
 
 
-def solids(
+def creature_solids(
     name: str, figure: Figure, first: int, mesh: int, material: str, rows: int
 ) -> tuple[list[Mesh], list[Part]]:
     """Return the meshes and parts of one creature, each link following its own node.
@@ -169,14 +169,14 @@ def solids(
     return meshes, parts
 
 
-def with_looks(parts: Sequence[Part], figure: Figure, look: int) -> list[Part]:
+def assign_looks(parts: Sequence[Part], figure: Figure, look: int) -> list[Part]:
     """Return the parts of a creature with their looks, of which the first has a number."""
     numbers = {piece: look + k for k, piece in enumerate(figure.looks.skins)}
     numbers |= dict.fromkeys(figure.looks.covered, UNSEEN)
     return [replace(part, look=numbers.get(i, OWN)) for i, part in enumerate(parts)]
 
 
-def skins(figure: Figure, first: int) -> list[Mesh]:
+def creature_skins(figure: Figure, first: int) -> list[Mesh]:
     """Return what is seen in place of the meshes of a creature's parts.
 
     Args:
@@ -208,10 +208,10 @@ def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:
     ]
 
 
-def leg_mass(herd: Herd) -> Array:
+def leg_masses(herd: Herd) -> Array:
     """Return the masses of the legs (L,) [kg]."""
     of = {
-        figure: [Inertia(figure).mass_of(limb.links) for limb in figure.skeleton.legs]
+        figure: [FigureMass(figure).mass_of(limb.links) for limb in figure.skeleton.legs]
         for figure in dict.fromkeys(herd.figures)
     }
     return np.array([mass for figure in herd.figures for mass in of[figure]])

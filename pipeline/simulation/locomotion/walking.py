@@ -15,28 +15,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.carriage.idle import gather_idlers
-from pipeline.simulation.locomotion.carriage.looking import looks_in
-from pipeline.simulation.locomotion.feet import Feet
-from pipeline.simulation.locomotion.footfalls import Footfalls
-from pipeline.simulation.locomotion.gaits.manners import Manners
-from pipeline.simulation.locomotion.gaits.paces import Paces
-from pipeline.simulation.locomotion.herd import gather
-from pipeline.simulation.locomotion.inventory import (
-    NodeTable,
-    describe,
-)
-from pipeline.simulation.locomotion.leaping.leaps import Leaps
-from pipeline.simulation.locomotion.posing import Moment, Posing
-from pipeline.simulation.locomotion.postures import Postures
-from pipeline.simulation.locomotion.ways.body_path import BodyPath
-from pipeline.simulation.locomotion.ways.directing import obey
-from pipeline.simulation.locomotion.ways.going import Going
-from pipeline.simulation.locomotion.ways.wayfinding import route_of
+from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
+from pipeline.simulation.locomotion.body_motion.gaze import initial_look_targets
+from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_joints
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceSchedule
+from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
+from pipeline.simulation.locomotion.herd import build_herd
+from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
+from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
+from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
+from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
+from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.route import plan_route
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
+from pipeline.simulation.locomotion.routes.walk_orders import apply_order
+from pipeline.simulation.locomotion.stepping import Feet
+from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 
@@ -47,7 +46,7 @@ UNKNOWN = 10.0
 """Likewise where it is not known what it will be asked."""
 
 
-class Walkers:
+class Walkers(Troupe):
     """All creatures on legs: their state, and how it advances.
 
     Attributes of the state:
@@ -59,30 +58,35 @@ class Walkers:
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
         self.world = world
-        self.herd = herd = gather(cast, world.moods)
-        paces, manners = Paces(herd), Manners(cast, herd, world.moods)
+        self.herd = herd = build_herd(cast, world.moods)
+        paces, manners = (
+            PaceSchedule(herd),
+            MoodSchedule(cast, herd.plain, herd.spreads, world.moods),
+        )
         far = self._farthest(manners)
         routes = [
-            route_of(member, herd.footprint[c], float(far[c]))
+            plan_route(member, herd.footprint[c], float(far[c]))
             for c, (_, member, _) in enumerate(cast)
         ]
-        path = BodyPath(herd, world.ground, routes, paces)
-        idlers = gather_idlers(herd, world.seed)
+        path = BodyTrajectory(herd, world.ground, routes, paces)
+        idlers = collect_free_joints(herd, world.seed)
         table = NodeTable.of(herd, idlers)
-        self.postures = Postures(cast, herd, idlers, world.seed)
-        self.posing = Posing(herd, path, idlers, table, self.postures, world.clock)
-        self.inventory = describe(herd, idlers, table, materials, world.clock.rows)
+        self.postures = AuthoredPoses(cast, herd, idlers, world.seed)
+        self.posing = PoseSolver(herd, path, idlers, table, self.postures, world.clock)
+        self.inventory = describe_herd(herd, idlers, table, materials, world.clock.rows)
         self.step = 0
         path.bearing = manners.bearing(0.0)
-        self.going = Going(herd, path, manners, world.clock.dt)
-        self.going.looks = looks_in(herd, cast)
-        self.feet = Feet(cast, world, self.going, Footfalls(herd, world, self.postures, materials))
-        self.leaps = Leaps(cast, world, self.going, self.feet, materials)
+        self.going = RouteProgress(herd, path, manners, world.clock.dt)
+        self.going.looks = initial_look_targets(herd, cast)
+        self.feet = Feet(
+            cast, world, self.going, FootContacts(herd, world, self.postures, materials)
+        )
+        self.leaps = WalkerJumps(cast, world, self.going, self.feet, materials)
         self._notes: list[Note] = []
         self._told: list[Note] = []
         self._late: list[Note] = []
         self._arrived: list[str] = []
-        self._kept: list[Moment] = []
+        self._kept: list[HerdSnapshot] = []
         self.feet.set_down()
         self._notes.extend(self.feet.notes)
 
@@ -103,11 +107,11 @@ class Walkers:
 
     # --- the passes of the step -------------------------------------------------
 
-    def sought(self, orders: Orders) -> Collection[str]:
+    def solids_needed(self, orders: Orders) -> Collection[str]:
         """Return over whom somebody is to jump."""
         return self.leaps.sought(orders)
 
-    def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
+    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
         """Take in where those are."""
         self.leaps.see(solids)
 
@@ -119,7 +123,7 @@ class Walkers:
                     c = self.herd.names.index(name)
                     if self.leaps.take(self.step, c, order):
                         continue
-                    unable = obey(self.going, c, order)
+                    unable = apply_order(self.going, c, order)
                     if self.going.changes(c):
                         self.feet.changing.add(c)
                     if unable is not None:
@@ -141,7 +145,7 @@ class Walkers:
         self._notes, self._told = [*self._told, *feet.notes, *self.leaps.notes], []
         self.step = step + 1
 
-    def _farthest(self, manners: Manners) -> Array:
+    def _farthest(self, manners: MoodSchedule) -> Array:
         """Return how far creatures (C,) can get in the film at most [m].
 
         Raises:
@@ -164,18 +168,18 @@ class Walkers:
             speed *= UNKNOWN
         return speed * float(clock.time_of(clock.last_step)) + stride
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
+    def prepare(self, instruction: Instruction, path: str) -> None:
         """Refuse what legs cannot do, and be ready for jumps."""
         if isinstance(instruction.do, ChangeGait) and instruction.who in self.herd.names:
             c = self.herd.names.index(instruction.who)
-            self.going.manners.possible(c, instruction.do, f"{where}.do")
-        self.leaps.prepare(instruction, where)
+            self.going.manners.possible(c, instruction.do, f"{path}.do")
+        self.leaps.prepare(instruction, path)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         feet = self.feet
         self._kept.append(
-            Moment(
+            HerdSnapshot(
                 step=self.step,
                 gone=self.going.gone,
                 drive=self.going.drive,
@@ -220,6 +224,14 @@ class Walkers:
         # Rows may have been written before the step, too.
         notes, self._late = (*self._notes, *self._late), []
         return Facts(contacts, notes, tuple(self._arrived))
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Return the joints and masses of the creatures."""
+        return mechanisms_of(self.herd)
+
+    def legs(self) -> list[Leg]:
+        """Return the legs of the creatures, with the stances planned so far."""
+        return legs_of(self.herd, self.going.paces, self.phase)
 
     def _go_on(self) -> list[str]:
         """Advance on the routes; return who has come to its end."""

@@ -8,42 +8,55 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.characters.behaviours.leisure import Stroll
-from pipeline.simulation.characters.behaviours.registry import MAKERS, kind_of
-from pipeline.simulation.characters.mind.anxiety import FAR, SAFE, SOOTHES, exposed, felt
-from pipeline.simulation.characters.mind.glances import Glances
-from pipeline.simulation.characters.mind.memory import SPAN
+from pipeline.simulation.characters.behaviours.movement_behaviours import Stroll
+from pipeline.simulation.characters.behaviours.registry import (
+    IMPLEMENTATIONS,
+    behaviour_number,
+    load_implementations,
+)
+from pipeline.simulation.characters.mind.perception import (
+    FAR_FROM_CAREGIVER,
+    NEAR_CAREGIVER,
+    SOOTHES,
+    SPAN,
+    Glances,
+    exposed,
+    felt,
+)
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import read_scene
-from pipeline.spec.behaviour import FORMS, NAMES
-from pipeline.spec.scene_library import library
-from pipeline.spec.scene_loader import load_scene
+from pipeline.spec.behaviour import FORMS, NAMES, Urge
+from pipeline.spec.loading import load_scene
+from pipeline.spec.shipped import library
 from tests.simulation.characters.minded import channel, doing, simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
 
 
-def test_every_behaviour_has_words_something_that_does_it_and_a_scene() -> None:
-    assert tuple(MAKERS) == tuple(FORMS) == NAMES[1:]
-    assert [kind for kind, _ in MAKERS.values()] == list(FORMS.values())
+def test_every_behaviour_has_a_model_an_implementation_and_a_scene() -> None:
+    load_implementations()
+    assert set(IMPLEMENTATIONS) == {Urge, *FORMS.values()}
+    assert tuple(FORMS) == NAMES[1:]
     text = "".join(path.read_text() for path in sorted(library().glob("*.yaml")))
     assert {key for key in FORMS if f"{{{key}: " in text} == set(FORMS)
 
 
 def test_a_second_behaviour_of_a_kind_counts_as_the_kind() -> None:
-    assert kind_of("comfort 2") == kind_of("comfort") == NAMES.index("comfort")
-    assert kind_of("") == -1
+    assert behaviour_number("comfort 2") == behaviour_number("comfort") == NAMES.index("comfort")
+    assert behaviour_number("") == -1
 
 
 def test_anxiety_grows_with_distance_and_trait_and_falls_by_a_closed_form_in_a_hug() -> None:
-    far = [felt(0.2, 0.5, d, False, 1.0) for d in np.linspace(SAFE, FAR, 9)]
+    far = [
+        felt(0.2, 0.5, d, False, 1.0) for d in np.linspace(NEAR_CAREGIVER, FAR_FROM_CAREGIVER, 9)
+    ]
     assert all(np.diff(far) > 0.0)
     assert felt(0.2, 0.9, 5.0, False, 1.0) > felt(0.2, 0.3, 5.0, False, 1.0) > 0.2
     assert felt(0.2, 0.0, 100.0, False, 1.0) == 0.2
     assert felt(0.9, 1.0, 100.0, False, 1e3) == 1.0
     assert felt(0.8, 1.0, 9.0, True, 2.0) == pytest.approx(0.8 * math.exp(-2.0 * SOOTHES))
-    assert exposed(SAFE) == 0.0
-    assert exposed(FAR) == 1.0
+    assert exposed(NEAR_CAREGIVER) == 0.0
+    assert exposed(FAR_FROM_CAREGIVER) == 1.0
 
 
 def test_glances_come_as_often_as_the_priority_says() -> None:
@@ -68,7 +81,7 @@ def test_what_was_out_of_view_for_long_is_forgotten() -> None:
 - {name: ball, character: ball, at: [-6, 0]}
 """
     mind = troupe(simulation(cast, 1)).minds.minds[0]  # type: ignore[union-attr]
-    memory, around = mind.memory, mind.around
+    memory, around = mind.memory, mind.surroundings
     around.now = 0.0
     memory.look(around, 0, 0.0)
     assert not memory.in_view[1]
@@ -140,11 +153,11 @@ def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
     made = simulation(cast, 1.5)
     characters = troupe(made)
     made.step()
-    characters.crowd.owners[0].pain = 2.0
+    characters.arrays.owners[0].pain = 2.0
     minds = characters.minds
     assert minds is not None
     minds.minds[0].hurt(2.0, 1, 0.01)
-    characters.crowd.owners[0].pain = 0.0
+    characters.arrays.owners[0].pain = 0.0
     for _ in steps(made):
         pass
     assert characters.persons[0].at[0] < -0.25
@@ -182,7 +195,7 @@ def test_nobody_strolls_to_where_something_stands() -> None:
     mind = minds.minds[0]
     stroll = mind.behaviours["wander"]
     assert isinstance(stroll, Stroll)
-    room = mind.around.radius[1] + mind.slim
+    room = mind.surroundings.radius[1] + mind.slim
     for _ in range(60):
         stroll.end(mind)
         mind.now += 20.0
@@ -206,7 +219,7 @@ def test_a_hug_at_full_speed_does_not_hurt_unless_it_is_to() -> None:
             assert minds is not None
             did |= {mind.doing for mind in minds.minds}
             hugged = hugged or minds.minds[1].hugging
-            fastest = max(fastest, float(np.hypot(*characters.persons[1].going)))
+            fastest = max(fastest, float(np.hypot(*characters.persons[1].velocity)))
         assert fastest > 2.0
         assert ("withdrawal" in did) == slapstick
         assert hugged or slapstick

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters.segments import closest
+from pipeline.simulation.characters.link_contacts import closest
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.spatial import Array
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import GaitWords
 
-TOGETHER = 1e-6
+PHASE_TOLERANCE = 1e-6
 """Difference between phases that are still one, as a part of the cycle."""
 
 
@@ -84,7 +85,7 @@ class Gait:
             return np.zeros((0, 2))
         moments = np.unique(np.concatenate([self.up, self.down]))
         spans = np.diff(moments, append=moments[0] + 1.0)
-        free = ~self.standing(moments + 0.5 * spans).any(axis=-1) & (spans > TOGETHER)
+        free = ~self.standing(moments + 0.5 * spans).any(axis=-1) & (spans > PHASE_TOLERANCE)
         # Within a flight nothing goes up or comes down: every foot is in the air already.
         return np.stack([moments[free], spans[free]], axis=-1)
 
@@ -107,3 +108,46 @@ def written(words: GaitWords, names: Sequence[str]) -> Gait:
         np.array([words.up[name] for name in names]) % 1.0,
         np.array([words.down[name] for name in names]) % 1.0,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class FlightBounce:
+    """The bounce of a gait with flights.
+
+    Attributes:
+        flights: (k, 2) phase of the begin and length of each, in order; at least one.
+    """
+
+    flights: Array
+
+    @staticmethod
+    def of(gait: Gait) -> FlightBounce | None:
+        """Return the bounce of a gait, None if a foot is always down."""
+        flights = gait.flights()
+        return FlightBounce(flights) if len(flights) else None
+
+    def height(self, phase: Array) -> Array:
+        """Return the height at `phase` [g T²]; speed is continuous all around the cycle."""
+        begins, lengths = self.flights.T
+        into = np.mod(np.asarray(phase)[..., None] - begins, 1.0)
+        last = into.argmin(axis=-1)
+        s, f = into.min(axis=-1), lengths[last]
+        following = (last + 1) % len(begins)
+        support = np.mod(begins[following] - begins[last] - 1e-12, 1.0) - f
+        falling = 0.5 * s * (f - s)
+        # A cubic that takes over the speed of the fall and gives that of the next flight.
+        t = np.clip((s - f) / support, 0.0, 1.0)
+        given = 0.5 * lengths[following]
+        thrown = support * t * (1.0 - t) * (-0.5 * f * (1.0 - t) - given * t)
+        result: Array = np.where(s < f, falling, thrown)
+        return result
+
+    @cached_property
+    def amplitude(self) -> float:
+        """Half of the whole way up [g T²]."""
+        heights = self.height(np.linspace(0.0, 1.0, 1000, endpoint=False))
+        return float(0.5 * (heights.max() - heights.min()))
+
+    def beat(self, phase: Array) -> Array:
+        """Return the height at `phase` in units of the amplitude."""
+        return self.height(phase) / self.amplitude

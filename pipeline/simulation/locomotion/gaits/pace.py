@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.curves import cyclic
-from pipeline.simulation.dynamics.gravity import GRAVITY as GRAVITY
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.gaits.choice import carrying, chosen
-from pipeline.simulation.locomotion.gaits.flight import Bounce
-from pipeline.simulation.locomotion.gaits.gait import Gait
+from pipeline.simulation.locomotion.gaits.gait import FlightBounce, Gait
+from pipeline.simulation.locomotion.gaits.named_gaits import choose_gait, walking_legs
 from pipeline.simulation.locomotion.gaits.remedies import too_long
-from pipeline.simulation.locomotion.gaits.spread import Spread
+from pipeline.simulation.locomotion.gaits.spread import LegLayout
 from pipeline.simulation.spatial import Array
 from pipeline.spec.walk import Manner, Walk
 
@@ -80,7 +79,7 @@ class Pace:
     bounciness: float
     step_height: float
     longest: float
-    flight: Bounce | None
+    flight: FlightBounce | None
     held: NDArray[np.bool_]
     aside: float = 0.0
 
@@ -101,7 +100,7 @@ class Pace:
         return self.bounciness * cyclic(BOUNCE, self.carrying.beats * (phase - self.first_down))
 
 
-def pace_of(where: str, words: Manner | None, figure: Figure, legs: Spread) -> Pace:
+def choose_pace(where: str, words: Manner | None, figure: Figure, legs: LegLayout) -> Pace:
     """Choose what the author left open so that it suits the legs.
 
     Args:
@@ -116,14 +115,14 @@ def pace_of(where: str, words: Manner | None, figure: Figure, legs: Spread) -> P
     if not len(legs.lengths):
         return _legless(where, words, figure)
     walks, words = words is not None, words or Walk()
-    own = carrying(where, words, figure)
+    own = walking_legs(where, words, figure)
     held = np.isin(np.arange(len(legs.lengths)), own, invert=True)
     aside = -UNDER * float(legs.feet[own, 2].mean()) if held.any() else 0.0
     legs = legs.only(own, aside)
     leg = float(legs.lengths.mean())
-    gait = chosen(where, words, figure, own, legs.hips[:, 0].tolist())
+    gait = choose_gait(where, words, figure, own, legs.hips[:, 0].tolist())
     height = max(-float(legs.feet[:, 1].mean()), CLEARANCE * figure.belly)
-    flight = Bounce.of(gait) if walks else None
+    flight = FlightBounce.of(gait) if walks else None
     # Straight legs have no room for a stride: who walks stands a little lower.
     least = STANDS_AT if not walks else WALKS_AT if flight is None else RUNS_AT
     height = min(height, least * legs.tallest() - _rise(gait, flight, leg))
@@ -151,7 +150,12 @@ def pace_of(where: str, words: Manner | None, figure: Figure, legs: Spread) -> P
 
 
 def _rhythm(
-    words: Manner, gait: Gait, legs: Spread, height: float, flight: Bounce | None, style: str
+    words: Manner,
+    gait: Gait,
+    legs: LegLayout,
+    height: float,
+    flight: FlightBounce | None,
+    style: str,
 ) -> tuple[float, float, float]:
     """Return the duration [s] and length [m] of a cycle, and the bounce that suits it [m]."""
     leg = float(legs.lengths.mean())
@@ -161,19 +165,19 @@ def _rhythm(
         # The more beats, the smaller: the body is shaken no harder.
         bounce = 0.018 * leg * min((2.0 / gait.beats) ** 2, 1.0)
         stride = min(EASY_STRIDE[style] * leg, most)
-        return *timing(words, PERIODS[style] * pendulum, stride), bounce
+        return *cycle_and_stride(words, PERIODS[style] * pendulum, stride), bounce
     most = EASY * legs.longest_stride(gait, height + _rise(gait, flight, leg), TRAILS)
-    cycle, stride = timing(words, _quick(flight, leg), min(QUICK_STRIDE * leg, most))
+    cycle, stride = cycle_and_stride(words, _quick(flight, leg), min(QUICK_STRIDE * leg, most))
     # In flight the body falls freely, unless that would throw it out of its legs' reach.
     return cycle, stride, min(flight.amplitude * GRAVITY * cycle * cycle, HIGHEST_BOUNCE * leg)
 
 
-def _quick(flight: Bounce, leg: float) -> float:
+def _quick(flight: FlightBounce, leg: float) -> float:
     """Return the duration of a cycle with flights that nobody asked for [s]."""
     return QUICK_PERIODS[min(len(flight.flights), 2) - 1] * math.sqrt(leg / GRAVITY)
 
 
-def _rise(gait: Gait, flight: Bounce | None, leg: float) -> float:
+def _rise(gait: Gait, flight: FlightBounce | None, leg: float) -> float:
     """Return how far a body has flown up while feet still trail [m]."""
     if flight is None:
         return 0.0
@@ -181,7 +185,7 @@ def _rise(gait: Gait, flight: Bounce | None, leg: float) -> float:
     return max(float(heights.max()), 0.0) * GRAVITY * _quick(flight, leg) ** 2
 
 
-def timing(words: Manner, cycle: float, stride: float) -> tuple[float, float]:
+def cycle_and_stride(words: Manner, cycle: float, stride: float) -> tuple[float, float]:
     """Return the duration [s] and the length [m] of a cycle.
 
     Args:

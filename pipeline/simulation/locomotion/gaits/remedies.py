@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.locomotion.gaits.choice import listed
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.spread import Spread
+from pipeline.simulation.locomotion.gaits.named_gaits import join_choices
+from pipeline.simulation.locomotion.gaits.spread import LegLayout
 from pipeline.spec.walk import Manner
 
 LEAST_DUTY = 0.05
@@ -20,7 +20,7 @@ def too_long(
     where: str,
     words: Manner,
     gait: Gait,
-    legs: Spread,
+    legs: LegLayout,
     height: float,
     rhythm: tuple[float, float],
 ) -> Problem:
@@ -47,7 +47,7 @@ def too_long(
     message = (
         f"a stride (speed × cycle) of {stride:.3g} is more than the legs can do: at a body height "
         f"of {height:.3g} they reach over {_below(most * float(gait.duty.max()))} of ground, and "
-        f"stride = reach / duty, at most {_below(most)}; take {listed(ways)}"
+        f"stride = reach / duty, at most {_below(most)}; take {join_choices(ways)}"
     )
     return Problem(where, message)
 
@@ -64,7 +64,7 @@ def _other_timings(words: Manner, cycle: float, most: float) -> list[str]:
     return []
 
 
-def _height_for(stride: float, gait: Gait, legs: Spread, height: float) -> float | None:
+def _height_for(stride: float, gait: Gait, legs: LegLayout, height: float) -> float | None:
     """Return the greatest body height below `height` from which a stride can be done [m]."""
     heights = np.linspace(height, 0.5 * height, 51)[1:]
     good = [float(h) for h in heights if legs.longest_stride(gait, float(h)) >= stride]

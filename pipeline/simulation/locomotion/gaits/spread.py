@@ -10,13 +10,13 @@ import numpy as np
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.spatial import Array
 
-REACH = 0.97
+MAX_REACH = 0.97
 """How far a leg may stretch, as a part of its length: beyond lies the singularity of
 full extension (Sims 1987, 6.3)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class LegLayout:
     """The legs of one creature at rest.
 
     Attributes:
@@ -28,15 +28,15 @@ class Spread:
     feet: Array
     lengths: Array
 
-    def only(self, legs: Sequence[int], aside: float = 0.0) -> Spread:
+    def only(self, legs: Sequence[int], aside: float = 0.0) -> LegLayout:
         """Return some of the legs alone, their feet set `aside` to the right [m]."""
         feet = self.feet[legs] + [0.0, 0.0, aside]
-        return Spread(self.hips[legs], feet, self.lengths[legs])
+        return LegLayout(self.hips[legs], feet, self.lengths[legs])
 
     def tallest(self) -> float:
         """Return the greatest body height from which all feet reach level ground [m]."""
         across = np.abs(self.feet[:, 2] - self.hips[:, 2])
-        room = (REACH * self.lengths) ** 2 - across**2
+        room = (MAX_REACH * self.lengths) ** 2 - across**2
         return float((np.sqrt(np.maximum(room, 0.0)) - self.hips[:, 1]).min())
 
     def longest_stride(self, gait: Gait, height: float, trails: float = 0.0) -> float:
@@ -49,7 +49,7 @@ class Spread:
         """
         across = np.abs(self.feet[:, 2] - self.hips[:, 2])
         drop = height + self.hips[:, 1]
-        room = (REACH * self.lengths) ** 2 - drop**2 - across**2
+        room = (MAX_REACH * self.lengths) ** 2 - drop**2 - across**2
         # Half of the ground covered in stance lies before the foot at rest, half behind it.
         forward = np.sqrt(np.maximum(room, 0.0)) - np.abs(self.feet[:, 0] - self.hips[:, 0])
         through = gait.duty + 2.0 * trails * gait.swing

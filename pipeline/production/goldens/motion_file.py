@@ -1,0 +1,134 @@
+"""File of a motion golden: JSON, a line for everything that a reader may want to see change.
+
+Rounded numbers and fingerprints are packed; contacts, sound events and notes stand in
+plain words, so that a diff in version control tells what became of them.
+"""
+
+from __future__ import annotations
+
+import json
+import lzma
+import os
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import GoldenMissing, StoreError
+from pipeline.production.goldens.motion_fingerprints import Fingerprints
+from pipeline.production.goldens.motion_golden import Land, MotionGolden
+from pipeline.production.goldens.motion_marks import Mark
+from pipeline.production.goldens.packed_series import Series
+from pipeline.production.run.outputs import PARTIAL
+
+FORMAT = 1
+"""Version of the file's layout."""
+
+UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, lzma.LZMAError, EOFError)
+
+
+def write_golden(golden: MotionGolden, path: Path) -> None:
+    """Write `golden` to `path`, whole or not at all.
+
+    Raises:
+        StoreError: if it cannot be written.
+    """
+    partial = path.with_name(f".{path.name}{PARTIAL}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_text(encoded(golden), encoding="utf-8", newline="\n")
+        os.replace(partial, path)
+    except OSError as error:
+        raise StoreError(f"{path}: the golden could not be written: {error.strerror}") from error
+
+
+def read_golden(path: Path) -> MotionGolden:
+    """Read the golden in `path`.
+
+    Raises:
+        GoldenMissing: if there is none.
+        StoreError: if it cannot be read, is damaged, or of a format that is not known.
+    """
+    try:
+        words = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise GoldenMissing(f"{path}: there is no such golden") from None
+    except OSError as error:
+        raise StoreError(f"{path}: the golden could not be read: {error.strerror}") from error
+    except ValueError as error:
+        raise StoreError(f"{path}: is no golden, or cut short ({error}); write it anew") from None
+    kind = words.get("motion golden") if isinstance(words, dict) else None
+    if kind is None:
+        raise StoreError(f"{path}: is no golden of a motion")
+    if kind != FORMAT:
+        raise StoreError(
+            f"{path}: is a golden of format {kind!r}, where {FORMAT} can be read; write it anew"
+        )
+    try:
+        return _decoded(words)
+    except UNREADABLE as error:
+        raise StoreError(f"{path}: the golden is damaged ({error}); write it anew") from None
+
+
+def encoded(golden: MotionGolden) -> str:
+    """Return the text of `golden`'s file."""
+    words: dict[str, Any] = {
+        "motion golden": FORMAT,
+        **{f.name: getattr(golden, f.name) for f in fields(golden)},
+        "series": {name: series.packed() for name, series in golden.series.items()},
+        "fingerprints": golden.fingerprints.packed(),
+        "marks": [[getattr(mark, f.name) for f in fields(Mark)] for mark in golden.marks],
+        "land": asdict(golden.land),
+    }
+    if golden.predictable is None:
+        del words["predictable"]
+    body = ",\n".join(f"{_line(key)}: {_block(value)}" for key, value in words.items())
+    return f"{{\n{body}\n}}\n"
+
+
+def _block(value: Any) -> str:
+    """Return a long list or a nested mapping with one item a line."""
+    if isinstance(value, list) and value:
+        return "[\n" + ",\n".join(f"  {_line(item)}" for item in value) + "\n]"
+    if isinstance(value, dict) and any(isinstance(item, dict) for item in value.values()):
+        items = (f"  {_line(key)}: {_line(item)}" for key, item in value.items())
+        return "{\n" + ",\n".join(items) + "\n}"
+    return _line(value)
+
+
+def _line(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _decoded(words: dict[str, Any]) -> MotionGolden:
+    golden = MotionGolden(
+        **{
+            **{f.name: words[f.name] for f in fields(MotionGolden) if f.name != "predictable"},
+            "nodes": tuple(words["nodes"]),
+            "series": {name: Series.unpacked(s) for name, s in words["series"].items()},
+            "fingerprints": Fingerprints.unpacked(words["fingerprints"]),
+            "marks": tuple(_mark(*values) for values in words["marks"]),
+            "land": Land(**{**words["land"], "cells": tuple(words["land"]["cells"])}),
+            "predictable": words.get("predictable"),
+        }
+    )
+    _check(golden)
+    return golden
+
+
+def _mark(kind: str, who: str, what: str, moment: float, frame: int, *rest: Any) -> Mark:
+    place, strength = rest
+    return Mark(kind, who, what, moment, frame, tuple(place), strength)
+
+
+def _check(golden: MotionGolden) -> None:
+    """Refuse numbers that do not fit the names beside them."""
+    J, C = len(golden.nodes), len(golden.channels)
+    widths = {"positions": 3 * J, "rotations": 4 * J, "alive": J, "scales": 3 * J}
+    for name, width in {**widths, "values": C, "terrain": 3}.items():
+        found = golden.series[name].multiples.shape[1]
+        if found != width:
+            raise ValueError(f"{name} has {found} columns where {width} belong")
+    prints = golden.fingerprints
+    rows = golden.facts["frames"] * golden.facts["samples"] + 1
+    if (len(prints.rows), len(prints.tracks)) != (rows, J + C):
+        raise ValueError("the fingerprints do not fit the rows and names")

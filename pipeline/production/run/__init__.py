@@ -1,0 +1,1 @@
+"""A scene to its outputs: what is due, workers, manifest, progress."""

@@ -1,0 +1,113 @@
+"""Doctor: what is found on this machine, what will be used, what to do about the rest."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import platform
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from pipeline.production.run.manifest import WORKED_WITH
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing looked at.
+
+    Attributes:
+        what: such as "LLVM".
+        ok: whether it is as it should be.
+        text: what was found, and what to do if that is not right.
+        needed: whether nothing can be rendered without it.
+    """
+
+    what: str
+    ok: bool
+    text: str
+    needed: bool = True
+
+
+def examine(fresh: bool = False) -> list[Finding]:
+    """Look at everything that a render needs.
+
+    Args:
+        fresh: probe backends again, whatever was remembered.
+    """
+    checks: tuple[Callable[[], Iterator[Finding]], ...] = (
+        _python,
+        _belonging,
+        _packages,
+        lambda: _backend(fresh),
+        _library,
+        _machine,
+    )
+    return [finding for check in checks for finding in check()]
+
+
+def _python() -> Iterator[Finding]:
+    found = platform.python_version()
+    right = sys.version_info >= (3, 11)
+    yield Finding("Python", right, found if right else f"{found}; pronk needs 3.11 or newer")
+
+
+def _belonging() -> Iterator[Finding]:
+    """Check that the three packages of pronk are of one installation."""
+    packages = [importlib.import_module(name) for name in ("pipeline", "render", "audio")]
+    places = {Path(p.__file__ or "").parent.parent for p in packages}
+    versions = {p.__name__: getattr(p, "__version__", "none") for p in packages}
+    if len(places) == 1 and len(set(versions.values())) == 1:
+        yield Finding("pronk", True, f"{versions['pipeline']}, in {places.pop()}")
+        return
+    told = ", ".join(f"{p.__name__} {versions[p.__name__]} in {p.__file__}" for p in packages)
+    yield Finding(
+        "pronk",
+        False,
+        f"its packages do not belong together: {told}; give pronk an "
+        "environment of its own and install it there",
+    )
+
+
+def _packages() -> Iterator[Finding]:
+    for name in WORKED_WITH:
+        try:
+            yield Finding(name, True, version(name))
+        except PackageNotFoundError:
+            yield Finding(name, False, f"missing; install it with: pip install {name}")
+
+
+def _backend(fresh: bool) -> Iterator[Finding]:
+    from render.backend import choose
+    from render.errors import BackendMissing
+
+    try:
+        backend = choose("auto", fresh)
+    except BackendMissing as error:
+        yield Finding("backend", False, str(error))
+        return
+    for tried in backend.findings:
+        # That there is no GPU is no fault of the machine.
+        where = f" ({tried.library})" if tried.library else ""
+        yield Finding(tried.variant, tried.works, tried.why + where, needed=False)
+    yield Finding("backend", True, f"{backend.variant} will be used: {backend.why}")
+    if backend.variant == "scalar_rgb":
+        advice = "rendering is about twice as slow without LLVM: pip install karellen-llvm-core"
+        yield Finding("speed", False, f"{advice}, or install LLVM 16 or newer", needed=False)
+
+
+def _library() -> Iterator[Finding]:
+    from pipeline.spec import library, shipped_scenes
+
+    scenes = shipped_scenes()
+    if scenes:
+        yield Finding("scenes", True, f"{len(scenes)} shipped, in {library()}")
+    else:
+        yield Finding("scenes", False, f"none in {library()}; install pronk again")
+
+
+def _machine() -> Iterator[Finding]:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    yield Finding("machine", True, f"{platform.system()} {platform.machine()}, {cores} cores")

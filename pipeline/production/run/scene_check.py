@@ -1,0 +1,37 @@
+"""Scene check: everything that can be known of a scene without simulating it through."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pipeline.errors import Problem
+from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
+from pipeline.simulation.figure_analysis import analyse, draw
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import Scene
+
+
+def check_scene(scene: Scene) -> str:
+    """Build the scene's world with its cast in place and return a summary in one line.
+
+    Raises:
+        PronkError: a figure is wrong, or a performer cannot start its part.
+    """
+    simulation = Simulation(scene)
+    mounts_of(scene, simulation.recorder.nodes)
+    sharp_nodes_of(scene, simulation.recorder.nodes)
+    ground = simulation.world.ground
+    width, height = scene.film.resolved().size
+    length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"
+    cast = ", ".join(f"{member.name} ({member.called})" for member in scene.cast)
+    return f"right: {length}; {cast}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
+
+
+def figure_remarks(scene: Scene) -> Iterator[Problem]:
+    """Yield remarks on the drawings of a scene's figures, with their places."""
+    for name in dict.fromkeys(member.figure for _, member in scene.creatures):
+        config = scene.figures[name]
+        drawing = draw(config)
+        for remark in analyse(drawing, config.parts).warnings:
+            path = f"figures.{name}.{drawing.path_of(remark.node)}"
+            yield scene.places.placed(Problem(path, str(remark)))

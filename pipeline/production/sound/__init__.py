@@ -1,0 +1,1 @@
+"""Take and camera -> score; the files beside MIDI and WAV."""

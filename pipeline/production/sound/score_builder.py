@@ -1,0 +1,111 @@
+"""Builds the score from take and camera: events placed relative to the listener, and markers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from operator import attrgetter
+
+from audio.score import Marker, Score, ScoreEvent
+from pipeline.production.camera.cuts import first_frames
+from pipeline.production.sound.listener import Listener
+from pipeline.production.sound.strike_position import ContactSpots
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.take import SoundEvent, Take
+from pipeline.spec.scene import Scene
+from render.config import Camera
+from render.shot import CameraPose
+
+
+def build_score(
+    scene: Scene, take: Take, poses: Sequence[CameraPose], subframe: bool = False
+) -> tuple[Score, int]:
+    """Return the score of a take, and the number of events after its last frame.
+
+    Args:
+        scene: its sound and camera configuration is used.
+        take: the recorded motion and sound events.
+        poses: camera pose of each frame.
+        subframe: place sounds at the exact times of their causes instead of on frames.
+    """
+    header = take.header
+    clock = Clock(header.rate, header.frames, header.steps, header.samples)
+    listener = Listener(scene.sound.listener, scene.camera, clock, poses)
+    spots = ContactSpots(take)
+    audible = [event for event in take.events if event.frame <= header.frames]
+    score = Score(
+        rate=header.rate,
+        frames=header.frames,
+        events=tuple(_score_event(event, clock, listener, spots) for event in audible),
+        sound=scene.sound,
+        seed=header.seed,
+        title=scene.title,
+        markers=film_markers(scene, take),
+        subframe=subframe,
+    )
+    return score, len(take.events) - len(audible)
+
+
+def _score_event(
+    event: SoundEvent, clock: Clock, listener: Listener, spots: ContactSpots
+) -> ScoreEvent:
+    """Place an event at its start, or at the closest point of its path if it is sustained."""
+    course = listener.course(event.track[0], event.places)
+    start = listener.bearing(event.frame, event.place)
+    nearest = min((start, *course), key=attrgetter("distance"))
+    first, last = event.track
+    return ScoreEvent(
+        frame=event.frame,
+        time=clock.time_of(event.step, event.fraction),
+        cause=event.cause,
+        who=event.who,
+        # Tracks are named by performer, so the prefix is redundant.
+        part=event.part.removeprefix(f"{event.who}."),
+        other=event.other,
+        material=event.material,
+        surface=event.surface,
+        strength=event.strength,
+        energy=event.energy,
+        size=event.size,
+        distance=nearest.distance,
+        azimuth=nearest.azimuth,
+        duration=float((last - first) / (clock.rate * clock.samples)),
+        speeds=event.strengths,
+        course=course,
+        spot=spots.spot(event) if first == last else None,
+    )
+
+
+def film_markers(scene: Scene, take: Take) -> tuple[Marker, ...]:
+    """Return the cuts and script instructions of a film by frame, cuts first."""
+    markers = [*_cut_markers(scene, take), *_script_markers(take)]
+    return tuple(sorted(markers, key=lambda marker: marker.frame))
+
+
+def _cut_markers(scene: Scene, take: Take) -> Iterator[Marker]:
+    """Yield the cuts after the first frame and before the end."""
+    starts = first_frames(scene.camera, take.header.rate)
+    for cut, frame, following in zip(scene.camera, starts, [*starts[1:], None], strict=True):
+        # Of several cuts on one frame only the last is visible.
+        if 1 < frame <= take.header.frames and frame != following:
+            yield Marker(frame, "cut", _cut_description(cut))
+
+
+def _cut_description(cut: Camera) -> str:
+    """Return view and target of a cut, such as "side of bug"."""
+    target = cut.follow if isinstance(cut.follow, str) else ", ".join(cut.follow or ("all",))
+    if cut.parent is not None:
+        return f"from {cut.parent}"
+    if cut.moved:
+        return "moving camera"
+    if cut.at is not None:
+        return "standing camera" if cut.look_at is not None else f"standing camera, {target}"
+    return f"{cut.view or 'three-quarter'} of {target}"
+
+
+def _script_markers(take: Take) -> Iterator[Marker]:
+    header = take.header
+    clock = Clock(header.rate, header.frames, header.steps, header.samples)
+    for told in take.told:
+        frame = clock.frame_of(told.step, 0.0)
+        if frame <= header.frames:
+            yield Marker(frame, "script", f"{told.who}: {told.text}")

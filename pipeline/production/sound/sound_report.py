@@ -1,0 +1,84 @@
+"""Sound report: facts about MIDI and WAV for the manifest, and their summaries for the terminal."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+from audio.midi_file import MidiReport
+from audio.quantisation import TimingShifts
+from audio.score import Score
+from audio.wav_file import WavReport
+
+
+def midi_facts(midi: MidiReport, subframe: bool, rate: Fraction) -> dict[str, Any]:
+    """Return the manifest entry of the MIDI file, such as which events share a note."""
+    return {
+        "notes": midi.notes,
+        "muted": midi.muted,
+        "added_by_chords_and_phrases": midi.added,
+        "left_out_after_the_last_frame": midi.after_the_end,
+        "merged": midi.merged,
+        "merged_by_frame": {str(frame): count for frame, count in midi.merged_by_frame.items()},
+        "heard_from_a_neighbouring_direction": midi.pan_changed,
+        "heard_with_another_reverb": midi.reverb_changed,
+        "cut_short": midi.cut_short,
+        "tails_cut": midi.tails_cut,
+        "without_their_gesture": midi.without_curve,
+        "subframe": subframe,
+        **({"quantised": _quantisation_facts(midi.shifts, rate)} if midi.shifts.events else {}),
+    }
+
+
+def _quantisation_facts(shifts: TimingShifts, rate: Fraction) -> dict[str, Any]:
+    return {
+        "events": shifts.events,
+        "moved": shifts.moved,
+        "before_their_cause_is_shown": shifts.earlier,
+        "mean_ms": round(float(1000 * shifts.mean), 3),
+        "greatest_ms": round(float(1000 * shifts.greatest), 3),
+        "mean_frames": round(float(shifts.mean * rate), 3),
+        "greatest_frames": round(float(shifts.greatest * rate), 3),
+    }
+
+
+def quantisation_summary(shifts: TimingShifts, score: Score) -> str | None:
+    """Return one line about the quantisation; None if the scene has none."""
+    config = score.sound.quantise
+    if config is None:
+        return None
+    grid = f"{config.grid} at {score.sound.tempo_bpm:g} beats a minute"
+    if not shifts.moved:
+        return f"score: all of {shifts.events} events stand on {grid} by themselves"
+    mean, greatest = (1000 * float(by) for by in (shifts.mean, shifts.greatest))
+    frames = float(shifts.greatest * score.rate)
+    return (
+        f"score: {shifts.moved} of {shifts.events} events moved to {grid}: by {mean:.0f} ms on "
+        f"average, {greatest:.0f} ms ({frames:.1f} frames) at most; {shifts.earlier} sound earlier "
+        "than they are seen"
+    )
+
+
+def wav_facts(wav: WavReport) -> dict[str, Any]:
+    """Return the manifest entry of the WAV file; levels of silence are null."""
+    return {
+        "samples": wav.samples,
+        "lufs": _finite(wav.lufs),
+        "true_peak_db": _finite(wav.true_peak_db),
+        "peak_db": _finite(wav.peak_db),
+        "gain_db": _finite(wav.gain_db),
+        "limited_db": _finite(wav.limited_db),
+    }
+
+
+def _finite(decibels: float) -> float | None:
+    return round(decibels, 2) if math.isfinite(decibels) else None
+
+
+def loudness_summary(wav: WavReport) -> str:
+    """Return loudness and true peak of a track in words."""
+    if wav.peak_db == -math.inf:
+        return "silent"
+    peak = f"true peak {wav.true_peak_db:.1f} dB"
+    return f"loud {wav.lufs:.1f} LUFS, {peak}" if wav.lufs > -math.inf else peak

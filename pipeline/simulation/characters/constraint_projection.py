@@ -1,0 +1,193 @@
+"""Constraint projection: links get their lengths and middle nodes their places.
+
+Each end of a link moves by its share of the inverse masses: the halves of Horswill 2008
+conserve momentum for equal masses alone. The offset printed there, p_i - p_i, is p_i - p_j.
+
+Source: Horswill 2008, "Kinematic constraints"; Jakobsen 2001.
+"""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.body_arrays import IntArray
+from pipeline.simulation.characters.limb_limits import limit_limb, place_joint
+from pipeline.simulation.dynamics.compiled import Record, Records, inlined
+from pipeline.simulation.dynamics.vectors import length, minus, triple
+
+LENGTH_TOLERANCE = 2e-3  # relative error of a link at which iteration stops
+MAX_ITERATIONS = 40
+GRIP_CLOSING_SPEED = 1.0  # at which a hand and what it grips come together [m/s]
+GRIP_TOLERANCE = 5e-4  # [m]
+
+
+@inlined
+def project_constraints(
+    nodes: Records, links: Records, middles: IntArray, limbs: Records, owner: Record
+) -> float:
+    """Project the links, middles and joint limits of one character once.
+
+    Returns:
+        The largest relative error of a length before.
+    """
+    first = owner.links[0]
+    largest = 0.0
+    for n in range(first, first + owner.links[1]):
+        link = links[n]
+        largest = max(largest, _project_link(nodes[link.ends[0]], nodes[link.ends[1]], link))
+    first = owner.middles[0]
+    for n in range(first, first + owner.middles[1]):
+        m, i, j = middles[n, 0], middles[n, 1], middles[n, 2]
+        largest = max(largest, _project_middle(nodes[m], nodes[i], nodes[j]))
+    first = owner.limbs[0]
+    for n in range(first, first + owner.limbs[1]):
+        limit_limb(nodes, limbs[n])
+    if owner.on_bearing:
+        for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
+            if nodes[i].on_bearing:
+                nodes[i].p[1] = nodes[i].previous[1] = nodes[i].lock_place[1]
+    return largest
+
+
+@inlined
+def finish_constraints(
+    nodes: Records, links: Records, middles: IntArray, limbs: Records, owner: Record
+) -> None:
+    """Iterate the constraints of one character to tolerance, then set its joints."""
+    for _ in range(MAX_ITERATIONS):
+        if project_constraints(nodes, links, middles, limbs, owner) <= LENGTH_TOLERANCE:
+            break
+    _set_joints(nodes, limbs, owner)
+
+
+@inlined
+def close_grips(nodes: Records, grips: IntArray, h: float) -> None:
+    """Let gripped nodes approach their hands gradually."""
+    for n in range(len(grips)):
+        if grips[n, 0] >= 0:
+            node = nodes[grips[n, 0]]
+            node.grip_gap = max(node.grip_gap - GRIP_CLOSING_SPEED * h, 0.0)
+
+
+@inlined
+def project_grips(nodes: Records, grips: IntArray) -> float:
+    """Bring together nodes held by a grip: links of length zero.
+
+    Returns:
+        The largest excess distance before [m].
+    """
+    largest = 0.0
+    for n in range(len(grips)):
+        if grips[n, 0] < 0 or grips[n, 1] < 0:
+            continue
+        one, other = nodes[grips[n, 0]], nodes[grips[n, 1]]
+        mobility = one.mobility + other.mobility
+        distance = length(minus(triple(one.p), triple(other.p)))
+        if distance <= one.grip_gap or mobility == 0.0:
+            continue
+        largest = max(largest, distance - one.grip_gap)
+        share = (distance - one.grip_gap) / (distance * mobility)
+        for k in range(3):
+            move = share * (one.p[k] - other.p[k])
+            one.p[k] -= one.mobility * move
+            other.p[k] += other.mobility * move
+    return largest
+
+
+@inlined
+def finish_grips(
+    nodes: Records,
+    links: Records,
+    middles: IntArray,
+    limbs: Records,
+    owners: Records,
+    grips: IntArray,
+) -> None:
+    """Iterate all characters that hold or are held, with their grips, to tolerance."""
+    if not _activate_gripping(nodes, owners, grips):
+        return
+    for _ in range(MAX_ITERATIONS):
+        largest = 0.0
+        for c in range(len(owners)):
+            if owners[c].active:
+                largest = max(largest, project_constraints(nodes, links, middles, limbs, owners[c]))
+        if project_grips(nodes, grips) <= GRIP_TOLERANCE and largest <= LENGTH_TOLERANCE:
+            break
+    for c in range(len(owners)):
+        if owners[c].active:
+            _set_joints(nodes, limbs, owners[c])
+
+
+@inlined
+def _activate_gripping(nodes: Records, owners: Records, grips: IntArray) -> bool:
+    """Mark characters that hold or are held active; tell whether there are any."""
+    found = False
+    for c in range(len(owners)):
+        owners[c].active = False
+    for n in range(len(grips)):
+        if grips[n, 0] >= 0 and grips[n, 1] >= 0:
+            found = True
+            for k in range(2):
+                owners[nodes[grips[n, k]].owner].active = True
+    return found
+
+
+@inlined
+def _set_joints(nodes: Records, limbs: Records, owner: Record) -> None:
+    first = owner.limbs[0]
+    for n in range(first, first + owner.limbs[1]):
+        place_joint(nodes, limbs[n])
+
+
+@inlined
+def is_gripped(nodes: Records, one: Record, other: Record) -> bool:
+    """Tell whether the character of one link grips an end of the other."""
+    for k in range(2):
+        if (
+            nodes[one.ends[k]].grip_partner == other.owner
+            or nodes[other.ends[k]].grip_partner == one.owner
+        ):
+            return True
+    return False
+
+
+@inlined
+def _project_link(one: Record, other: Record, link: Record) -> float:
+    """Move the ends of a link; return its relative error."""
+    p, q = one.p, other.p
+    x, y, z = p[0] - q[0], p[1] - q[1], p[2] - q[2]
+    squared = x * x + y * y + z * z
+    shortest, longest = link.length_limits[0], link.length_limits[1]
+    mobility = one.mobility + other.mobility
+    if shortest * shortest <= squared <= longest * longest or mobility == 0.0 or squared == 0.0:
+        return 0.0
+    distance = math.sqrt(squared)
+    wanted = shortest if distance < shortest else longest
+    share = (distance - wanted) / (distance * mobility)
+    a, b = share * one.mobility, share * other.mobility
+    p[0] -= a * x
+    p[1] -= a * y
+    p[2] -= a * z
+    q[0] += b * x
+    q[1] += b * y
+    q[2] += b * z
+    # Limits may be off a little more, unseen.
+    error: float = abs(distance - wanted) / wanted
+    return error if shortest == longest else 0.2 * error
+
+
+@inlined
+def _project_middle(middle: Record, one: Record, other: Record) -> float:
+    """Move a node midway between two others; return its distance from there."""
+    mobility = middle.mobility + 0.25 * (one.mobility + other.mobility)
+    if mobility == 0.0:
+        return 0.0
+    squared = 0.0
+    for k in range(3):
+        offset = middle.p[k] - 0.5 * (one.p[k] + other.p[k])
+        squared += offset * offset
+        offset /= mobility
+        middle.p[k] -= middle.mobility * offset
+        one.p[k] += 0.5 * one.mobility * offset
+        other.p[k] += 0.5 * other.mobility * offset
+    return math.sqrt(squared)

@@ -1,0 +1,237 @@
+"""Person record: the state of compiled control, one record for each acting person.
+
+A person has sixteen consecutive nodes, in the order of `JOINTS`. Left is 0 and right is 1 wherever
+there are two of something.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.body_record import zero_records
+from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.people.proportions import JOINTS, Proportions
+from pipeline.simulation.spatial import Array
+
+PELVIS, SPINE, SHOULDERS, HEAD = (JOINTS.index(n) for n in ("pelvis", "spine", "shoulders", "head"))
+SHOULDER, ELBOW, HAND = (JOINTS.index(f"{n}_l") for n in ("shoulder", "elbow", "hand"))
+HIP, KNEE, FOOT = (JOINTS.index(f"{n}_l") for n in ("hip", "knee", "foot"))
+NODE_COUNT = len(JOINTS)
+"""Places of the joints behind a person's first node; of two the left one, the right one follows."""
+
+STANCE, SWING = 0, 1
+"""States of a foot."""
+
+SWINGING, REACHING, PLACED, HUGGING = 0, 1, 2, 3
+"""Modes of an arm: it swings along, is held out ahead, or has its hand at a place in the world;
+in a hug with the elbow aside."""
+
+STANDING, SITTING = 0, 1
+"""Postures."""
+
+HANG_SWING, HANG_BEND, HANG_OUTWARD = 0.02, np.radians(14.0), 0.13
+"""Angles of hanging arms: ahead, in the elbow, outward [rad]."""
+
+MAX_ARM_STRETCH = 0.995
+"""Longest reach of an arm, in the sum of its links."""
+
+LENGTHS = (
+    *("height", "thigh", "shin", "upper_arm", "forearm", "hips", "shoulders", "hip_height"),
+    *("ankle", "belly", "chest", "neck", "foot", "ball"),
+)
+"""Lengths of a person [m]: `hips` and `shoulders` are half widths, `ball` is from ankle to ball."""
+
+PERSON = np.dtype(
+    [
+        # Numbers of its owner, its first node, and its first grip: left hand, right hand, both.
+        ("owner", "i8"),
+        ("node", "i8"),
+        ("grip", "i8"),
+        *((name, "f8") for name in LENGTHS),
+        # The led place of the pelvis, its velocity and acceleration: x and z [m], [m/s], [m/s²];
+        # heading and its rate [rad], [rad/s].
+        ("at", "f8", 2),
+        ("velocity", "f8", 2),
+        ("acceleration", "f8", 2),
+        ("heading", "f8"),
+        ("yaw_rate", "f8"),
+        # Gait clock [cycles], whether it runs, and the blend from standing to walking, 0 to 1.
+        ("phase", "f8"),
+        ("stepping", "?"),
+        ("walk_blend", "f8"),
+        ("walk_blend_rate", "f8"),
+        # Of each foot: STANCE or SWING; places of the ankle with the foot flat, at stance, lift-off
+        # and landing, and yaws; height of the swing; pitch, toes up; the ankle now.
+        ("foot_state", "i8", 2),
+        ("stance_place", "f8", (2, 3)),
+        ("liftoff_place", "f8", (2, 3)),
+        ("landing_place", "f8", (2, 3)),
+        ("yaw", "f8", 2),
+        ("liftoff_yaw", "f8", 2),
+        ("landing_yaw", "f8", 2),
+        ("swing_height", "f8", 2),
+        ("pitch", "f8", 2),
+        ("liftoff_pitch", "f8", 2),
+        ("ankles", "f8", (2, 3)),
+        # Of each swinging foot at lift-off: heading of the pelvis, and x and z of the other foot,
+        # around which it passes [rad], [m].
+        ("liftoff_heading", "f8", 2),
+        ("pivot", "f8", (2, 2)),
+        # Time since the last report [s]; touchdowns of each foot since then, time and speed of the
+        # last one [s], [m/s].
+        ("report_time", "f8"),
+        ("touchdowns", "i8", 2),
+        ("touchdown_time", "f8", 2),
+        ("touchdown_speed", "f8", 2),
+        # Height of the ground it follows [m], [m/s].
+        ("floor", "f8"),
+        ("floor_rate", "f8"),
+        # Lowering of the pelvis for a stance leg of limited length [m].
+        ("pelvis_drop", "f8"),
+        # Lean of the trunk along x and z, as tangents; twist of the chest [rad].
+        ("lean", "f8", 2),
+        ("lean_rate", "f8", 2),
+        ("twist", "f8"),
+        ("twist_rate", "f8"),
+        # Direction of the gaze: yaw in the world and pitch [rad], and rates.
+        ("gaze", "f8", 2),
+        ("gaze_rate", "f8", 2),
+        # Blend from standing to sitting, 0 to 1; bow as a tangent and crouch as a fraction of the
+        # legs, to reach low places, and rates; phase of the breath.
+        ("sit_blend", "f8"),
+        ("bow", "f8"),
+        ("bow_rate", "f8"),
+        ("crouch", "f8"),
+        ("crouch_rate", "f8"),
+        ("breath", "f8"),
+        # Of each arm: blend from swinging to its hand place, 0 to 1, and that place in the frame
+        # of the chest [m]; rates.
+        ("hand_blend", "f8", 2),
+        ("hand_blend_rate", "f8", 2),
+        ("hand_place", "f8", (2, 3)),
+        ("hand_velocity", "f8", (2, 3)),
+        # Blend of each arm to an embrace, 0 to 1, and rate.
+        ("embrace_blend", "f8", 2),
+        ("embrace_blend_rate", "f8", 2),
+        # Slackness of the muscles after a blow, 0 to 1.
+        ("stun", "f8"),
+        # Commands: whether to go to a goal, x and z [m], and the distance at which it is reached
+        # [m]; walking speed [m/s]; velocity added to step aside [m/s].
+        ("has_goal", "?"),
+        ("goal", "f8", 2),
+        ("stop_distance", "f8"),
+        ("pace", "f8"),
+        ("sidestep", "f8", 2),
+        # Owner for whom it does not step aside, or NOBODY; heading to stand in [rad].
+        ("partner", "i8"),
+        ("has_facing", "?"),
+        ("facing", "f8"),
+        ("has_look_target", "?"),
+        ("look_at", "f8", 3),
+        ("arm_mode", "i8", 2),
+        ("arm_target", "f8", (2, 3)),
+        # Descent of the shoulders to a small partner [m]; blend to leaning on it, 0 to 1, and rate.
+        ("stoop_depth", "f8"),
+        ("embrace_lean", "f8"),
+        ("embrace_lean_rate", "f8"),
+        # STANDING or SITTING; the seat: distance behind the feet and height of the pelvis [m], lean
+        # back; whether to keep quite still.
+        ("posture", "i8"),
+        ("seat", "f8", 3),
+        ("frozen", "?"),
+        # Target places of the nodes [m], now and one sub-step ago.
+        ("targets", "f8", (NODE_COUNT, 3)),
+        ("previous_targets", "f8", (NODE_COUNT, 3)),
+    ],
+    align=True,
+)
+"""A person."""
+
+
+def persons_of(
+    proportions: Sequence[Proportions],
+    first_nodes: Sequence[int],
+    at: Array,
+    headings: Array,
+    ground: Array,
+) -> Records:
+    """Return records of n people who stand with hanging arms.
+
+    Args:
+        proportions: of each person.
+        first_nodes: number of the first node of each.
+        at: (n, 2) x and z of each [m].
+        headings: (n,) positive turns about +Y [rad].
+        ground: (n,) height of the ground [m].
+    """
+    persons = zero_records(len(proportions), PERSON)
+    for i, (own, first) in enumerate(zip(proportions, first_nodes, strict=True)):
+        person = persons[i]
+        for name, fraction in _length_fractions(own).items():
+            setattr(person, name, fraction * own.height)
+        person.node = first
+        person.heading = headings[i]
+        person.partner = -1
+        person.at[:] = at[i]
+        person.floor = ground[i]
+        person.gaze[:] = headings[i], 0.0
+        person.pace = 0.42 * np.sqrt(9.81 * person.hip_height)
+        nodes = standing_nodes(own, at[i], headings[i], ground[i])
+        person.targets[:] = person.previous_targets[:] = nodes
+        for k in range(2):
+            for place in (person.stance_place, person.liftoff_place, person.landing_place):
+                place[k] = nodes[FOOT + k]
+            person.ankles[k] = nodes[FOOT + k]
+            person.yaw[k] = person.landing_yaw[k] = person.liftoff_yaw[k] = headings[i]
+    return persons
+
+
+def standing_nodes(
+    proportions: Proportions, at: NDArray[np.float64], heading: float, ground: float
+) -> Array:
+    """Return (16, 3) the nodes of a person who stands at x and z [m]."""
+    c, s = np.cos(heading), np.sin(heading)
+    x, y, z = hanging_arms_pose(proportions).T
+    return np.stack([at[0] + c * x + s * z, ground + y, at[1] - s * x + c * z], axis=1)
+
+
+def hanging_arms_pose(proportions: Proportions) -> Array:
+    """Return (16, 3) the rest pose with arms as they hang before they swing [m]."""
+    rest = proportions.rest()
+    upper, lower = (proportions.height * x for x in (proportions.upper_arm, proportions.forearm))
+    for k, side in enumerate((-1.0, 1.0)):
+        ahead = upper * np.sin(HANG_SWING) + lower * np.sin(HANG_SWING + HANG_BEND)
+        down = upper * np.cos(HANG_SWING) + lower * np.cos(HANG_SWING + HANG_BEND)
+        along = np.array([ahead, -down * np.cos(HANG_OUTWARD), side * down * np.sin(HANG_OUTWARD)])
+        size = float(np.sqrt((along * along).sum()))
+        along /= size
+        size = min(size, MAX_ARM_STRETCH * (upper + lower))
+        back = np.array([along[1], -along[0], 0.28 * side])
+        back -= (back * along).sum() * along
+        part = (upper**2 - lower**2 + size**2) / (2.0 * size)
+        aside = np.sqrt(upper**2 - part**2) / np.sqrt((back * back).sum())
+        rest[ELBOW + k] = rest[SHOULDER + k] + part * along + aside * back
+        rest[HAND + k] = rest[SHOULDER + k] + size * along
+    return rest
+
+
+def _length_fractions(own: Proportions) -> dict[str, float]:
+    return {
+        "height": 1.0,
+        "thigh": own.hip - own.knee,
+        "shin": own.knee - own.ankle,
+        "upper_arm": own.upper_arm,
+        "forearm": own.forearm,
+        "hips": own.hips,
+        "shoulders": own.shoulders,
+        "hip_height": own.hip,
+        "ankle": own.ankle,
+        "belly": own.spine - own.hip,
+        "chest": own.shoulder - own.spine,
+        "neck": own.head - own.shoulder,
+        "foot": own.foot,
+        "ball": 0.48 * own.foot,
+    }

@@ -1,0 +1,230 @@
+"""Solid arrays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import MassError
+from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
+from pipeline.simulation.dynamics.body_record import zero_records
+from pipeline.simulation.dynamics.compiled import Record
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.hull import Hull, hull_of
+from pipeline.simulation.obstacles import directions, outermost
+from pipeline.simulation.solid import Motion, Obstacle
+from pipeline.simulation.spatial import Array
+
+ROUND = 0.06
+"""What a ball's corners may lack of its radius in any direction, as a part of it."""
+
+SAGITTA = 2.5e-3
+"""How far what is round reaches beyond its polyhedron, about [m]."""
+
+LEAST, MOST = 24, 96
+"""Directions in which corners are looked for."""
+
+FRICTION = 0.6
+"""Coulomb's coefficient of what has none of its own."""
+
+SOLID = np.dtype(
+    [
+        # First and number of its planes, triangles and corners; none of a ball.
+        ("planes", "i8", 2),
+        ("triangles", "i8", 2),
+        ("corners", "i8", 2),
+        # Of a ball, 0 of what is none; how far it reaches from where it turns about [m].
+        ("radius", "f8"),
+        ("reach", "f8"),
+        # In its own frame the middle and half the extent of the box around it [m].
+        ("middle", "f8", 3),
+        ("half", "f8", 3),
+        # 0 of what is not pushed [1/kg]; in the world, likewise [1/(kg m²)].
+        ("inverse_mass", "f8"),
+        ("inverse_inertia", "f8", (3, 3)),
+        ("friction", "f8"),
+        ("bounciness", "f8"),
+        # Where it is [m], how fast [m/s, rad/s]; what makes it fall if nothing bears it [m/s²].
+        ("p", "f8", 3),
+        ("R", "f8", (3, 3)),
+        ("v", "f8", 3),
+        ("w", "f8", 3),
+        ("fall_acceleration", "f8"),
+        # What it was pushed by since it was seen [N s, N m s].
+        ("impulse", "f8", 3),
+        ("angular_impulse", "f8", 3),
+        # Number of the thing that it is a part of; whether it is there.
+        ("thing", "i8"),
+        ("is_present", "?"),
+        # The box around it in the world [m].
+        ("low", "f8", 3),
+        ("high", "f8", 3),
+    ],
+    align=True,
+)
+"""A solid of another room."""
+
+
+class Solids(NamedTuple):
+    """All solids that characters may run into.
+
+    Attributes:
+        bodies: (S,) `SOLID`.
+        planes: (P, 4) outward normals and distances from the origin, in the solid's frame [m].
+        triangles: (T, 4) corners, counter-clockwise from outside, and the plane they lie in.
+        corners: (V, 3) in the solid's frame [m].
+        near: (n, 2) room for characters and solids whose boxes overlap.
+    """
+
+    bodies: RecordArray
+    planes: Array
+    triangles: IntArray
+    corners: Array
+    near: IntArray
+
+
+def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, list[int]]:
+    """Return solids for so many characters, and which of the obstacles they are, in order.
+
+    Those in whose corners there is no solid are left out.
+    """
+    shapes = [(k, shape) for k, one in enumerate(obstacles) if (shape := _shape(one)) is not None]
+    bodies = zero_records(len(shapes), SOLID)
+    # Limbs of one creature are one thing; bricks of one wall are not.
+    wholes = [one.performer if one.weight is None else one.name for one in obstacles]
+    numbers = {name: n for n, name in enumerate(dict.fromkeys(wholes))}
+    planes, triangles, corners = np.zeros((0, 4)), np.zeros((0, 4), np.int64), np.zeros((0, 3))
+    for solid, (k, shape) in zip(bodies, shapes, strict=True):
+        _describe(solid, obstacles[k], shape)
+        solid["thing"] = numbers[wholes[k]]
+        if isinstance(shape, Hull):
+            solid["planes"] = len(planes), len(shape.normals)
+            solid["triangles"] = len(triangles), len(shape.faces)
+            solid["corners"] = len(corners), len(shape.vertices)
+            own = np.column_stack([shape.faces + len(corners), _facets(shape) + len(planes)])
+            planes = np.concatenate([planes, np.column_stack([shape.normals, shape.offsets])])
+            triangles = np.concatenate([triangles, own.astype(np.int64)])
+            corners = np.concatenate([corners, shape.vertices])
+    near = np.zeros((characters * len(shapes), 2), dtype=np.int64)
+    return Solids(bodies, planes, triangles, corners, near), [k for k, _ in shapes]
+
+
+def no_solids() -> Solids:
+    """Return what there is about characters that are alone."""
+    return solids_of((), 0)[0]
+
+
+Ball = tuple[Array, float]
+"""Middle and radius [m]."""
+
+
+def _shape(obstacle: Obstacle) -> Hull | Ball | None:
+    corners = np.ascontiguousarray(obstacle.corners, dtype=float)
+    return _shape_of(corners.tobytes())
+
+
+@cache
+def _shape_of(corners: bytes) -> Hull | Ball | None:
+    """Return the shape of corners; creatures of one figure share theirs."""
+    points = np.frombuffer(corners).reshape(-1, 3)
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle = 0.5 * (low + high)
+    radius = float(np.linalg.norm(points - middle, axis=1).max())
+    # The corners of a box are as far from its middle as one another, and its faces are not.
+    reaches = ((points - middle)[:, None, :] * directions(MOST)).sum(axis=-1).max(axis=0)
+    if float(reaches.min()) >= (1.0 - ROUND) * radius:
+        # What is seen of a ball has corners a little outside and faces a little inside it.
+        return middle, float(reaches.mean())
+    # The middle one of three extents: what is long is as round as it is thick.
+    radius = 0.5 * float(np.sort(high - low)[1])
+    count = min(max(math.ceil(0.5 * math.pi * radius / SAGITTA), LEAST), MOST)
+    try:
+        return hull_of(outermost(points, count) if len(points) > count else points)
+    except MassError:
+        return None
+
+
+def _describe(solid: Record, obstacle: Obstacle, shape: Hull | Ball) -> None:
+    if isinstance(shape, Hull):
+        low, high = shape.vertices.min(axis=0), shape.vertices.max(axis=0)
+        solid["middle"], solid["half"] = 0.5 * (low + high), 0.5 * (high - low)
+        solid["reach"] = float(np.linalg.norm(shape.vertices, axis=1).max())
+    else:
+        solid["middle"], solid["radius"] = shape
+        solid["half"] = shape[1]
+        solid["reach"] = float(np.linalg.norm(shape[0])) + shape[1]
+    weight = obstacle.weight
+    solid["friction"] = FRICTION if weight is None else weight.friction
+    solid["bounciness"] = 0.0 if weight is None else weight.bounciness
+    solid["inverse_mass"] = 0.0 if weight is None else 1.0 / weight.mass
+
+
+def _facets(hull: Hull) -> NDArray[np.int64]:
+    """Return the facet (F,) that each triangle lies in: the one whose normal is most its own."""
+    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    alike = (normals[:, None, :] * hull.normals).sum(axis=-1)
+    result: NDArray[np.int64] = np.argmax(alike, axis=1)
+    return result
+
+
+class SolidTracker:
+    """What so many characters may run into.
+
+    Attributes:
+        obstacles: solids, in their order.
+        solids: as compiled loops know them.
+    """
+
+    def __init__(self, obstacles: Sequence[Obstacle] = (), characters: int = 0) -> None:
+        self.solids: Solids
+        self.solids, which = solids_of(obstacles, characters)
+        self.obstacles = [obstacles[k] for k in which]
+        inverse = [
+            np.zeros((3, 3)) if (o := one.weight) is None else o.inverse_inertia
+            for one in self.obstacles
+        ]
+        self._inverse = np.array(inverse).reshape(-1, 3, 3)
+        self._hollow: NDArray[np.bool_] | None = None
+        self._yields = np.array([one.weight is not None for one in self.obstacles], dtype=bool)
+
+    def feel(self, motion: Motion, characters: Sequence[Array]) -> None:
+        """Take in where the solids are, and how fast; what they were pushed by is forgotten.
+
+        Args:
+            motion: of the solids.
+            characters: (n, 3) nodes of each [m].
+        """
+        bodies = self.solids.bodies
+        bodies["p"], bodies["R"] = motion.p, motion.R
+        if self._hollow is None:
+            # A room, or a sky: nobody who begins all in something is thrown out of it.
+            inside = [any(self._encloses(solid, p) for p in characters) for solid in bodies]
+            self._hollow = np.array(inside, dtype=bool)
+        bodies["is_present"] = motion.here & np.logical_not(self._hollow)
+        bodies["v"], bodies["w"] = motion.v, motion.w
+        R = motion.R
+        bodies["inverse_inertia"] = R @ self._inverse @ np.swapaxes(R, -1, -2)
+        bodies["fall_acceleration"] = np.where(self._yields & ~motion.borne, GRAVITY, 0.0)
+        bodies["impulse"] = bodies["angular_impulse"] = 0.0
+
+    def pushed(self) -> tuple[Array, Array]:
+        """Return what they were pushed by since: (S, 3) [N s], (S, 3) about their nodes [N m s]."""
+        bodies = self.solids.bodies
+        return bodies["impulse"].copy(), bodies["angular_impulse"].copy()
+
+    def _encloses(self, solid: Record, p: Array) -> bool:
+        """Tell whether all of p (n, 3) lie in a solid."""
+        local = (p - solid["p"]) @ solid["R"]
+        if solid["radius"] > 0.0:
+            away = local - solid["middle"]
+            return bool((np.sqrt((away * away).sum(axis=1)) < solid["radius"]).all())
+        first, count = solid["planes"]
+        planes = self.solids.planes[first : first + count]
+        along = (local[:, None, :] * planes[:, :3]).sum(axis=-1)
+        return bool((along < planes[:, 3]).all())

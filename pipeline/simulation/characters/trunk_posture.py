@@ -1,0 +1,335 @@
+"""Trunk posture: targets of pelvis, spine, shoulders and head, from what the legs do.
+
+- The pelvis stands at standing height over the feet (`pelvis_motion`). In walking it rises over
+  each standing leg and sinks between them, sways over the stance foot, and turns its forward hip
+  with the forward leg; in running it is lowest where the leg bears most.
+- The shoulders shift until the centre of mass is over the feet; a person who runs or gains speed
+  leans into it.
+- The pelvis turns with the way, the shoulders towards what is looked at, at most 90 degrees more.
+
+Rotations are yaw about Y, then lean; letters as in `spatial`.
+
+Source: Horswill 2008, "Low-level character control"; Perlin 1995 for breath; Winter 2009, chapter
+on kinematics, for how much a pelvis sways and sinks.
+"""
+
+from __future__ import annotations
+
+import math
+
+from pipeline.simulation.characters.gait_timing import (
+    froude,
+    gait_pace,
+    ground_speed,
+    leg_length,
+    leg_phase,
+    run_blend,
+    smoothstep,
+    spring_step,
+    wrap_angle,
+)
+from pipeline.simulation.characters.person_record import (
+    HEAD,
+    HIP,
+    NODE_COUNT,
+    PELVIS,
+    SHOULDER,
+    SHOULDERS,
+    SPINE,
+    STANCE,
+)
+from pipeline.simulation.dynamics.compiled import Record, Records, compiled
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.vectors import Vector, length, minus, put, row
+from pipeline.simulation.people.proportions import SEGMENTS
+
+MAX_LEG_STRETCH = 0.996  # of its length; a quite straight leg cannot be bent
+
+# The pelvis in walking: sideways and vertical amplitude in leg lengths, rotation and tilt.
+SWAY, BOB = 0.022, 0.028
+PELVIS_ROTATION, PELVIS_TILT = math.radians(5.0), math.radians(4.0)
+RISE_RATE = 14.0  # at which the pelvis rises once no stance leg holds it down [1/s]
+EARLY_LOWERING = 0.4  # remaining swing from which the pelvis comes down for a far landing place
+
+SHOULDER_ROTATION = math.radians(6.0)  # against the pelvis
+MAX_TWIST = math.radians(90.0)  # of the shoulders against the pelvis
+MAX_LEAN = 1.6  # tangent of the trunk's lean
+
+CHEST_LINK = tuple(SEGMENTS).index("chest")  # among the links of a person
+
+Frame = tuple[Vector, Vector, Vector]
+"""Directions ahead, up and to the right."""
+
+
+@compiled
+def trunk_frame(heading: float, lean_x: float, lean_z: float, tilt: float) -> Frame:
+    """Return the frame of a trunk that faces a heading.
+
+    Args:
+        heading: about +Y [rad].
+        lean_x: tangent of its lean in the world along x.
+        lean_z: along z.
+        tilt: of its right side upward [rad].
+    """
+    n = 1.0 / math.sqrt(1.0 + lean_x * lean_x + lean_z * lean_z)
+    up = (lean_x * n, n, lean_z * n)
+    c, s = math.cos(heading), math.sin(heading)
+    right = (s, 0.0, c)
+    along = right[0] * up[0] + right[2] * up[2]
+    right = (right[0] - along * up[0], -along * up[1], right[2] - along * up[2])
+    n = 1.0 / math.sqrt(right[0] ** 2 + right[1] ** 2 + right[2] ** 2)
+    right = (right[0] * n, right[1] * n, right[2] * n)
+    c, s = math.cos(tilt), math.sin(tilt)
+    right, up = (
+        (c * right[0] + s * up[0], c * right[1] + s * up[1], c * right[2] + s * up[2]),
+        (c * up[0] - s * right[0], c * up[1] - s * right[1], c * up[2] - s * right[2]),
+    )
+    ahead = (
+        up[1] * right[2] - up[2] * right[1],
+        up[2] * right[0] - up[0] * right[2],
+        up[0] * right[1] - up[1] * right[0],
+    )
+    return ahead, up, right
+
+
+@compiled
+def place_in_world(origin: Vector, frame: Frame, x: float, y: float, z: float) -> Vector:
+    """Return the place in the world of a place in a frame."""
+    a, u, r = frame
+    return (
+        origin[0] + x * a[0] + y * u[0] + z * r[0],
+        origin[1] + x * a[1] + y * u[1] + z * r[1],
+        origin[2] + x * a[2] + y * u[2] + z * r[2],
+    )
+
+
+@compiled
+def phase_cosine(person: Record, start: float) -> float:
+    """Return the cosine of the gait phase after a given phase, once a cycle."""
+    return math.cos(2.0 * math.pi * (person.phase - start))
+
+
+@compiled
+def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
+    """Set the targets of the trunk's nodes."""
+    _follow_ground(person, dt)
+    _, stance = gait_pace(person)
+    middle = 0.5 * (1.0 - stance)
+    walking = person.walk_blend
+    # While the left foot swings, from phase 0 on, weight is on the right one.
+    sway = SWAY * leg_length(person) * walking * phase_cosine(person, middle)
+    tilt = PELVIS_TILT * walking * phase_cosine(person, middle)
+    rotation = -PELVIS_ROTATION * walking * phase_cosine(person, 1.0 - stance)
+    height = _pelvis_height(person, stance, dt)
+    c, s = math.cos(person.heading), math.sin(person.heading)
+    backward = backward_shift(person)
+    pelvis = (
+        person.at[0] + sway * s - backward * c,
+        person.floor + height,
+        person.at[1] + sway * c + backward * s,
+    )
+    put(person.targets, PELVIS, pelvis)
+    frame = trunk_frame(person.heading + rotation, 0.0, 0.0, tilt)
+    for k in range(2):
+        side = person.hips if k == 1 else -person.hips
+        put(person.targets, HIP + k, place_in_world(pelvis, frame, 0.0, 0.0, side))
+    _lean(person, nodes, dt)
+    _hold_chest(person, pelvis, rotation, dt)
+
+
+@compiled
+def _follow_ground(person: Record, dt: float) -> None:
+    """Let the ground height follow the feet."""
+    target = 0.5 * (person.stance_place[0, 1] + person.stance_place[1, 1]) - person.ankle
+    for k in range(2):
+        if person.foot_state[k] != STANCE:
+            rise = row(person.landing_place, k)[1] - row(person.stance_place, k)[1]
+            target += 0.5 * rise * 0.5
+    person.floor, person.floor_rate = spring_step(person.floor, person.floor_rate, target, 9.0, dt)
+
+
+@compiled
+def _pelvis_height(person: Record, stance: float, dt: float) -> float:
+    """Return the height of the pelvis above the ground [m]."""
+    leg, walking = leg_length(person), person.walk_blend
+    leg_bones = MAX_LEG_STRETCH * (person.thigh + person.shin)
+    standing = person.ankle + leg_bones
+    speed = ground_speed(person)
+    running = run_blend(speed, leg)
+    rate, _ = gait_pace(person)
+    half_stride = min(0.5 * speed * stance / rate - 0.42 * person.foot, 0.6 * leg_bones)
+    lowest = (
+        person.ankle + math.sqrt(leg_bones * leg_bones - max(half_stride, 0.0) ** 2) + 0.012 * leg
+    )
+    rise = min(0.5 * max(0.985 * standing - lowest, 0.0), BOB * leg)
+    middle = 0.5 * (1.0 - stance)
+    bob = math.cos(4.0 * math.pi * (person.phase - middle))
+    walk_height = lowest + rise + rise * bob
+    run_height = 0.955 * standing - 0.035 * leg * bob
+    height = (1.0 - walking) * standing + walking * (
+        (1.0 - running) * walk_height + running * run_height
+    )
+    sitting = smoothstep(person.sit_blend)
+    height = (1.0 - sitting) * (height - person.crouch * leg) + sitting * (
+        person.seat[1] - person.floor
+    )
+    return _within_reach(person, height, dt)
+
+
+@compiled
+def _within_reach(person: Record, height: float, dt: float) -> float:
+    """Return the height at which no stance leg is longer than it can be.
+
+    When the leg that held the pelvis down swings, the pelvis rises smoothly.
+    """
+    leg_bones = 0.995 * (person.thigh + person.shin)
+    highest = height
+    for k in range(2):
+        if person.foot_state[k] == STANCE:
+            x = person.ankles[k, 0] - person.targets[HIP + k, 0]
+            z = person.ankles[k, 2] - person.targets[HIP + k, 2]
+            away = min(x * x + z * z, 0.75 * leg_bones * leg_bones)
+            top = person.ankles[k, 1] + math.sqrt(leg_bones * leg_bones - away) - person.floor
+            highest = min(highest, top)
+        else:
+            highest = min(highest, height - _soon(person, k, height, leg_bones))
+    person.pelvis_drop = max(height - highest, person.pelvis_drop * math.exp(-RISE_RATE * dt))
+    held: float = height - person.pelvis_drop
+    return held
+
+
+@compiled
+def _soon(person: Record, k: int, height: float, bones: float) -> float:
+    """Return how much lower the pelvis is to be for a foot that is about to come down [m].
+
+    Who sank at the moment it did would be thrown down.
+
+    Args:
+        person: whose.
+        k: which foot.
+        height: that the pelvis has otherwise, above the ground [m].
+        bones: how long the leg may be [m].
+    """
+    rate, stance = gait_pace(person)
+    left = max(1.0 - leg_phase(person, k) / (1.0 - stance), 0.0)
+    if left > EARLY_LOWERING:
+        return 0.0
+    time = left * (1.0 - stance) / rate
+    x = person.landing_place[k, 0] - person.targets[HIP + k, 0] - person.velocity[0] * time
+    z = person.landing_place[k, 2] - person.targets[HIP + k, 2] - person.velocity[1] * time
+    away = min(x * x + z * z, 0.75 * bones * bones)
+    top = person.landing_place[k, 1] + math.sqrt(bones * bones - away) - person.floor
+    lower: float = max(height - top, 0.0) * smoothstep(1.0 - left / EARLY_LOWERING)
+    return lower
+
+
+@compiled
+def backward_shift(person: Record) -> float:
+    """Return how far behind the feet the pelvis is in sitting and bowing [m]."""
+    # First back, then down: whoever folds straight down falls on their heels.
+    backward: float = person.seat[0] * math.sin(0.5 * math.pi * smoothstep(person.sit_blend))
+    # Who bows or crouches keeps the balance with the hips.
+    balance = 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_length(person)
+    # Who holds somebody leans on them.
+    backward += (1.0 - person.embrace_lean) * balance
+    return backward
+
+
+@compiled
+def _lean(person: Record, nodes: Records, dt: float) -> None:
+    """Lean to balance over the feet, into a run, and into acceleration."""
+    leg, speed = leg_length(person), ground_speed(person)
+    running = run_blend(speed, leg)
+    speed_lean = 0.03 * min(froude(speed, leg), 0.6) + 0.16 * running
+    size = max(speed, 1e-6)
+    along_x, along_z = (
+        speed_lean * person.velocity[0] / size,
+        speed_lean * person.velocity[1] / size,
+    )
+    along_x += 0.45 * person.acceleration[0] / GRAVITY
+    along_z += 0.45 * person.acceleration[1] / GRAVITY
+    if person.sit_blend > 0.0:
+        # Weight goes over the feet on the way, and back over the seat once there.
+        halfway = 4.0 * person.sit_blend * (1.0 - person.sit_blend)
+        c, s = math.cos(person.heading), math.sin(person.heading)
+        lean = 0.62 * halfway + person.seat[2] * smoothstep(person.sit_blend)
+        along_x, along_z = along_x + lean * c, along_z - lean * s
+    elif person.bow > 0.02:
+        c, s = math.cos(person.heading), math.sin(person.heading)
+        along_x, along_z = along_x + person.bow * c, along_z - person.bow * s
+    elif not person.stepping:
+        x, z = _balance_error(person, nodes)
+        along_x -= 1.2 * x / leg
+        along_z -= 1.2 * z / leg
+    size = max(math.hypot(along_x, along_z) / MAX_LEAN, 1.0)
+    for c, target in ((0, along_x / size), (1, along_z / size)):
+        person.lean[c], person.lean_rate[c] = spring_step(
+            person.lean[c], person.lean_rate[c], target, 5.0, dt
+        )
+
+
+@compiled
+def _balance_error(person: Record, nodes: Records) -> tuple[float, float]:
+    x = z = weight = 0.0
+    for i in range(person.node, person.node + NODE_COUNT):
+        node = nodes[i]
+        mass = 1.0 / max(node.inverse_mass, 1e-9)
+        x, z, weight = x + mass * node.p[0], z + mass * node.p[2], weight + mass
+    return (
+        x / weight - 0.5 * (person.stance_place[0, 0] + person.stance_place[1, 0]),
+        z / weight - 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2]),
+    )
+
+
+@compiled
+def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> None:
+    """Set the targets of spine, shoulders and head."""
+    gaze_yaw = wrap_angle(person.gaze[0] - person.heading)
+    twist_target = min(max(0.4 * gaze_yaw, -MAX_TWIST), MAX_TWIST)
+    person.twist, person.twist_rate = spring_step(
+        person.twist, person.twist_rate, twist_target, 5.0, dt
+    )
+    counter_rotation = -rotation / PELVIS_ROTATION * SHOULDER_ROTATION
+    x, z = person.lean[0], person.lean[1]
+    yaw = person.heading + person.twist
+    belly = trunk_frame(person.heading + 0.5 * (rotation + counter_rotation), 0.5 * x, 0.5 * z, 0.0)
+    spine = place_in_world(pelvis, belly, 0.0, person.belly, 0.0)
+    chest = trunk_frame(yaw + counter_rotation, x, z, 0.0)
+    shoulders = place_in_world(spine, chest, 0.0, person.chest + _breath_lift(person, dt), 0.0)
+    put(person.targets, SPINE, spine)
+    put(person.targets, SHOULDERS, shoulders)
+    for k in range(2):
+        side = person.shoulders if k == 1 else -person.shoulders
+        put(person.targets, SHOULDER + k, place_in_world(shoulders, chest, 0.0, 0.0, side))
+    # The neck keeps the head upright, and bends with what is looked at.
+    nod = -0.35 * person.gaze[1]
+    c, s = math.cos(person.gaze[0]), math.sin(person.gaze[0])
+    neck = trunk_frame(yaw, 0.35 * x + nod * c, 0.35 * z - nod * s, 0.0)
+    put(person.targets, HEAD, place_in_world(shoulders, neck, 0.0, person.neck, 0.0))
+
+
+@compiled
+def stretch_chest(person: Record, links: Records, owners: Records) -> None:
+    """Set the length of the chest link to what breath makes it."""
+    link = owners[person.owner].links[0] + CHEST_LINK
+    span = length(minus(row(person.targets, SHOULDERS), row(person.targets, SPINE)))
+    links[link].length_limits[0] = links[link].length_limits[1] = span
+
+
+@compiled
+def chest_frame(person: Record) -> tuple[Vector, Frame]:
+    """Return the target of the middle of the shoulders, and the frame of the chest."""
+    _, stance = gait_pace(person)
+    yaw = person.heading + person.twist
+    yaw += SHOULDER_ROTATION * person.walk_blend * phase_cosine(person, 1.0 - stance)
+    return row(person.targets, SHOULDERS), trunk_frame(yaw, person.lean[0], person.lean[1], 0.0)
+
+
+@compiled
+def _breath_lift(person: Record, dt: float) -> float:
+    """Return the lift of the shoulders by breath [m]; it grows with the effort of the walk."""
+    effort = min(froude(ground_speed(person), leg_length(person)), 1.2)
+    person.breath = (person.breath + (0.25 + 0.45 * effort) * dt) % 1.0
+    depth = (0.0035 + 0.004 * effort) * person.height
+    lift: float = depth * math.sin(2.0 * math.pi * person.breath)
+    return lift

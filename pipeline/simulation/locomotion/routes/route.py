@@ -1,0 +1,319 @@
+"""Routes: the ways that bodies go over the plane of the ground.
+
+A route is a table along its own length: places and headings, between which it is a cubic
+with the headings as its tangents. Turning on the spot has a length too, that of the way
+of the feet. Beyond its end a route that stops stays there, so that the last steps are
+planned for a body that stands; one that does not goes straight on.
+
+Source: Sims 1987, 10.1 and 3.2.3.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from pipeline.simulation.spatial import Array
+from pipeline.spec.cast import Creature
+
+FINE = 48
+"""Entries of the table between two waypoints."""
+
+
+@dataclass(frozen=True, eq=False)
+class Route:
+    """A way over the plane.
+
+    Attributes:
+        s: (n,) length gone, ascending from 0 [m].
+        xz: (n, 2) places [m].
+        heading: (n,) continuous, positive about +Y [rad].
+        stops: whether it ends with its last entry.
+    """
+
+    s: Array
+    xz: Array
+    heading: Array
+    stops: bool
+
+    @property
+    def goes_straight(self) -> bool:
+        """Whether it never turns and never ends."""
+        return len(self.s) == 1 and not self.stops
+
+    @property
+    def length(self) -> float:
+        """From its first to its last entry [m]; infinite if it does not stop."""
+        return float(self.s[-1]) if self.stops else math.inf
+
+    def at(self, s: Array) -> tuple[Array, Array]:
+        """Return places (n, 2) [m] and headings (n,) [rad] after lengths `s` (n,) [m].
+
+        What lies before its start goes straight back from there.
+        """
+        last = len(self.s) - 1
+        xz, turned = np.empty((len(s), 2)), np.empty(len(s))
+        inside = (s >= 0.0) & (s <= self.s[last])
+        if inside.any():
+            xz[inside], turned[inside] = self._within(s[inside])
+        on = 0.0 if self.stops else 1.0
+        for end, out, part in ((0, s < 0.0, 1.0), (last, s > self.s[last], on)):
+            turned[out] = self.heading[end]
+            beyond = part * (s[out] - self.s[end])[:, None]
+            xz[out] = self.xz[end] + beyond * heading_vector(self.heading[end])
+        return xz, turned
+
+    def _within(self, s: Array) -> tuple[Array, Array]:
+        if len(self.s) == 1:
+            return np.repeat(self.xz, len(s), axis=0), np.repeat(self.heading, len(s))
+        i = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
+        u = ((s - self.s[i]) / (self.s[i + 1] - self.s[i]))[:, None]
+        a, b = self.xz[i], self.xz[i + 1]
+        # As long as the chord: nothing where it turns on the spot.
+        chord = np.linalg.norm(b - a, axis=-1, keepdims=True)
+        t_a, t_b = (chord * heading_vector(self.heading[k]) for k in (i, i + 1))
+        xz = a + (b - a) * u * u * (3.0 - 2.0 * u)
+        xz = xz + u * (1.0 - u) * ((1.0 - u) * t_a - u * t_b)
+        return xz, self.heading[i] + (self.heading[i + 1] - self.heading[i]) * u[:, 0]
+
+    @cached_property
+    def _corners(self) -> Array:
+        """Lengths at which it begins and ends to turn on the spot, and its end [m]."""
+        moves = np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
+        changes = np.flatnonzero(moves[1:] != moves[:-1]) + 1
+        ends = self.s[changes]
+        return np.append(ends, self.length)
+
+    def free(self, s: float) -> float:
+        """Return how far it is from `s` to where the body has to rest [m]."""
+        corners = self._corners
+        return float(corners[min(int(np.searchsorted(corners, s + 1e-9)), len(corners) - 1)]) - s
+
+    @cached_property
+    def _bends(self) -> tuple[Array, Array]:
+        """Middles of the pieces of the table, and the curvature there [rad/m]."""
+        middles = 0.5 * (self.s[1:] + self.s[:-1])
+        moves = np.linalg.norm(np.diff(self.xz, axis=0), axis=-1) > 0.0
+        bends = np.diff(self.heading) / np.diff(self.s)
+        return middles, np.where(moves, bends, 0.0)
+
+    def curvature(self, s: Array) -> Array:
+        """Return how much the heading changes a metre (n,) [rad/m]; 0 on the spot."""
+        if len(self.s) < 2:
+            return np.zeros(len(s))
+        inside = (s >= 0.0) & (s <= self.s[-1])
+        return np.where(inside, np.interp(s, *self._bends), 0.0)
+
+    def upto(self, s: float) -> Route:
+        """Return what of it lies before `s` [m], ending there."""
+        xz, turned = self.at(np.array([s]))
+        before = self.s < s - 1e-9
+        return Route(
+            np.append(self.s[before], s),
+            np.concatenate([self.xz[before], xz]),
+            np.append(self.heading[before], turned),
+            stops=True,
+        )
+
+    def beyond(self, s: float) -> Route:
+        """Return what of it lies after `s` [m], beginning there."""
+        xz, turned = self.at(np.array([s]))
+        after = self.s > s + 1e-9
+        return Route(
+            np.append(0.0, self.s[after] - s),
+            np.concatenate([xz, self.xz[after]]),
+            np.append(turned, self.heading[after]),
+            self.stops,
+        )
+
+    def then(self, other: Route) -> Route:
+        """Return this route and after its last entry another, which begins there."""
+        whole = round((self.heading[-1] - other.heading[0]) / (2.0 * math.pi))
+        return Route(
+            np.concatenate([self.s, self.s[-1] + other.s[1:]]),
+            np.concatenate([self.xz, other.xz[1:]]),
+            np.concatenate([self.heading, other.heading[1:] + 2.0 * math.pi * whole]),
+            other.stops,
+        )
+
+
+def heading_vector(heading: Array | float) -> Array:
+    """Return unit vectors (..., 2) along x and z of headings (...,) [rad]."""
+    return np.stack([np.cos(heading), -np.sin(heading)], axis=-1)
+
+
+def straight_route(start: Array, heading: float) -> Route:
+    """Return the way from `start` (2,) along `heading` [rad] that never ends."""
+    return Route(np.zeros(1), np.array([start], dtype=float), np.array([heading]), stops=False)
+
+
+def standing_route(start: Array, heading: float) -> Route:
+    """Return the way that goes nowhere from `start` (2,)."""
+    return Route(np.zeros(1), np.array([start], dtype=float), np.array([heading]), stops=True)
+
+
+def turn_in_place(start: Array, heading: float, angle: float, radius: float) -> Route:
+    """Return the turn by `angle` [rad] on the spot, as long as the way of feet at `radius` [m]."""
+    u = np.linspace(0.0, 1.0, FINE + 1)
+    return Route(
+        u * max(abs(angle) * radius, 1e-6),
+        np.tile(np.asarray(start, dtype=float), (len(u), 1)),
+        heading + u * angle,
+        stops=True,
+    )
+
+
+def spline_route(points: Sequence[Array], heading: float | None, closed: bool = False) -> Route:
+    """Return the spline through waypoints, which stops at the last.
+
+    Args:
+        points: two or more (2,) [m], no two neighbours the same.
+        heading: at the first [rad]; that of the spline if None.
+        closed: whether it comes back to the first, as it left it.
+
+    Source: Catmull and Rom 1974; centripetal after Yuksel, Schaefer and Keyser 2011, which
+    makes no loops between near points.
+    """
+    p = np.array(points, dtype=float)
+    if closed:
+        p = np.concatenate([p, p[:1]])
+    gaps = np.sqrt(np.linalg.norm(np.diff(p, axis=0), axis=-1))
+    tangents = _tangents(p, gaps, closed)
+    if heading is not None:
+        tangents[0] = heading_vector(heading) * gaps[0]
+        if closed:
+            tangents[-1] = tangents[0] * gaps[-1] / gaps[0]
+    u = np.linspace(0.0, 1.0, 8 * FINE + 1)[:, None]
+    pieces = [
+        _hermite(p[i], p[i + 1], gaps[i] * tangents[i], gaps[i] * tangents[i + 1], u)
+        for i in range(len(gaps))
+    ]
+    line = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
+    return _measured(line, FINE * len(gaps))
+
+
+def connecting_route(here: tuple[Array, float], there: tuple[Array, float]) -> Route:
+    """Return the curve between two places (2,) [m] that are passed at headings [rad]."""
+    (a, turned_a), (b, turned_b) = here, there
+    chord = float(np.linalg.norm(b - a))
+    u = np.linspace(0.0, 1.0, 8 * FINE + 1)[:, None]
+    line = _hermite(a, b, chord * heading_vector(turned_a), chord * heading_vector(turned_b), u)
+    return _measured(line, FINE)
+
+
+def _tangents(p: Array, gaps: Array, closed: bool) -> Array:
+    """Return speeds (n, 2) at the waypoints, by the root of the chord's length."""
+    slopes = np.diff(p, axis=0) / gaps[:, None]
+    before, after = slopes, slopes
+    a, b = gaps[:-1, None], gaps[1:, None]
+    inner = (b * before[:-1] + a * after[1:]) / (a + b)
+    first, last = slopes[0], slopes[-1]
+    if closed:
+        a, b = gaps[-1], gaps[0]
+        first = last = (b * slopes[-1] + a * slopes[0]) / (a + b)
+    return np.concatenate([[first], inner, [last]])
+
+
+def _hermite(a: Array, b: Array, t_a: Array, t_b: Array, u: Array) -> Array:
+    result: Array = a + (b - a) * u * u * (3.0 - 2.0 * u)
+    result = result + u * (1.0 - u) * ((1.0 - u) * t_a - u * t_b)
+    return result
+
+
+def _measured(line: Array, count: int) -> Route:
+    """Return the route along a fine line (m, 2), with `count` pieces of equal length."""
+    steps = np.diff(line, axis=0)
+    lengths = np.linalg.norm(steps, axis=-1)
+    along = np.concatenate([[0.0], np.cumsum(lengths)])
+    headings = np.unwrap(np.arctan2(-steps[:, 1], steps[:, 0]))
+    s = np.linspace(0.0, along[-1], count + 1)
+    xz = np.stack([np.interp(s, along, line[:, k]) for k in range(2)], axis=-1)
+    return Route(s, xz, np.interp(s, 0.5 * (along[1:] + along[:-1]), headings), stops=True)
+
+
+SHARP = math.radians(120.0)
+"""Corner at a waypoint from which on a creature halts there and turns on the spot: a spline
+would come to a point."""
+
+ROUNDS = 200
+"""How often a path that is repeated is laid out; no film is longer."""
+
+
+def plan_route(member: Creature, footprint: Array, far: float) -> Route:
+    """Return the way that a creature goes.
+
+    Args:
+        member: its words.
+        footprint: (2,) half extent of its feet at rest along x and z [m].
+        far: at least as long as it can get in the film [m].
+    """
+    start = np.array([member.at[0], member.at[-1]])
+    heading = math.radians(member.heading_deg)
+    walk = member.walk
+    if walk is None:
+        return standing_route(start, heading)
+    points = [np.array(point) for point in walk.path if tuple(point) != tuple(start)]
+    if not points:
+        return straight_route(start, heading)
+    # Who was not told where to look looks where it goes.
+    first = heading if "heading_deg" in member.model_fields_set else None
+    radius = float(np.hypot(*footprint))
+    if walk.repeat == "once":
+        return _along([start, *points], first, radius)
+    if walk.repeat == "loop" and not sharp_corners([points[-1], start, *points, start]):
+        once = spline_route([start, *points], None, closed=True)
+        return _repeated(once, once, far)
+    if walk.repeat == "loop":
+        once = _along([start, *points, start], first, radius)
+        return _repeated(once, _joined(once, once, radius), far)
+    there = _along([start, *points], first, radius)
+    back = _joined(there, _along([*points[::-1], start], None, radius), radius)
+    return _repeated(there.then(back), _joined(back, there, radius).then(back), far)
+
+
+def _along(points: Sequence[Array], heading: float | None, radius: float) -> Route:
+    """Return the way through waypoints, with a turn on the spot at sharp corners.
+
+    Args:
+        points: two or more (2,) [m].
+        heading: at the first [rad]; that of the way if None.
+        radius: of the feet, for turns on the spot [m].
+    """
+    cuts = [0, *sharp_corners(points), len(points) - 1]
+    route = spline_route(points[: cuts[1] + 1], heading)
+    for a, b in itertools.pairwise(cuts[1:]):
+        route = route.then(_joined(route, spline_route(points[a : b + 1], None), radius))
+    return route
+
+
+def sharp_corners(points: Sequence[Array]) -> list[int]:
+    """Return which of the inner waypoints are sharp corners."""
+    found = []
+    for i in range(1, len(points) - 1):
+        a, b = points[i] - points[i - 1], points[i + 1] - points[i]
+        angle = math.atan2(a[0] * b[1] - a[1] * b[0], float(a @ b))
+        if abs(angle) > SHARP:
+            found.append(i)
+    return found
+
+
+def _joined(before: Route, after: Route, radius: float) -> Route:
+    """Return the turn on the spot from the end of one route to another, and that one."""
+    heading = float(before.heading[-1])
+    angle = math.remainder(float(after.heading[0]) - heading, 2.0 * math.pi)
+    return turn_in_place(before.xz[-1], heading, angle, radius).then(after)
+
+
+def _repeated(first: Route, again: Route, far: float) -> Route:
+    """Return `first`, and `again` after it until that is longer than `far` [m]."""
+    result = first
+    for _ in range(ROUNDS):
+        if result.s[-1] > far:
+            break
+        result = result.then(again)
+    return result

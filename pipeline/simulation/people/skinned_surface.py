@@ -1,0 +1,269 @@
+"""Skinned surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.solids import loft, surface_nets
+from pipeline.simulation.people.body_frames import FRAMES
+from pipeline.simulation.people.signed_distance import Field
+from pipeline.simulation.spatial import Array, cross, normalized
+
+PINCH = 1e-9
+"""How deep inside a sample is that was filled [m]."""
+
+kept = lru_cache(maxsize=256)
+"""For what many persons have alike: it is made once."""
+
+MIRROR = np.array([1.0, 1.0, -1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A closed surface.
+
+    Attributes:
+        vertices: (V, 3) at rest [m].
+        faces: (F, 3), counter-clockwise from outside.
+    """
+
+    vertices: Array
+    faces: NDArray[np.uint32]
+
+    def mirrored(self) -> Surface:
+        """Return the same on the other side of the body."""
+        return Surface(self.vertices * MIRROR, self.faces[:, ::-1])
+
+    def follow(self, frame: str, other: str | None = None, share: Array | None = None) -> Patch:
+        """Return the surface, following one frame, or a second one by a share of it.
+
+        Args:
+            frame: the first.
+            other: the second.
+            share: (V,) of the second, from 0 to 1.
+        """
+        count = len(self.vertices)
+        part = np.zeros(count) if share is None else np.clip(share, 0.0, 1.0)
+        first = np.full(count, FRAMES.index(frame))
+        second = np.full(count, FRAMES.index(other or frame))
+        return Patch(self.vertices, self.faces, np.stack([first, second], axis=-1), part)
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A surface that follows one frame or two.
+
+    Attributes:
+        vertices: (V, 3) at rest [m].
+        faces: (F, 3), counter-clockwise from outside.
+        frames: (V, 2) numbers in `FRAMES`.
+        share: (V,) of the second frame; the first has the rest.
+    """
+
+    vertices: Array
+    faces: NDArray[np.uint32]
+    frames: NDArray[np.int64]
+    share: Array
+
+    def mirrored(self) -> Patch:
+        """Return the same on the other side of the body, following its frames."""
+        return Patch(
+            self.vertices * MIRROR, self.faces[:, ::-1], OTHER_SIDE[self.frames], self.share
+        )
+
+
+def _other_side(name: str) -> int:
+    stem, _, side = name.rpartition("_")
+    return FRAMES.index(f"{stem}_{'lr'[side == 'l']}" if stem and side in "lr" else name)
+
+
+OTHER_SIDE = np.array([_other_side(name) for name in FRAMES])
+"""For each frame the one on the other side of the body."""
+
+
+def joined(patches: Sequence[Patch]) -> Patch:
+    """Return several patches as one."""
+    starts = np.cumsum([0, *(len(p.vertices) for p in patches)])
+    faces = [p.faces + np.uint32(start) for p, start in zip(patches, starts, strict=False)]
+    return Patch(
+        np.concatenate([p.vertices for p in patches]),
+        np.concatenate(faces),
+        np.concatenate([p.frames for p in patches]),
+        np.concatenate([p.share for p in patches]),
+    )
+
+
+def both(patch: Patch) -> Patch:
+    """Return a patch of the right side and the same on the left."""
+    return joined([patch, patch.mirrored()])
+
+
+def polygonised(
+    field: Field,
+    low: Sequence[float],
+    high: Sequence[float],
+    cell: float,
+    stretch: float = 1.0,
+    symmetric: bool = False,
+    hem: float | None = None,
+) -> Surface:
+    """Return the surface on which a field is zero.
+
+    Args:
+        field: positive on the border of the box.
+        low: (3,) corner of the box [m].
+        high: (3,) the opposite one [m].
+        cell: distance of the samples [m].
+        stretch: how much farther apart they are in height.
+        symmetric: whether both sides of the body are alike, and sampled alike.
+        hem: height of an edge, which lies in the middle between samples, so that it is even [m].
+    """
+    if symmetric:
+        field = _folded(field)
+    steps = cell * np.array([1.0, stretch, 1.0])
+    axes = [
+        _samples(*ends, symmetric and k == 2)
+        for k, ends in enumerate(zip(low, high, steps, strict=True))
+    ]
+    if hem is not None:
+        axes[1] = axes[1] + (hem - axes[1][0] + 0.5 * steps[1]) % steps[1]
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    values = field(grid.reshape(-1, 3)).reshape(grid.shape[:3])
+    _fill_pinches(values)
+    vertices, faces = surface_nets(values, np.zeros(3), 1.0)
+    places = grid[0, 0, 0] + vertices * steps
+    return Surface(_drawn_on(field, places, 0.25 * cell), faces)
+
+
+def _folded(field: Field) -> Field:
+    """Return a field whose left is as its right, to the last bit."""
+
+    def distance(places: Array) -> Array:
+        right = places.copy()
+        right[:, 2] = np.abs(right[:, 2])
+        return field(right)
+
+    return distance
+
+
+def _fill_pinches(values: Array) -> None:
+    """Fill samples in which two parts of a solid would meet in an edge alone.
+
+    Where the inside samples of a square lie across from one another, four faces would share an
+    edge.
+    """
+    found = True
+    while found:
+        found = False
+        for first, second in ((0, 1), (0, 2), (1, 2)):
+            a, b, c, d = _squares(values, first, second)
+            in_a, in_b, in_c, in_d = (corner < 0.0 for corner in (a, b, c, d))
+            across = (in_a == in_c) & (in_b == in_d) & (in_a != in_b)
+            if not across.any():
+                continue
+            # Samples are only ever filled, so this comes to an end.
+            found = True
+            for one, other, outside in ((a, c, ~in_a), (b, d, ~in_b)):
+                one[across & outside & (one <= other)] = -PINCH
+                other[across & outside & (one > other)] = -PINCH
+
+
+def _squares(values: Array, first: int, second: int) -> tuple[Array, Array, Array, Array]:
+    """Return the four corners of all squares of a grid along two of its axes, as views."""
+    n = values.shape
+
+    def corner(i: int, j: int) -> Array:
+        take = [slice(None)] * 3
+        take[first] = slice(i, n[first] - 1 + i)
+        take[second] = slice(j, n[second] - 1 + j)
+        return values[tuple(take)]
+
+    return corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)
+
+
+def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:
+    if symmetric:
+        half = int(np.ceil(high / step + 0.5))
+        return (np.arange(-half, half, dtype=float) + 0.5) * step
+    return low + step * np.arange(int(np.ceil((high - low) / step)) + 1, dtype=float)
+
+
+def _drawn_on(field: Field, places: Array, most: float) -> Array:
+    """Return places drawn onto the surface of a field along its slope, by `most` at most [m].
+
+    A net lies inside of what is round, by its cells' size; drawn out, few vertices are enough.
+    """
+    step = 0.2 * most
+    for _ in range(2):
+        slope = np.stack(
+            [(field(places + d) - field(places - d)) / (2.0 * step) for d in step * np.eye(3)],
+            axis=-1,
+        )
+        square = np.maximum((slope * slope).sum(axis=-1), 0.04)
+        move = -(field(places) / square)[:, None] * slope
+        length = np.sqrt((move * move).sum(axis=-1, keepdims=True))
+        places = places + move * np.minimum(1.0, most / np.maximum(length, 1e-12))
+    return places
+
+
+def ramp(values: Array, begin: float | Array, end: float | Array) -> Array:
+    """Return 0 up to `begin`, 1 from `end` on, and smoothly between; `end` may be the lower."""
+    s = np.clip((values - begin) / (end - begin), 0.0, 1.0)
+    result: Array = s * s * (3.0 - 2.0 * s)
+    return result
+
+
+CAP = np.radians([25.0, 65.0])
+"""Latitudes of the rings of a cap."""
+
+
+def tube(points: Array, radii: Array, around: int) -> Surface:
+    """Return the surface around a line.
+
+    Args:
+        points: (n, 3) of the line [m]; it does not run along X.
+        radii: (n,) there [m].
+        around: vertices of a ring.
+    """
+    along = normalized(np.gradient(points, axis=0))
+    x = np.array([1.0, 0.0, 0.0])
+    places, sizes, ways = list(points), list(radii), list(along)
+    for k, sign in ((0, -1.0), (-1, 1.0)):
+        rings = [points[k] + sign * radii[k] * np.sin(a) * along[k] for a in CAP]
+        narrow = [radii[k] * np.cos(a) for a in CAP]
+        if k == 0:
+            places, sizes = [*rings[::-1], *places], [*narrow[::-1], *sizes]
+            ways = [along[0]] * len(CAP) + ways
+        else:
+            places, sizes = [*places, *rings], [*sizes, *narrow]
+            ways = ways + [along[-1]] * len(CAP)
+    y = normalized(cross(np.array(ways), np.broadcast_to(x, (len(ways), 3))))
+    z = cross(np.array(ways), y)
+    angle = np.arange(around) * (2.0 * np.pi / around)
+    ring = np.cos(angle)[:, None] * y[:, None] + np.sin(angle)[:, None] * z[:, None]
+    rings = np.array(places)[:, None] + np.array(sizes)[:, None, None] * ring
+    ends = np.stack([points[0] - radii[0] * along[0], points[-1] + radii[-1] * along[-1]])
+    solid = loft(rings, ends)
+    return Surface(solid.vertices, solid.faces)
+
+
+def globe(centre: Array, radii: Array, rings: int, around: int) -> Surface:
+    """Return an ellipsoid around `centre` (3,) of `radii` (3,), its poles above and below."""
+    angle = np.linspace(-np.pi / 2, np.pi / 2, rings + 2)[1:-1]
+    turn = np.arange(around) * (2.0 * np.pi / around)
+    ring = np.stack(
+        [
+            np.cos(angle)[:, None] * np.sin(turn),
+            np.repeat(np.sin(angle)[:, None], around, axis=1),
+            np.cos(angle)[:, None] * np.cos(turn),
+        ],
+        axis=-1,
+    )
+    poles = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
+    solid = loft(ring * radii + centre, poles * radii + centre)
+    return Surface(solid.vertices, solid.faces)

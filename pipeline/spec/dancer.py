@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from audio.words import Sound
+from audio.config.sound import Sound
 from pipeline.spec.dance import ARM_JOINTS, TRUNK_JOINTS, Controller, Seconds
 from pipeline.spec.keyframes import PoseKey
 from pipeline.spec.model_base import (

@@ -90,7 +90,7 @@ def _panorama_fault(path: Path, name: str) -> str | None:
     if fault is not None:
         return fault
     # Only scenes with pictures wait for the library that reads them.
-    from render.panorama import fault_of
+    from render.panorama_file import fault_of
 
     return fault_of(path)
 

@@ -16,7 +16,7 @@ from pipeline.spec.model_base import (
     Number,
     raise_faults,
 )
-from render.words.ease import EASE, HELD_EASE, TURN, Ease
+from render.config.ease import EASE, HELD_EASE, TURN, Ease
 
 __all__ = ["EASE", "TURN", "Ease", "Keyframe", "SmoothEase", "faults_of_order"]
 

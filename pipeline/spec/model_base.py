@@ -67,7 +67,7 @@ def keyed_union(forms: Mapping[str, type[BaseModel]], default: str, word: Any = 
 
     union: Any = Annotated[word, Tag("a word")] if word is not None else None
     for model in forms.values():
-        tagged = Annotated[model, Tag(model.__name__)]
+        tagged = Annotated[model, Tag(model.__name__)]  # type: ignore[valid-type] # at run time
         union = tagged if union is None else union | tagged
     return Annotated[union, Discriminator(tag)]
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from pipeline.spec.model_base import Name, Number, fault_error
-from render.words.base import PresetWords
+from render.config.base import PresetWords
 
 Factor = Annotated[Number, Field(ge=0.05, le=20)]
 Tilt = Annotated[Number, Field(ge=-80, le=80)]

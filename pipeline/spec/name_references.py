@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from itertools import islice
 from typing import Any
 
-from audio.fitting import matches
+from audio.names import matches_pattern
 from pipeline.spec.behaviour import TARGETS
 from pipeline.spec.model_base import MAX_FAULTS, Fault
 from pipeline.spec.mood import MOODS
@@ -32,7 +32,7 @@ from pipeline.spec.partial_scene import (
 )
 from pipeline.spec.sound_thresholds import Detect
 from pipeline.spec.suggestions import hint
-from render.words import MATERIALS
+from render.config import MATERIALS
 
 CAUSES = tuple(Detect.model_fields)
 """Causes of sounds."""
@@ -233,11 +233,11 @@ def _sound_patterns(scene: object) -> Iterator[Fault]:
     sound = value_at(scene, "sound")
     patterns: list[tuple[Path, Any]] = []
     for i, voice in items_of(value_at(sound, "voices")):
-        when, path = value_at(voice, "when"), ("sound", "voices", i, "when")
-        patterns.append(((*path, "who"), value_at(when, "who")))
+        when, place = value_at(voice, "when"), ("sound", "voices", i, "when")
+        patterns.append(((*place, "who"), value_at(when, "who")))
         cause = value_at(when, "cause")
-        if isinstance(cause, str) and not any(matches(name, cause) for name in CAUSES):
-            yield Fault((*path, "cause"), f"nothing is caused by '{cause}', {hint(cause, CAUSES)}")
+        if isinstance(cause, str) and not any(matches_pattern(name, cause) for name in CAUSES):
+            yield Fault((*place, "cause"), f"nothing is caused by '{cause}', {hint(cause, CAUSES)}")
     for cause in CAUSES:
         threshold = value_at(value_at(sound, "detect"), cause)
         patterns.append((("sound", "detect", cause, "who"), value_at(threshold, "who")))
@@ -251,6 +251,6 @@ def _is_meant(pattern: str, cast: Mapping[str, object]) -> bool:
     """Return whether a pattern fits anybody; the bodies of `many` and groups are numbered."""
     for name, member in cast.items():
         is_several = value_at(member, "many") is not None or value_at(member, "group") is not None
-        if matches(name, pattern) or (is_several and pattern.startswith(f"{name}_")):
+        if matches_pattern(name, pattern) or (is_several and pattern.startswith(f"{name}_")):
             return True
     return False

@@ -27,7 +27,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
-from render.words.ease import EASE, Ease
+from render.config.ease import EASE, Ease
 
 
 class BoxShape(ConfigModel):

@@ -38,8 +38,8 @@ from pipeline.spec.timing import (
     frames_of,
     rate_of,
 )
-from render.words import Camera, Cuts, Film, Light, Material
-from render.words.film import Even
+from render.config import Camera, Cuts, Film, Light, Material
+from render.config.film import Even
 
 MAX_GOLDEN_FRAMES = 24
 """Frames of one golden, which is kept in version control."""

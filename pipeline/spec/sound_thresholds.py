@@ -12,8 +12,8 @@ from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from audio.materials import FAMILIES
-from audio.words import Sound
+from audio.acoustic_materials import FAMILIES
+from audio.config.sound import Sound
 from pipeline.spec.model_base import ConfigModel, Fault, Number, fault_error, raise_faults
 from pipeline.spec.suggestions import hint
 

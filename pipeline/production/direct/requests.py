@@ -9,7 +9,7 @@ from pydantic import Field
 
 from pipeline.errors import SceneError
 from pipeline.spec.model_base import ConfigModel, Integer, Number
-from pipeline.spec.rpc_instruction import tree_of
+from pipeline.spec.source_tree import tree_of
 from pipeline.spec.validation import check
 
 Said = TypeVar("Said", bound=ConfigModel)

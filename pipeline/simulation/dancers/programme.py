@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 
 from pipeline.simulation.dancers.moves import Move, beat_of, moves_of, onsets_of
 from pipeline.simulation.dancers.repertoire import Repertoire
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance
+from pipeline.spec.dancer import Dancer
 
 SLACK = 1e-9
 

@@ -22,8 +22,8 @@ from pipeline.simulation.dancers.posing import Place, Poses, poses_of
 from pipeline.simulation.dancers.torso import ARM, HANDS, WRIST
 from pipeline.simulation.dancers.trying import unreached
 from pipeline.simulation.people.proportions import Proportions
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Do, Instruction, Perform, Reach
 
 SIDES: Mapping[str, tuple[Hand, ...]] = {"right": ("r",), "left": ("l",), "both": ("r", "l")}

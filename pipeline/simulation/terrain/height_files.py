@@ -269,8 +269,8 @@ def grid_of(vertices: Array) -> HeightField:
     for axis in (0, 2):
         values, place = _lines(vertices[:, axis])
         if not MIN_VERTICES <= len(values) <= MAX_VERTICES:
-            size = f"{len(values)} different values of {'x z'[axis]}"
-            raise MeshError(f"{size}, where {MIN_VERTICES} to {MAX_VERTICES} are needed")
+            counted = f"{len(values)} different values of {'x z'[axis]}"
+            raise MeshError(f"{counted}, where {MIN_VERTICES} to {MAX_VERTICES} are needed")
         even = np.linspace(values[0], values[-1], len(values))
         if np.abs(values - even).max() > SPACING_TOLERANCE * (even[1] - even[0]):
             raise MeshError(f"its values of {'x z'[axis]} are not evenly spaced")

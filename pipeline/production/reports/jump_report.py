@@ -43,7 +43,7 @@ class Hop:
     @property
     def is_aimed(self) -> bool:
         """Whether the way of each jump follows from where it is to land."""
-        return bool(self.of.words.land_at)
+        return bool(self.of.config.land_at)
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ def hops_of(scene: Scene) -> list[Hop]:
     for troupe in Simulation(scene).troupes:
         if isinstance(troupe, HopperTroupe):
             level = level_ground(0.0, troupe.world.ground)
-            for c, (of, hopping) in enumerate(zip(troupe.pronkers, troupe.hoppings, strict=True)):
+            for c, (of, hopping) in enumerate(zip(troupe.hoppers, troupe.simulations, strict=True)):
                 jump = rehearse_jump(of, level, hopping)
                 found.append(Hop(troupe.herd.figures[c].name, of, jump))
     if not found:
@@ -102,35 +102,35 @@ def facts(hop: Hop) -> dict[str, Any]:
     """
     of, jump = hop.of, hop.jump
     aimed = hop.is_aimed
-    asked = [word for word in WORDS if getattr(of.words, word) is not None]
+    asked = [word for word in WORDS if getattr(of.config, word) is not None]
     return {
         "name": of.name,
         "figure": hop.figure,
         "mass": of.mass.mass,
         "legs": len(of.hips),
-        "leg_length": of.leg,
+        "leg_length": of.leg_length,
         "distance": None if aimed else of.jump.distance,
         "height": of.jump.height,
         "speed": None if aimed else of.jump.speed,
         "up": of.jump.up,
         "forward": None if aimed else of.jump.forward,
         "flight": None if aimed or jump is None else jump.flight,
-        "standing": of.stand,
-        "crouch": of.crouch,
-        "lowest": of.low,
+        "standing": of.standing_height,
+        "crouch": of.crouch_height,
+        "lowest": of.lowest_height,
         "rise": jump and jump.rise,
         "sinks": jump and jump.sinks,
         "push_seconds": jump and jump.push,
         "landing_seconds": jump and jump.landing,
-        "max_force": of.most / of.weight,
-        "max_force_newtons": of.most,
+        "max_force": of.max_leg_force / of.weight,
+        "max_force_newtons": of.max_leg_force,
         "push_force": jump and jump.push_force / of.weight,
         "push_force_newtons": jump and jump.push_force,
         "landing_force": jump and jump.landing_force / of.weight,
         "landing_force_newtons": jump and jump.landing_force,
-        "saturated": None if jump is None else jump.greatest_force > of.most * ROUNDING,
-        "balance": of.balance / (of.weight * of.leg),
-        "balance_newton_metres": of.balance,
+        "saturated": None if jump is None else jump.greatest_force > of.max_leg_force * ROUNDING,
+        "balance": of.max_balance_moment / (of.weight * of.leg_length),
+        "balance_newton_metres": of.max_balance_moment,
         "asked": asked,
         "resolved": [word for word in WORDS if word not in asked],
     }
@@ -166,8 +166,12 @@ def _flying(hop: Hop) -> Iterator[Row]:
 
 def _crouching(hop: Hop) -> Iterator[Row]:
     of = hop.of
-    yield "standing", f"{of.stand:.4g} m", "height of the body"
-    yield "crouch", f"{of.crouch:.4g} m", f"{_origin(of, 'crouch')}; {of.low:.4g} m at the lowest"
+    yield "standing", f"{of.standing_height:.4g} m", "height of the body"
+    yield (
+        "crouch",
+        f"{of.crouch_height:.4g} m",
+        f"{_origin(of, 'crouch')}; {of.lowest_height:.4g} m at the lowest",
+    )
     if hop.jump is None:
         yield "travel", "-", "on level ground its legs cannot make this jump"
         return
@@ -181,19 +185,19 @@ def _pushing(hop: Hop) -> Iterator[Row]:
         force = jump.greatest_force
         what = f"a jump of {of.jump.distance:.3g} m" if hop.is_aimed else "it"
         says = f"body weights a leg, {force:.4g} N: what {what} takes on level ground"
-        if force > of.most * ROUNDING:
+        if force > of.max_leg_force * ROUNDING:
             says += ", which is more than there is"
         yield "force", f"{force / of.weight:.3g}", says
-    says = f"body weights a leg, {of.most:.4g} N: {_origin(of, 'max_force')}"
-    yield "max_force", f"{of.most / of.weight:.4g}", says
-    share = of.balance / (of.weight * of.leg)
-    says = f"body weights × leg length, {of.balance:.4g} N m: {_origin(of, 'balance')}"
+    says = f"body weights a leg, {of.max_leg_force:.4g} N: {_origin(of, 'max_force')}"
+    yield "max_force", f"{of.max_leg_force / of.weight:.4g}", says
+    share = of.max_balance_moment / (of.weight * of.leg_length)
+    says = f"body weights × leg length, {of.max_balance_moment:.4g} N m: {_origin(of, 'balance')}"
     yield "balance", f"{share:.4g}", says
 
 
 def _origin(of: Hopper, word: str) -> str:
     """Return whether a word was asked for, or where its value comes from."""
-    words = of.words
+    words = of.config
     if getattr(words, word) is not None:
         return "as asked"
     others = [w for w in ("distance", "height", "speed") if w != word]

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY, cycle_and_stride
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.gaits.pace import cycle_and_stride
 from pipeline.simulation.locomotion.inching.inchworm_chain import (
     MAX_AMPLITUDE,
     MIN_AMPLITUDE,

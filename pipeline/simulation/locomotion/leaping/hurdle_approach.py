@@ -50,60 +50,65 @@ REJOIN_RATIO = 3.0
 
 
 def plan_approach(
-    going: RouteProgress, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
+    going: RouteProgress, c: int, hopper: Hopper, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
     """Return the way that ends where solids are jumped over, or why there is none.
 
     Args:
         going: of the herd.
         c: who walks.
-        of: how it jumps.
+        hopper: how it jumps.
         ground: that it walks on.
         solids: corners (n, 3) of what is to be jumped over [m].
     """
     before_it = going.path.routes[c]
-    found = _plan_approach(going, c, of, ground, solids)
+    found = _plan_approach(going, c, hopper, ground, solids)
     if isinstance(found, str):
         going.lead(c, before_it)
     return found
 
 
 def _plan_approach(
-    going: RouteProgress, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
+    going: RouteProgress, c: int, hopper: Hopper, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
     route = going.path.routes[c]
-    at = _meeting_point(route, float(going.way[c]), of, solids)
+    at = _meeting_point(route, float(going.way[c]), hopper, solids)
     if at is None:
         corners = np.concatenate(list(solids))[:, [0, 2]]
         x, z = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
         apply_order(going, c, GoTo(go_to=(x, z)))
         route, at = going.path.routes[c], going.path.routes[c].length
     xz, turned = (a[0] for a in route.at(np.array([at])))
-    hurdle = hurdle_profile(solids, xz, float(turned), clearance_half_width(of))
+    hurdle = hurdle_profile(solids, xz, float(turned), clearance_half_width(hopper))
     if hurdle is None:
         return "it is not there"
-    there = _standing_at(of, ground, xz, float(turned))
+    there = _standing_at(hopper, ground, xz, float(turned))
     # No nearer than it can come to rest.
     first = float(going.way[c]) + float(going.braking[c]) * float(going.drive[c]) ** 2
-    found = plan_take_off(of, there, ground, hurdle, float(turned))
+    found = plan_take_off(hopper, there, ground, hurdle, float(turned))
     if isinstance(found, str):
         return found
     stop = at + hurdle.near - found[0]
     if stop >= first:
         return route.upto(stop)
-    return _stopping_problem(of, ground, there, hurdle, float(turned), first - at) or route.upto(
-        first
-    )
+    return _stopping_problem(
+        hopper, ground, there, hurdle, float(turned), first - at
+    ) or route.upto(first)
 
 
 def _stopping_problem(
-    of: Hopper, ground: Ground, there: HopState, hurdle: HurdleProfile, turned: float, way: float
+    hopper: Hopper,
+    ground: Ground,
+    there: HopState,
+    hurdle: HurdleProfile,
+    turned: float,
+    way: float,
 ) -> str:
     """Return why a hurdle cannot be jumped over from so far along the way; empty if it can."""
-    if hurdle.near - way < front_reach(of) + CLEARANCE * of.leg:
+    if hurdle.near - way < front_reach(hopper) + CLEARANCE * hopper.leg_length:
         return "it is too near to stop before it"
-    state = shifted_state(of, there, ground, way * heading_vector(turned))
-    one = plan_vault(of, state, ground, hurdle.from_here(way), turned)
+    state = shifted_state(hopper, there, ground, way * heading_vector(turned))
+    one = plan_vault(hopper, state, ground, hurdle.seen_from(way), turned)
     return one if isinstance(one, str) else ""
 
 
@@ -134,27 +139,29 @@ def route_onward(
     return connecting_route((place, turned), (xz, float(heading_there))).then(rest.beyond(way))
 
 
-def _meeting_point(route: Route, way: float, of: Hopper, solids: Sequence[Array]) -> float | None:
+def _meeting_point(
+    route: Route, way: float, hopper: Hopper, solids: Sequence[Array]
+) -> float | None:
     """Return after which way a route comes over solids [m], None if it never does."""
     corners = np.concatenate(list(solids))[:, [0, 2]]
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-    around = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=0))) + clearance_half_width(of)
-    ways = np.arange(way, min(route.length, way + LOOK_AHEAD), ROUTE_STEP * of.leg)
+    around = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=0))) + clearance_half_width(hopper)
+    ways = np.arange(way, min(route.length, way + LOOK_AHEAD), ROUTE_STEP * hopper.leg_length)
     if not len(ways):
         return None
     places, headings = route.at(ways)
     for k in np.flatnonzero(np.linalg.norm(places - middle, axis=-1) <= around).tolist():
-        one = hurdle_profile(solids, places[k], float(headings[k]), clearance_half_width(of))
+        one = hurdle_profile(solids, places[k], float(headings[k]), clearance_half_width(hopper))
         if one is not None and one.near <= 0.0 <= one.far:
             return float(ways[k])
     return None
 
 
-def _standing_at(of: Hopper, ground: Ground, xz: Array, turned: float) -> HopState:
+def _standing_at(hopper: Hopper, ground: Ground, xz: Array, turned: float) -> HopState:
     """Return the state of one that has crouched on level ground at a place (2,) [m]."""
     R = heading(turned)
     base = float(ground.height(xz[0], xz[1]))
-    origin = np.array([xz[0], base + of.stand, xz[1]])
-    feet = of.rest @ R.T + [xz[0], 0.0, xz[1]]
-    feet[:, 1] = base + of.soles
-    return crouched_state(of, standing_state(of, R, origin, feet, 0.0))
+    origin = np.array([xz[0], base + hopper.standing_height, xz[1]])
+    feet = hopper.rest_feet @ R.T + [xz[0], 0.0, xz[1]]
+    feet[:, 1] = base + hopper.sole_radii
+    return crouched_state(hopper, standing_state(hopper, R, origin, feet, 0.0))

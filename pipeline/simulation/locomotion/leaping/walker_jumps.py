@@ -107,7 +107,7 @@ class WalkerJumps:
     """Who of a herd jumps, and how.
 
     Attributes:
-        of: how creatures jump of whom a script asks it.
+        hopper: how creatures jump of whom a script asks it.
         trips: of those who are about it.
         contacts, notes: of the last step.
         arrived: who came to the end of its way by a jump in it.
@@ -200,13 +200,13 @@ class WalkerJumps:
 
     def _begin(self, step: int, c: int, order: HopOver | JumpOnce) -> None:
         """Let a creature come to where it jumps."""
-        going, of = self.going, self.of[c]
+        going, hopper = self.going, self.of[c]
         rest, left = going.path.routes[c], float(going.way[c])
         cause = self._unable(c)
         if isinstance(order, HopOver) and not cause:
             solids = self._solids.get(order.hop_over, ())
             found = (
-                plan_approach(going, c, of, self.world.ground, solids)
+                plan_approach(going, c, hopper, self.world.ground, solids)
                 if solids
                 else "it is not seen"
             )
@@ -238,7 +238,7 @@ class WalkerJumps:
         way = spot - route.xz[-1]
         towards = math.atan2(-way[1], way[0]) - float(route.heading[-1])
         angle = math.remainder(towards, 2.0 * math.pi)
-        if abs(angle) > TURN_TOLERANCE and np.linalg.norm(way) > 0.1 * self.of[c].leg:
+        if abs(angle) > TURN_TOLERANCE and np.linalg.norm(way) > 0.1 * self.of[c].leg_length:
             radius = float(np.hypot(*self.herd.footprint[c]))
             spin = turn_in_place(route.xz[-1], float(route.heading[-1]), angle, radius)
             self.going.lead(c, route.then(spin))
@@ -275,19 +275,19 @@ class WalkerJumps:
 
     def _leap(self, c: int, trip: WalkerJump, time: float) -> None:
         """Hand a creature that stands over to its jump."""
-        of, own, trip.ready = self.of[c], self.herd.owner == c, False
+        hopper, own, trip.ready = self.of[c], self.herd.owner == c, False
         if self.feet.is_barred(c):
             text = "what bars its way keeps it from where it would jump"
-            self._told.append(Note("stopped", round(time / self.world.clock.dt), of.name, text))
+            self._told.append(Note("stopped", round(time / self.world.clock.dt), hopper.name, text))
             del self.trips[c]
             return
         R, p = self._stands(c)
-        state = standing_state(of, R, p, self.feet.end[own], time)
-        state.course.errands = [self._errand(of, trip.order)]
-        state.until = time + STANDING_TIME
+        state = standing_state(hopper, R, p, self.feet.end[own], time)
+        state.queue.orders = [self._errand(hopper, trip.order)]
+        state.phase_end = time + STANDING_TIME
         fall = RigidFall(self.herd.figures[c])
         trip.hopping = HopSimulation(
-            of, self.world.ground, None, fall, partial(self._limbs, c), state
+            hopper, self.world.ground, None, fall, partial(self._limbs, c), state
         )
         trip.stage, trip.since = "leaping", time
 
@@ -302,10 +302,10 @@ class WalkerJumps:
             q[list(limb.joints)] = some[: len(limb.joints)]
         return JointState(q, np.zeros_like(q))
 
-    def _errand(self, of: Hopper, order: HopOver | JumpOnce) -> JumpOrder:
+    def _errand(self, hopper: Hopper, order: HopOver | JumpOnce) -> JumpOrder:
         if isinstance(order, HopOver):
-            return HurdleJump(order.hop_over, self._solids[order.hop_over], comes=False)
-        jump, spot = scripted_jump(of, order.jump, "do.jump"), order.jump.land_at
+            return HurdleJump(order.hop_over, self._solids[order.hop_over], can_approach=False)
+        jump, spot = scripted_jump(hopper, order.jump, "do.jump"), order.jump.land_at
         return SingleJump(jump) if spot is None else JumpToPoint(spot, jump)
 
     def _stands(self, c: int) -> tuple[Array, Array]:
@@ -319,15 +319,15 @@ class WalkerJumps:
     def _fly(self, step: int, c: int, trip: WalkerJump, time: float) -> None:
         hopping = trip.hopping
         assert hopping is not None
-        hopping.happened.clear()
+        hopping.events.clear()
         hopping.advance(time)
-        contacts, notes = self._telling.of(step, c, hopping.happened)
+        contacts, notes = self._telling.records(step, c, hopping.events)
         self.contacts += contacts
         self.notes += notes
         state = hopping.state
-        if state.phase == "standing" and not math.isfinite(state.until):
+        if state.phase == "standing" and not math.isfinite(state.phase_end):
             trip.stage, trip.since = "landed", time
-            if state.jumps:
+            if state.jump_count:
                 self._set_down(c, hopping)
 
     def _set_down(self, c: int, hopping: HopSimulation) -> None:
@@ -356,7 +356,7 @@ class WalkerJumps:
         assert hopping is not None
         del self.trips[c]
         here = going.path.routes[c]
-        if hopping.state.jumps:
+        if hopping.state.jump_count:
             landed = here.xz[-1], float(here.heading[-1])
             on = route_onward(trip.rest, trip.left, landed, float(going.full[c]))
             if on is not None:

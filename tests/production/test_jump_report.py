@@ -66,7 +66,7 @@ def test_what_is_told_is_what_it_does(found: dict[str, Hop], scene: Scene, name:
         before = hopping.state.phase
         simulation.step()
         state = hopping.state
-        if state.jumps == 4 and state.phase in seen and state.down.all():
+        if state.jump_count == 4 and state.phase in seen and state.down.all():
             seen[state.phase].append(float(forces(hopping)))
         if before == "landing" and state.phase == "pushing":
             crouches.append(float(state.p[1]) - hopping.hopper.mass.centre[1])
@@ -77,7 +77,7 @@ def test_what_is_told_is_what_it_does(found: dict[str, Hop], scene: Scene, name:
     assert np.median(seen["landing"]) == pytest.approx(told["landing_force_newtons"], rel=0.01)
     assert told["flight"] == pytest.approx(max(touches[: 4 * n]) - lifts[3 * n], rel=0.01)
     assert crouches[-1] == pytest.approx(told["crouch"], rel=0.05)
-    p, v = state.lift
+    p, v = state.lift_off
     assert np.hypot(v[0], v[2]) == pytest.approx(told["forward"], rel=1e-3)
     assert v[1] == pytest.approx(told["up"], rel=1e-3)
     rise = p[1] - hopping.hopper.mass.centre[1] - told["crouch"]

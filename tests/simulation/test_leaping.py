@@ -75,9 +75,9 @@ class Leap:
         """Keep the state of this step."""
         walkers = self.walkers
         trip = walkers.leaps.trips.get(0)
-        leaping = trip is not None and trip.stage == "leaping" and trip.hopping is not None
+        leaping = trip is not None and trip.stage == "leaping" and trip.simulation is not None
         self.stages.append("walking" if trip is None else trip.stage)
-        hopping = trip.hopping if trip is not None and leaping else None
+        hopping = trip.simulation if trip is not None and leaping else None
         self.down.append(~walkers.feet.swinging if hopping is None else hopping.state.down.copy())
 
     @property

@@ -23,15 +23,12 @@ from pipeline.simulation.locomotion.pronking.hop_state import (
     SwingPath,
     available_force,
     floor_height,
+    leaning_attitude,
     level_height,
     standing_height,
 )
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
-from pipeline.simulation.locomotion.pronking.jump_planner import (
-    has_next_jump,
-    leaning_attitude,
-    plan_jump,
-)
+from pipeline.simulation.locomotion.pronking.jump_planner import has_next_jump, plan_jump
 from pipeline.simulation.locomotion.pronking.leg_forces import (
     NO_CONTROL,
     ZERO_VECTOR,

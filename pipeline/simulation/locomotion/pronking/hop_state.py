@@ -21,8 +21,13 @@ from pipeline.simulation.locomotion.pronking.leg_forces import (
     AttitudeState,
     integrate_attitude,
 )
-from pipeline.simulation.scalar_rotation import Quaternion, from_rotation_vector, matrix_rows
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.scalar_rotation import (
+    Quaternion,
+    from_rotation_vector,
+    matrix_rows,
+    quaternion_product,
+)
+from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 
 Phase = Literal[
@@ -160,6 +165,34 @@ def level_height(hopper: Hopper, p: Array) -> float:
 def yaw_quaternion(angle: float) -> Quaternion:
     """Return the attitude of a level body with a heading [rad]."""
     return from_rotation_vector((0.0, angle, 0.0))
+
+
+LEAN_FRACTION, MAX_LEAN = 0.6, 0.35
+"""How much of the ground's slope a body leans with, as a fraction, and at most [rad]."""
+
+
+def leaning_attitude(
+    hopper: Hopper, ground: Ground, x: float, z: float, heading_angle: float
+) -> Quaternion:
+    """Return the attitude of a body with a heading that leans with the ground below it."""
+    (c, _, s), (_, _, _), (_, _, _) = heading(heading_angle).tolist()
+    a, b = (float(w) for w in hopper.half_extents)
+    # In (x, z), forward is (c, -s) and right is (s, c).
+    around = ground.height(
+        x + np.array([a * c, -a * c, b * s, -b * s]), z + np.array([-a * s, a * s, b * c, -b * c])
+    )
+    ahead, back, right, left = (float(h) for h in around)
+    pitch, roll = (
+        LEAN_FRACTION * (ahead - back) / (2.0 * a),
+        LEAN_FRACTION * (right - left) / (2.0 * b),
+    )
+    size = math.hypot(pitch, roll)
+    k = math.tanh(size / MAX_LEAN) * MAX_LEAN / size if size > 1e-12 else 0.0
+    q = quaternion_product(
+        from_rotation_vector((0.0, heading_angle, 0.0)),
+        from_rotation_vector((-k * roll, 0.0, k * pitch)),
+    )
+    return q
 
 
 APEX_FRACTION = 0.46

@@ -15,14 +15,12 @@ from pipeline.simulation.locomotion.pronking.hop_state import (
     SwingPath,
     floor_height,
     is_overloaded,
+    leaning_attitude,
     level_height,
     standing_height,
 )
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
-from pipeline.simulation.locomotion.pronking.jump_planner import (
-    landing_feet,
-    leaning_attitude,
-)
+from pipeline.simulation.locomotion.pronking.jump_planner import landing_feet
 from pipeline.simulation.locomotion.pronking.leg_forces import ZERO_VECTOR
 from pipeline.simulation.locomotion.swing.swing_trajectory import lowest_center_height
 from pipeline.simulation.scalar_rotation import matrix_rows

@@ -15,7 +15,7 @@ import numpy as np
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking.hop_phases import wake_if_jumping
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
-from pipeline.simulation.locomotion.pronking.hop_state import HopState, PlannedJump
+from pipeline.simulation.locomotion.pronking.hop_state import HopState, JumpOrder, PlannedJump
 from pipeline.simulation.locomotion.pronking.hopper import LIFT_OFF_STRETCH, Hopper
 from pipeline.simulation.locomotion.pronking.hurdle_jump import (
     clearance_half_width,
@@ -304,12 +304,15 @@ def _hop_over(simulation: HopSimulation, order: HopOver, solids: Solids) -> None
     simulation.state.queue.orders.append(HurdleJump(order.hop_over, corners))
 
 
+def jump_once(hopper: Hopper, config: JumpWords) -> JumpOrder:
+    """Return the order of a scripted jump: straight on, or to its `land_at`."""
+    jump = scripted_jump(hopper, config, "do.jump")
+    return SingleJump(jump) if config.land_at is None else JumpToPoint(config.land_at, jump)
+
+
 def _jump_once(simulation: HopSimulation, order: JumpOnce, solids: Solids) -> None:
     del solids
-    jump = scripted_jump(simulation.hopper, order.jump, "do.jump")
-    spot = order.jump.land_at
-    jump_order = SingleJump(jump) if spot is None else JumpToPoint(spot, jump)
-    simulation.state.queue.orders.append(jump_order)
+    simulation.state.queue.orders.append(jump_once(simulation.hopper, order.jump))
 
 
 ORDER_HANDLERS: dict[Any, Callable[[HopSimulation, Any, Solids], None]] = {

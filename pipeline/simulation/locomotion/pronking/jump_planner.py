@@ -25,11 +25,9 @@ from pipeline.simulation.locomotion.pronking.hopper import (
 )
 from pipeline.simulation.scalar_rotation import (
     Quaternion,
-    from_rotation_vector,
     matrix_rows,
-    quaternion_product,
 )
-from pipeline.simulation.spatial import Array, heading
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
 MAX_FOOT_ADVANCE = 0.5
@@ -40,9 +38,6 @@ FALL_SAMPLES = 48
 
 AIM_ITERATIONS = 14
 """Iterations that bring a jump to its target."""
-
-LEAN_FRACTION, MAX_LEAN = 0.6, 0.35
-"""How much of the ground's slope a body leans with, as a fraction, and at most [rad]."""
 
 LANDING_MARGIN, LANDING_OFFSETS = (
     0.09,
@@ -345,30 +340,6 @@ def lift_off_point(hopper: Hopper, state: HopState, v: Array) -> tuple[float, fl
 def _lift_off_height(hopper: Hopper, state: HopState, rise: float) -> float:
     """Return the body height above the footholds at lift-off [m]."""
     return level_height(hopper, state.p) + rise - state.floor_height
-
-
-def leaning_attitude(
-    hopper: Hopper, ground: Ground, x: float, z: float, heading_angle: float
-) -> Quaternion:
-    """Return the attitude of a body with a heading that leans with the ground below it."""
-    (c, _, s), (_, _, _), (_, _, _) = heading(heading_angle).tolist()
-    a, b = (float(w) for w in hopper.half_extents)
-    # In (x, z), forward is (c, -s) and right is (s, c).
-    around = ground.height(
-        x + np.array([a * c, -a * c, b * s, -b * s]), z + np.array([-a * s, a * s, b * c, -b * c])
-    )
-    ahead, back, right, left = (float(h) for h in around)
-    pitch, roll = (
-        LEAN_FRACTION * (ahead - back) / (2.0 * a),
-        LEAN_FRACTION * (right - left) / (2.0 * b),
-    )
-    size = math.hypot(pitch, roll)
-    k = math.tanh(size / MAX_LEAN) * MAX_LEAN / size if size > 1e-12 else 0.0
-    q = quaternion_product(
-        from_rotation_vector((0.0, heading_angle, 0.0)),
-        from_rotation_vector((-k * roll, 0.0, k * pitch)),
-    )
-    return q
 
 
 TIME_TOLERANCE = 1e-13

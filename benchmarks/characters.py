@@ -114,7 +114,7 @@ def machine(made: Characters) -> Callable[[], object]:
     return made.move
 
 
-def crowd(count: int, apart: float) -> str:
+def arrays(count: int, apart: float) -> str:
     """Return so many children on a grid [m]."""
     side = int(np.ceil(np.sqrt(count)))
     return "\n".join(
@@ -182,7 +182,7 @@ def main() -> None:
     print(f"schoolyard, undecorated: {float(plain.stdout) * 1e6:.0f} us")
     for apart, how in ((3.0, "spread out"), (0.45, "touching")):
         for count in (3, 30, 300):
-            step = machine(troupe(crowd(count, apart)))
+            step = machine(troupe(arrays(count, apart)))
             step()
             print(f"{count:4d} {how}: {least(step, 12) / count:.1f} us a character")
 

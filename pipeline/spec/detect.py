@@ -12,8 +12,8 @@ from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from audio.materials import FAMILIES
-from audio.words import Sound
+from audio.acoustic_materials import FAMILIES
+from audio.config.sound import Sound
 from pipeline.spec.faults import Fault, fault, refuse
 from pipeline.spec.nearest import hint
 from pipeline.spec.values import Number, Words

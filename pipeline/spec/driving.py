@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Rates, Time, faults_of_order
 from pipeline.spec.values import Number, Words
-from render.words.ease import EASE, Ease
+from render.config.ease import EASE, Ease
 
 Speed = Annotated[Number, Field(ge=-1000, le=1000)]
 Velocity = tuple[Speed, Speed, Speed]

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from pipeline.spec.faults import Fault
 from pipeline.spec.values import Whole, Words
-from render.words.film import Even
+from render.config.film import Even
 
 MOST_FRAMES = 24
 """Of a golden, which stands in version control."""

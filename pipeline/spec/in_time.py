@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from audio.words import Sound
+from audio.config.sound import Sound
 from pipeline.spec.cast import Dancer, Member
 from pipeline.spec.faults import Fault, Step
 from pipeline.spec.script import Instruction, Perform

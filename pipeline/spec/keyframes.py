@@ -9,7 +9,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.values import Coordinate, Number, Words
-from render.words.ease import EASE, HELD_EASE, TURN, Ease
+from render.config.ease import EASE, HELD_EASE, TURN, Ease
 
 __all__ = ["EASE", "TURN", "Ease", "Keyframe", "SmoothEase", "faults_of_order"]
 

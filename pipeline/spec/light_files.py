@@ -36,7 +36,7 @@ def light_named_in_full(scene: Table, folder: Path | None) -> tuple[Table, list[
 
 def _fault(whole: Path, said: str) -> str | None:
     # Only scenes with pictures wait for the library that reads them.
-    from render.panorama import fault_of
+    from render.panorama_file import fault_of
 
     try:
         there = whole.is_file()

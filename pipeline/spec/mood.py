@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from pipeline.spec.faults import fault
 from pipeline.spec.values import Name, Number
-from render.words.base import PresetWords
+from render.config.base import PresetWords
 
 Factor = Annotated[Number, Field(ge=0.05, le=20)]
 Tilt = Annotated[Number, Field(ge=-80, le=80)]

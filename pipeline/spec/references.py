@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from audio.fitting import matches
+from audio.names import matches_pattern
 from pipeline.spec.acting import (
     PEOPLE_ALONE,
     fault_of_thing,
@@ -29,7 +29,7 @@ from pipeline.spec.minding import faults_of_minds, faults_of_urges
 from pipeline.spec.mood import MOODS
 from pipeline.spec.nearest import hint
 from pipeline.spec.script import FORMS
-from render.words import MATERIALS
+from render.config import MATERIALS
 
 Place = tuple[Step, ...]
 
@@ -343,7 +343,7 @@ def _voiced(scene: object) -> Iterator[Fault]:
         when, place = _get(voice, "when"), ("sound", "voices", i, "when")
         whose.append(((*place, "who"), _get(when, "who")))
         cause = _get(when, "cause")
-        if isinstance(cause, str) and not any(matches(name, cause) for name in CAUSES):
+        if isinstance(cause, str) and not any(matches_pattern(name, cause) for name in CAUSES):
             yield Fault((*place, "cause"), f"nothing is caused by '{cause}', {hint(cause, CAUSES)}")
     for cause in CAUSES:
         words = _get(_get(sound, "detect"), cause)
@@ -359,7 +359,7 @@ def _is_meant(who: str, scene: object) -> bool:
     cast = [member for _, member in _items(_get(scene, "cast"))]
     for name, member in zip(_names(scene), cast, strict=True):
         several = _get(member, "many") is not None or _get(member, "group") is not None
-        if matches(name, who) or (several and who.startswith(f"{name}_")):
+        if matches_pattern(name, who) or (several and who.startswith(f"{name}_")):
             return True
     return False
 

@@ -29,7 +29,7 @@ from pipeline.spec.timing import (
 )
 from pipeline.spec.tree import Tree
 from pipeline.spec.values import Name, Number, Whole, Words
-from render.words import Camera, Cuts, Film, Light, Material
+from render.config import Camera, Cuts, Film, Light, Material
 
 VERSION = 1
 """The version of the language that this pronk reads."""

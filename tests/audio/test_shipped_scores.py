@@ -13,8 +13,8 @@ import mido
 import pytest
 import symusic
 
-from audio.midi import write_midi
-from pipeline.production.shooting import Shooting
+from audio.midi_file import write_midi
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pipeline.production.contact_spots import ContactSpots
+from pipeline.production.sound.strike_position import ContactSpots
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene, read_scene
 from pipeline.spec.shipped import SUFFIX, library

@@ -14,7 +14,7 @@ from pipeline.production.run.time_estimate import (
     work_of,
 )
 from render.backend import Backend
-from render.words import Film
+from render.config import Film
 
 BACKEND = Backend("llvm_ad_rgb", "", "23.1", "for a test")
 

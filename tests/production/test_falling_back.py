@@ -8,10 +8,10 @@ from unittest.mock import Mock
 import pytest
 
 from pipeline.errors import FilmingError
-from pipeline.production.filming import film_frames
 from pipeline.production.run import gpu_fallback
 from pipeline.production.run.gpu_fallback import on_some_backend
 from pipeline.production.run.progress import Plain
+from pipeline.production.shots.frame_rendering import film_frames
 from render.backend import Backend
 from render.device_memory import told_memory
 from render.errors import DeviceMemoryShort, ShotError

@@ -35,7 +35,7 @@ from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import write_take
 from pipeline.spec import Scene, read_scene
 from render.backend import choose, libraries
-from render.pictures import read_png
+from render.image_files import read_png
 from render.shot import Shot
 
 ROOT = Path(__file__).parents[2]

@@ -17,7 +17,7 @@ import symusic
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Quiet
 from render.color import developed
-from render.pictures import read_exr, read_png
+from render.image_files import read_exr, read_png
 
 if TYPE_CHECKING:
     from tests.production.conftest import Studio

@@ -17,7 +17,9 @@ from pipeline.simulation.detect.boings import Boings
 from pipeline.simulation.detect.motions import Motions
 from pipeline.simulation.detect.scenery import Scenery, solids_of
 from pipeline.simulation.detect.spells import Spell, Spells
-from pipeline.simulation.simulate import ROWS_AT_ONCE, Simulation, simulate
+from pipeline.simulation.event_detection import scenery_of
+from pipeline.simulation.scheduler import BatchLimits
+from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Contact, SoundEvent, Take
 from pipeline.simulation.take_store import read_take, write_take
@@ -383,9 +385,7 @@ def test_the_same_bytes_twice_and_whatever_the_batches(monkeypatch: pytest.Monke
     take = simulate(scene)
     assert {"squeak", "swoosh", "whistle", "breath", "footfall"} <= {e.cause for e in take.events}
     assert simulate(scene).digest == take.digest
-    monkeypatch.setattr("pipeline.simulation.simulate.ROWS_BEFORE_BODIES", 7)
-    monkeypatch.setattr("pipeline.simulation.simulate.ROWS_AT_ONCE", 7)
-    assert ROWS_AT_ONCE != 7
+    monkeypatch.setattr("pipeline.simulation.scheduler.BATCH_LIMITS", BatchLimits(7, 7))
     assert sorted(simulate(scene).events, key=repr) == sorted(take.events, key=repr)
 
 
@@ -431,5 +431,7 @@ def test_bad_words_get_one_clear_message(words: str, says: str) -> None:
 
 def test_the_scenery_of_a_scene_has_those_who_may_fly() -> None:
     simulation = Simulation(scene_of(*MIXED, "{group: {rule: swarm, count: 3}}"))
-    scenery = simulation._scenery(scene_of(*MIXED), {"bug": None, "arm": None})  # type: ignore[dict-item]
+    figures = {"bug": None, "arm": None}
+    clock, recorder = simulation.world.clock, simulation.recorder
+    scenery = scenery_of(scene_of(*MIXED), clock, recorder, figures)  # type: ignore[arg-type]
     assert [solid.performer for solid in scenery.flying][:2] == ["dart", "b"]

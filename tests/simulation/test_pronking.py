@@ -319,7 +319,7 @@ def test_twenty_jumps_without_a_fall(long_hops):
 
 def kept(hops: Hops) -> int:
     """Return how many rows are written."""
-    return hops.simulation._written
+    return hops.simulation.scheduler.written
 
 
 def test_feet_stay_where_they_are_put_and_above_the_ground(long_hops):

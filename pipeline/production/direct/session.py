@@ -85,7 +85,7 @@ class Session:
             text = f"a scene holds at most {MOST_INSTRUCTIONS} instructions"
             raise SceneError([Problem("", text)])
         try:
-            self.simulation.tell(instruction)
+            self.simulation.add_instruction(instruction)
         except SceneError as error:
             problems = error.problems
             raise SceneError(

@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from audio.atomic_file import write_if_changed
 from audio.errors import AudioError
-from audio.files import put
-from audio.midi import write_midi
-from audio.modal import write_wav
+from audio.midi_file import write_midi
 from audio.score import Score
+from audio.wav_file import write_wav
 from pipeline.errors import FilmingError, ScoringError, StoreError
-from pipeline.production.filming import due, film_frames
 from pipeline.production.run.frame_ranges import (
     contiguous,
     counted,
@@ -33,7 +32,8 @@ from pipeline.production.run.outputs import PARTIAL, Outputs, opened, replace_fo
 from pipeline.production.run.progress import Reporter, Stage, stage, step
 from pipeline.production.run.time_estimate import Estimate
 from pipeline.production.run.workers import Share, film_in_processes
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.frame_rendering import due, film_frames
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.cue_files import write_cues
 from pipeline.production.sound.event_files import write_events
 from pipeline.production.sound.score_builder import build_score
@@ -44,16 +44,17 @@ from pipeline.production.sound.sound_report import (
     wav_facts,
 )
 from pipeline.simulation.casting import makes_machine_code
-from pipeline.simulation.simulate import simulate, versions
+from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
+from pipeline.simulation.versions import versions
 from pipeline.spec import Scene, simulation_key
 from render.backend import Backend
 from render.codecs import CODECS
 from render.color import developed, developed16
 from render.errors import RenderError
-from render.film import Picture, film_key, write_film
-from render.pictures import read_exr, read_png
+from render.film_encoder import Picture, film_key, write_film
+from render.image_files import read_exr, read_png
 from render.renderer import Renderer, Split
 
 
@@ -377,4 +378,4 @@ def _finish(run: Production, take: Take) -> None:
     words.pop("manifest", None)
     seconds = {**run.manifest.seconds, **run.seconds}
     if run.changed or words != {k: v for k, v in run.manifest.words.items() if k != "manifest"}:
-        put(outputs.manifest, Manifest(words, seconds).encoded())
+        write_if_changed(outputs.manifest, Manifest(words, seconds).encoded())

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from pipeline.production.run.frame_ranges import counted
 from render.backend import Backend, cache_folder
-from render.words import FullFilm
+from render.config import FullFilm
 
 WORTH = 10.0
 """Films that take less are over before one has read how long they take [s]."""

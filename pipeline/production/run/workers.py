@@ -15,9 +15,9 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 from pipeline.errors import FilmingError
-from pipeline.production.filming import film_frames
 from pipeline.production.run.outputs import Outputs
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.frame_rendering import film_frames
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.take_store import read_take
 from pipeline.spec.scene import Scene
 from render.backend import Backend

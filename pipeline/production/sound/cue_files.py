@@ -11,10 +11,9 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import ceil
 
-from audio.conductor import cause_of, told
-from audio.files import put
+from audio.atomic_file import write_if_changed
+from audio.notes import first_notes
 from audio.score import Score
-from audio.voices import openings
 from pipeline.production.run.outputs import Outputs
 
 TITLE_LENGTH = 70
@@ -36,10 +35,10 @@ def write_cues(outputs: Outputs, score: Score, film: str) -> bool:
         score: its markers and notes become cues.
         film: name of the film's file.
     """
-    changed = put(outputs.labels, audacity_labels(score))
+    changed = write_if_changed(outputs.labels, audacity_labels(score))
     edits = edit_list(score, film)
     if edits is not None:
-        return put(outputs.edit_list, edits) or changed
+        return write_if_changed(outputs.edit_list, edits) or changed
     existed = outputs.edit_list.exists()
     outputs.edit_list.unlink(missing_ok=True)
     return existed or changed
@@ -51,10 +50,10 @@ def audacity_labels(score: Score) -> bytes:
     A sustained sound is a region, any other a point.
     """
     labels = [
-        (Fraction(marker.frame - 1) / score.rate, 0.0, told(marker)) for marker in score.markers
+        (Fraction(marker.frame - 1) / score.rate, 0.0, marker.label) for marker in score.markers
     ]
-    for note in openings(score):
-        labels.append((note.onset, note.event.duration, cause_of(note.event)))
+    for note in first_notes(score):
+        labels.append((note.onset, note.event.duration, note.event.label))
     labels.sort(key=lambda label: label[0])
     return "".join(_label(*label) for label in labels).encode("utf-8", "replace")
 
@@ -96,11 +95,11 @@ def _locators(score: Score) -> Iterator[tuple[int, str, str]]:
     """Yield frame, color and text of each locator."""
     for marker in score.markers:
         if marker.kind != "cut":
-            yield marker.frame, "GREEN", told(marker)
-    for note in openings(score):
+            yield marker.frame, "GREEN", marker.label
+    for note in first_notes(score):
         # The onset, not the event's frame: quantisation may have moved the note.
         frame = 1 + ceil(note.onset * score.rate)
-        yield frame, "RED", cause_of(note.event)
+        yield frame, "RED", note.event.label
 
 
 def timecode_base(rate: Fraction) -> int | None:

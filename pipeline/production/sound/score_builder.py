@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from operator import attrgetter
 
 from audio.score import Marker, Score, ScoreEvent
-from pipeline.production.camera import first_frames
-from pipeline.production.contact_spots import ContactSpots
+from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.listener import Listener
+from pipeline.production.sound.strike_position import ContactSpots
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import SoundEvent, Take
 from pipeline.spec.scene import Scene
+from render.config import Camera
 from render.shot import CameraPose
-from render.words import Camera
 
 
 def build_score(

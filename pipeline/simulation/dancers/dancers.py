@@ -26,13 +26,13 @@ from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum
 from pipeline.spec.script import Instruction, Perform, Reach
 
 
-class Dancers:
+class Dancers(Troupe):
     """All dancers of a scene.
 
     Raises:
@@ -69,7 +69,7 @@ class Dancers:
         for member, one in zip(self.members, self.directed, strict=True):
             one.tell(orders.get(member.name, ()))
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
+    def prepare(self, instruction: Instruction, path: str) -> None:
         """Refuse from outside what dancers have to know from the begin: places and drums."""
         do = instruction.do
         for member, one in zip(self.members, self.directed, strict=True):
@@ -80,10 +80,10 @@ class Dancers:
                 (do.reach, side) not in known.told for side in SIDES[do.hand]
             ):
                 message = "a dancer reaches only for places that its scene's script names"
-                raise SceneError([Problem(f"{where}.do.reach", message)])
+                raise SceneError([Problem(f"{path}.do.reach", message)])
             if isinstance(do, Perform) and do.dance not in known.dances:
                 message = f"the drums of '{do.dance}' stand before it only if its script names it"
-                raise SceneError([Problem(f"{where}.do.dance", message)])
+                raise SceneError([Problem(f"{path}.do.dance", message)])
 
     def advance(self, step: int) -> None:
         """Go from `step` to the next."""
@@ -93,7 +93,7 @@ class Dancers:
             if one.go_on():
                 self._arrived.append(self.members[k].name)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         R, p, values = list[Array](), list[Array](), list[Array]()
         for k, (one, look) in enumerate(zip(self.dancing, self.looks, strict=True)):

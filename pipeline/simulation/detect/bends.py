@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from audio.materials import family_name
+from audio.acoustic_materials import family_name
 from pipeline.simulation.detect.hearing import event_of_spell, fits
 from pipeline.simulation.detect.scenery import Scenery, Seen, Solid
 from pipeline.simulation.detect.spells import Spell, Spells
@@ -115,7 +115,7 @@ def _bends(scenery: Scenery, solid: Solid, words: Bending) -> bool:
 
 
 def _family(solid: Solid) -> str:
-    return family_name(solid.material, "wood")
+    return family_name(solid.material)
 
 
 def _limb(name: str) -> str:

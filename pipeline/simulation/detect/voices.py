@@ -10,7 +10,7 @@ from math import inf
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect.hearing import fits
-from pipeline.simulation.happenings import Happening
+from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import SoundEvent
 from pipeline.spec.detect import Detect, Voiced
 
@@ -33,7 +33,7 @@ class Voices:
         self.clock = clock
         self._last: dict[tuple[str, str], float] = {}
 
-    def hear(self, happened: Iterable[Happening], step: int) -> list[SoundEvent]:
+    def hear(self, happened: Iterable[Signal], step: int) -> list[SoundEvent]:
         """Return the sound events of what had happened when a step was reached."""
         found = list[SoundEvent]()
         for one in happened:
@@ -42,7 +42,7 @@ class Voices:
                 found.append(self._event(one, cause, step))
         return found
 
-    def _is_heard(self, one: Happening, cause: str, words: Voiced, step: int) -> bool:
+    def _is_heard(self, one: Signal, cause: str, words: Voiced, step: int) -> bool:
         """Tell whether somebody is meant, and was not heard just before."""
         if one.strength < words.above or not fits(one.who, words.who):
             return False
@@ -52,7 +52,7 @@ class Voices:
         self._last[cause, one.who] = now
         return True
 
-    def _event(self, one: Happening, cause: str, step: int) -> SoundEvent:
+    def _event(self, one: Signal, cause: str, step: int) -> SoundEvent:
         row = step * self.clock.samples // self.clock.steps
         return SoundEvent(
             step=step,

@@ -23,6 +23,7 @@ from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
 from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
+from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import plan_route
@@ -30,10 +31,11 @@ from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.locomotion.stepping import Feet
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 
@@ -44,7 +46,7 @@ UNKNOWN = 10.0
 """Likewise where it is not known what it will be asked."""
 
 
-class Walkers:
+class Walkers(Troupe):
     """All creatures on legs: their state, and how it advances.
 
     Attributes of the state:
@@ -105,11 +107,11 @@ class Walkers:
 
     # --- the passes of the step -------------------------------------------------
 
-    def sought(self, orders: Orders) -> Collection[str]:
+    def solids_needed(self, orders: Orders) -> Collection[str]:
         """Return over whom somebody is to jump."""
         return self.leaps.sought(orders)
 
-    def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
+    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
         """Take in where those are."""
         self.leaps.see(solids)
 
@@ -166,14 +168,14 @@ class Walkers:
             speed *= UNKNOWN
         return speed * float(clock.time_of(clock.last_step)) + stride
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
+    def prepare(self, instruction: Instruction, path: str) -> None:
         """Refuse what legs cannot do, and be ready for jumps."""
         if isinstance(instruction.do, ChangeGait) and instruction.who in self.herd.names:
             c = self.herd.names.index(instruction.who)
-            self.going.manners.possible(c, instruction.do, f"{where}.do")
-        self.leaps.prepare(instruction, where)
+            self.going.manners.possible(c, instruction.do, f"{path}.do")
+        self.leaps.prepare(instruction, path)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         feet = self.feet
         self._kept.append(
@@ -222,6 +224,14 @@ class Walkers:
         # Rows may have been written before the step, too.
         notes, self._late = (*self._notes, *self._late), []
         return Facts(contacts, notes, tuple(self._arrived))
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Return the joints and masses of the creatures."""
+        return mechanisms_of(self.herd)
+
+    def legs(self) -> list[Leg]:
+        """Return the legs of the creatures, with the stances planned so far."""
+        return legs_of(self.herd, self.going.paces, self.phase)
 
     def _go_on(self) -> list[str]:
         """Advance on the routes; return who has come to its end."""

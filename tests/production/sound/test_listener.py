@@ -10,8 +10,8 @@ import pytest
 
 from pipeline.production.sound.listener import Listener
 from pipeline.simulation.clock import Clock
+from render.config import Camera
 from render.shot import CameraPose
-from render.words import Camera
 
 CLOCK = Clock(Fraction(24), 10, 4, 4)
 AHEAD = CameraPose((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))

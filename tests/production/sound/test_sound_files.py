@@ -16,8 +16,8 @@ import opentimelineio as otio
 import pytest
 import symusic
 
+from audio.config.sound import Sound
 from audio.score import Marker, Score, ScoreEvent
-from audio.words import Sound
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Quiet

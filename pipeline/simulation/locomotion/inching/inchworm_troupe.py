@@ -35,9 +35,8 @@ from pipeline.simulation.locomotion.inventory import (
     parent_links,
 )
 from pipeline.simulation.locomotion.swing.swing_trajectory import touchdown_speed
-from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
-from pipeline.simulation.troupe import Facts, Inventory, Rows, World
+from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.script import Instruction
 
@@ -45,7 +44,7 @@ FOOT_MISS = 1e-4
 """Distance between a foot and its goal that is worth a note [m]."""
 
 
-class InchwormTroupe:
+class InchwormTroupe(Troupe):
     """All inchworms.
 
     Attributes:
@@ -57,6 +56,7 @@ class InchwormTroupe:
     def __init__(
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
+        _refuse_direction(cast, world.script)
         self.world = world
         self.worms = [
             _build_inchworm(number, member, figure, world) for number, member, figure in cast
@@ -74,18 +74,14 @@ class InchwormTroupe:
         for w in range(len(self.worms)):
             self._start_step(0, w)
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
-        """Refuse scripted orders.
+    def prepare(self, instruction: Instruction, path: str) -> None:
+        """Refuse instructions to inchworms.
 
         Raises:
-            SceneError: the instruction is for a worm.
+            SceneError: the instruction is for an inchworm.
         """
-        if instruction.who in [worm.name for worm in self.worms]:
-            message = f"'{instruction.who}' is an inchworm, which follows no script"
-            raise SceneError([Problem(f"{where}.who", message)])
-
-    def read(self, orders: Orders) -> None:
-        """Ignore orders: `prepare` refuses them."""
+        if any(worm.name == instruction.who for worm in self.worms):
+            raise SceneError([_undirected(instruction, path)])
 
     def advance(self, step: int) -> None:
         """Advance from `step` to the next."""
@@ -97,7 +93,7 @@ class InchwormTroupe:
                 rate = self.world.clock.dt / worm.pace.cycle
                 self._advance_worm(step, w, step * rate, self.step * rate)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Append the current state as the next row."""
         self._kept.append((self.step, tuple(self.steps), tuple(self.phases)))
 
@@ -203,6 +199,34 @@ class InchwormTroupe:
             gap = f"{1000.0 * poses.residual[row]:.2g} mm from where it is to be"
             self._row_notes.append(Note("clamped", self._kept[row][0], part, gap))
         return poses
+
+
+def _refuse_direction(
+    cast: Sequence[tuple[int, Creature, Figure]], script: Sequence[Instruction]
+) -> None:
+    """Refuse instructions to inchworms, and their `look_at`.
+
+    Raises:
+        SceneError: there are any.
+    """
+    names = {member.name for _, member, _ in cast}
+    problems = [
+        _undirected(instruction, f"script[{i}]")
+        for i, instruction in enumerate(script)
+        if instruction.who in names
+    ]
+    problems += [
+        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
+        for i, member, _ in cast
+        if member.look_at is not None
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
+def _undirected(instruction: Instruction, path: str) -> Problem:
+    message = f"'{instruction.who}' is an inchworm, which follows no script"
+    return Problem(f"{path}.who", message)
 
 
 def _build_inchworm(number: int, member: Creature, figure: Figure, world: World) -> Inchworm:

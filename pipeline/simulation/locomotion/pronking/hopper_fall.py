@@ -27,8 +27,8 @@ from pipeline.simulation.spatial import Array, matrix, quaternion, turn, unturn
 from pipeline.simulation.terrain import Ground
 
 if TYPE_CHECKING:
-    from pipeline.simulation.dynamics.bouncing import Bouncing
     from pipeline.simulation.dynamics.ragdoll import Knock, Ragdoll
+    from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,33 +160,33 @@ class RigidFall:
 
     def __init__(self, figure: Figure) -> None:
         self.figure = figure
-        self._bouncing: Bouncing | None = None
+        self._bouncing: TerrainBodies | None = None
 
     def begin(self, hopper: Hopper, ground: Ground, state: HopState, joints: JointState) -> None:
         """Start falling from the current state."""
         # Creatures that stay on their feet do not load the compiler of rigid bodies.
-        from pipeline.simulation.dynamics.bouncing import Bouncing
         from pipeline.simulation.dynamics.hull import hull_of
-        from pipeline.simulation.dynamics.rigid import Bodies, Build, unturned
-        from pipeline.simulation.dynamics.rigid import State as Rigid
+        from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, unrotate
+        from pipeline.simulation.dynamics.rigid_body import State as Rigid
+        from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 
         hull = hull_of(_outline_points(self.figure, joints.q) - hopper.mass.centre)
         mass = replace(hopper.mass, centre=np.zeros(3))
-        body = Build(mass, hull, 0.0, BOUNCINESS, FRICTION, ROLLING)
+        body = BodyModel(mass, hull, 0.0, BOUNCINESS, FRICTION, ROLLING)
         now = state.body(hopper)
-        w = unturned(now.R, np.array(state.attitude[1]))
+        w = unrotate(now.R, np.array(state.attitude[1]))
         q = quaternion(now.R[None])
         rigid = Rigid(now.p[None].copy(), q, state.v[None].copy(), w[None])
-        self._bouncing = Bouncing(Bodies.of([body]), rigid, ground)
+        self._bouncing = TerrainBodies(Bodies.of([body]), rigid, ground)
         deep = float(self._bouncing.depths()[0])
         if deep > 0.0:
             self._bouncing.state.p[0, 1] += deep + START_CLEARANCE
-            self._bouncing.look()
+            self._bouncing.find_contacts()
             state.p = self._bouncing.state.p[0].copy()
 
     def advance(self, state: HopState, h: float) -> list[HopEvent]:
         """Advance by `h` [s]; return impacts on the ground."""
-        from pipeline.simulation.dynamics.rigid import turned
+        from pipeline.simulation.dynamics.rigid_body import rotate
         from pipeline.simulation.spatial import matrix
 
         bouncing = self._bouncing
@@ -206,7 +206,7 @@ class RigidFall:
         rigid = bouncing.state
         state.p, state.v = rigid.p[0].copy(), rigid.v[0].copy()
         a, b, c, d = rigid.q[0].tolist()
-        x, y, z = turned(matrix(rigid.q[0]), rigid.w[0]).tolist()
+        x, y, z = rotate(matrix(rigid.q[0]), rigid.w[0]).tolist()
         state.attitude = (a, b, c, d), (x, y, z)
         return events
 

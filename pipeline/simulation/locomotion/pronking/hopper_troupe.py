@@ -38,7 +38,7 @@ from pipeline.simulation.locomotion.pronking.jump_orders import (
 )
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, Note
-from pipeline.simulation.troupe import Facts, Rows, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.cast import Creature
 from pipeline.spec.pronk import Pronk
 from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
@@ -52,7 +52,7 @@ PHASE_INTERVALS = {"flight": (0.0, 0.5), "landing": (0.5, 0.25), "pushing": (0.7
 FALL_MODELS: dict[str, Callable[[Figure], Fall]] = {"ragdoll": RagdollFall, "rigid": RigidFall}
 
 
-class HopperTroupe:
+class HopperTroupe(Troupe):
     """All simulation creatures.
 
     Attributes:
@@ -99,7 +99,7 @@ class HopperTroupe:
         self._arrived: list[str] = []
         self._solids: Solids = {}
 
-    def sought(self, orders: Orders) -> Collection[str]:
+    def solids_needed(self, orders: Orders) -> Collection[str]:
         """Return the performers whose solids are needed now."""
         return {
             order.hop_over
@@ -108,11 +108,11 @@ class HopperTroupe:
             if isinstance(order, HopOver)
         }
 
-    def see(self, solids: Solids) -> None:
+    def see_solids(self, solids: Solids) -> None:
         """Take in the solids of other performers."""
         self._solids = {**self._solids, **solids}
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
+    def prepare(self, instruction: Instruction, path: str) -> None:
         """Check a scripted jump.
 
         Raises:
@@ -120,7 +120,7 @@ class HopperTroupe:
         """
         if instruction.who in self.herd.names and isinstance(instruction.do, JumpOnce):
             hopper = self.hoppers[self.herd.names.index(instruction.who)]
-            scripted_jump(hopper, instruction.do.jump, f"{where}.do.jump")
+            scripted_jump(hopper, instruction.do.jump, f"{path}.do.jump")
 
     def read(self, orders: Orders) -> None:
         """Apply the orders of this step."""
@@ -157,7 +157,7 @@ class HopperTroupe:
         ]
         self.step = step + 1
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Append the current state as the next row."""
         poses = [simulation.pose() for simulation in self.simulations]
         hanging = ((c, simulation.fall.q) for c, simulation in enumerate(self.simulations))

@@ -15,6 +15,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking.hop_state import (
     HopState,
     PlannedJump,
+    leaning_attitude,
     level_height,
     yaw_quaternion,
 )

@@ -1,8 +1,8 @@
 """Effort: joint torques of a take's creatures and the cost of their transport.
 
 Derivatives of the rows are central differences, so the first and the last row have none. Feet
-that rest on the ground carry the force and moment of the motion (see `support`); with them and
-gravity, inverse dynamics gives the torque τ of every joint, and
+that rest on the ground carry the force and moment of the motion (see `ground_reaction`); with
+them and gravity, inverse dynamics gives the torque τ of every joint, and
 
     power   P = Σ |τ q̇|               over all joints
     energy  E = ∫ P dt                   by trapezoids
@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.support import support
+from pipeline.simulation.dynamics.ground_reaction import ground_reaction
 from pipeline.simulation.figures.inverse_dynamics import (
     ExternalForces,
     FrameMasses,
@@ -144,7 +144,7 @@ def _effort(take: Take, name: str, mechanism: Mechanism, legs: Sequence[Leg]) ->
     centre = motion.X_WB[:, :3, 3] + _centre_arm(tree, masses, motion.q, motion.X_WB)
     moment = needed.moment + cross(motion.X_WB[:, :3, 3] - centre, needed.force)
     points = tips[1:-1]
-    borne = support(points - centre[:, None], stands, needed.force, moment)
+    borne = ground_reaction(points - centre[:, None], stands, needed.force, moment)
     push = ExternalForces([leg.joint for leg in legs], points, borne.forces)
     return Effort(
         name,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 Vector = tuple[float, float, float]
 
@@ -60,14 +59,3 @@ class Leg:
     length: float
     sole: float
     stances: tuple[tuple[float, float], ...] = ()
-
-
-@runtime_checkable
-class Legged(Protocol):
-    """A troupe of creatures on legs."""
-
-    def mechanisms(self) -> list[Mechanism]:
-        """Return the joints and masses of its members."""
-
-    def legs(self) -> list[Leg]:
-        """Return the legs of its members, with their stances so far."""

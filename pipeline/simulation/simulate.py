@@ -12,7 +12,7 @@ from pipeline.simulation.casting import figures_of, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import coupling_of
 from pipeline.simulation.event_detection import EventDetection
-from pipeline.simulation.mechanism import Leg, Legged
+from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch, RowScheduler
@@ -120,13 +120,12 @@ class Simulation:
 
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
-        legged = [troupe for troupe in self.troupes if isinstance(troupe, Legged)]
-        mechanisms = tuple(mechanism for troupe in legged for mechanism in troupe.mechanisms())
+        mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
         return replace(self.recorder.take(), mechanisms=mechanisms, legs=tuple(self.legs()))
 
     def legs(self) -> list[Leg]:
         """Returns the legs of all walkers, with the stances planned so far."""
-        return [leg for t in self.troupes if isinstance(t, Legged) for leg in t.legs()]
+        return [leg for troupe in self.troupes for leg in troupe.legs()]
 
     # --- the passes of the step -------------------------------------------------------
 

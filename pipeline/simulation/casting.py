@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
-from pipeline.simulation.bodies.groups.groups import Groups
-from pipeline.simulation.bodies.props import Props
+from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
+from pipeline.simulation.bodies.prop_troupe import PropTroupe
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
@@ -37,10 +37,10 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     troupes = [*_creatures(scene, figures, world)]
     props = [member for member in scene.cast if isinstance(member, Prop)]
     if props:
-        troupes.append(Props(props, world, [member.material or THING for member in props]))
+        troupes.append(PropTroupe(props, world, [member.material or THING for member in props]))
     if scene.dancers:
         # MuJoCo is loaded by those alone who need it.
-        from pipeline.simulation.dancers.dancers import Dancers
+        from pipeline.simulation.dancers.dancer_troupe import Dancers
 
         troupes.append(Dancers(scene.dancers, scene.dances, world))
     # Characters are not among them: they run into bodies themselves, and feel what these weigh.
@@ -59,13 +59,13 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     ]
     if meeting:
         # Bodies need a compiler, whose loading others need not wait for.
-        from pipeline.simulation.bodies.colliders import Colliders
+        from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 
         made_of = [member.material or THING for _, member in meeting]
-        troupes.append(Colliders(meeting, world, made_of, obstacles_of(pushing)))
+        troupes.append(ColliderTroupe(meeting, world, made_of, obstacles_of(pushing)))
     groups = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Group)]
     if groups:
-        troupes.append(Groups(groups, world))
+        troupes.append(GroupTroupe(groups, world))
     return troupes
 
 
@@ -110,9 +110,9 @@ def _alone(scene: Scene, world: World) -> list[Troupe]:
     ]
     if not alone:
         return []
-    from pipeline.simulation.bodies.tumblers import Tumblers
+    from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
 
-    return [Tumblers(alone, world, [member.material or THING for _, member in alone])]
+    return [GroundBodyTroupe(alone, world, [member.material or THING for _, member in alone])]
 
 
 def _inches(performer: Performer) -> bool:

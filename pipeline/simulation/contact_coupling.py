@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.attachment import Attachment, split
-from pipeline.simulation.dynamics.pushing import Pushed, Pushers
+from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies, Poses
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import matrix, turn
@@ -52,7 +52,7 @@ class ContactCoupling:
         self._movable = np.array([id(solid) in taken for solid in movable], dtype=bool)
         clock = recorder.clock
         row = clock.dt * (clock.steps // clock.samples)
-        self._motion = Pushers(len(self.nodes), row)
+        self._motion = KinematicBodies(len(self.nodes), row)
         self._row = -1
 
     def update(self, row: int) -> None:
@@ -64,7 +64,7 @@ class ContactCoupling:
         if self.owner is not None and not len(nodes):
             self.troupe.update_obstacles(_selected(self.owner.solid_motion(), self._movable))
             return
-        here = Pushed(recorder.positions[row, nodes], matrix(recorder.quaternions[row, nodes]))
+        here = Poses(recorder.positions[row, nodes], matrix(recorder.quaternions[row, nodes]))
         if first:
             self._motion.put(here)
         speeds = self._motion.motion(here)

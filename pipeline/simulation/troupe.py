@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Motion, Obstacle
@@ -197,6 +198,16 @@ class Troupe:
     def facts(self) -> Facts:
         """Returns the contacts, notes and signals of the last step."""
         return Facts()
+
+    # --- after the last step ----------------------------------------------------------
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Returns the joints and masses of its members on legs."""
+        return []
+
+    def legs(self) -> list[Leg]:
+        """Returns the legs of its members, with the stances planned so far."""
+        return []
 
     # --- troupes that are pushed (WriteStage.AFTER_PUSHERS) ---------------------------
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.bodies.colliders import Colliders
+from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, dump, find_scene, load_scene, read_scene
@@ -62,7 +62,7 @@ def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -
         text = f"{{name: some, many: {many}, heading_deg: 30}}"
         scene = scene_of(text, terrain="{kind: hills, height: 0.4}")
         (colliders,) = Simulation(scene).troupes
-        assert isinstance(colliders, Colliders)
+        assert isinstance(colliders, ColliderTroupe)
         assert len(colliders.blocks) == scene.cast[0].many.total
         assert read_scene(dump(scene)) == scene
 

@@ -21,6 +21,7 @@ from pipeline.simulation.characters.playthings import (
     merry_go_round_plan,
     size_of,
 )
+from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.people.proportions import (
     ADULT,
     CHILD,
@@ -31,7 +32,6 @@ from pipeline.simulation.people.proportions import (
 )
 from pipeline.simulation.spatial import Array, heading, normalized
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.tracks import turned
 from pipeline.spec.cast import Character
 
 TRUNK = {
@@ -325,6 +325,6 @@ def _turned(member: Character, plan: BodyPlan) -> Array:
     """Return the nodes (n, 3) about the origin, turned as they begin [m]."""
     R = heading(math.radians(member.heading_deg))
     if any(member.rotation_deg):
-        R = R @ turned(np.radians(np.array([member.rotation_deg])))[0]
+        R = R @ rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
     result: Array = plan.rest @ R.T
     return result

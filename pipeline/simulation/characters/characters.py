@@ -38,7 +38,7 @@ from pipeline.simulation.characters.verlet_step import advance
 from pipeline.simulation.characters.visibility_route import ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import grid_of
+from pipeline.simulation.dynamics.terrain_grid import grid_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, IntArray, RecordArray
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.dynamics.vectors import Vector, dot, length, minus, set_triple, times
 
 ROOM = 256
@@ -49,7 +49,7 @@ class TouchLog(NamedTuple):
 
 def new_touch_log() -> TouchLog:
     """Return an empty log."""
-    return TouchLog(zeros(ROOM, EVENT), np.zeros(1, dtype=np.int64))
+    return TouchLog(zero_records(ROOM, EVENT), np.zeros(1, dtype=np.int64))
 
 
 @inlined

@@ -12,8 +12,8 @@ import numpy as np
 from pipeline.simulation.characters.person_controller import SLIM, PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
 from pipeline.simulation.characters.visibility_route import Route
+from pipeline.simulation.keyframe_track import BlendedTrack, Track
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.tracks import Run, Track
 from pipeline.spec.character import HANDS
 from pipeline.spec.pose import Frame, PoseKey
 
@@ -158,7 +158,7 @@ class HandRun:
     """
 
     hand: int
-    run: Run
+    run: BlendedTrack
     frame: Frame
 
     def place(self, controller: PersonController, time: float) -> Array:
@@ -198,7 +198,7 @@ def _run(hand: int, keys: Sequence[PoseKey], until: float) -> HandRun:
     track = Track.of([(key.at, key.reach or (0.0, 0.0, 0.0), key.ease) for key in keys])
     start = keys[0].at
     taken = max(start - keys[0].blend, 0.0), start
-    return HandRun(hand, Run(track, taken, (until, until)), keys[0].frame)
+    return HandRun(hand, BlendedTrack(track, taken, (until, until)), keys[0].frame)
 
 
 class PosedHands:

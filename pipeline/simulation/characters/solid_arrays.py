@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from pipeline.errors import MassError
 from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.obstacles import directions, outermost
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
@@ -94,7 +94,7 @@ def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, l
     Those in whose corners there is no solid are left out.
     """
     shapes = [(k, shape) for k, one in enumerate(obstacles) if (shape := _shape(one)) is not None]
-    bodies = zeros(len(shapes), SOLID)
+    bodies = zero_records(len(shapes), SOLID)
     # Limbs of one creature are one thing; bricks of one wall are not.
     wholes = [one.performer if one.weight is None else one.name for one in obstacles]
     numbers = {name: n for n, name in enumerate(dict.fromkeys(wholes))}

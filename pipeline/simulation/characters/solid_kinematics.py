@@ -7,7 +7,7 @@ import math
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
-from pipeline.simulation.dynamics.rounding import nearest
+from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -137,7 +137,9 @@ def _beyond(solids: Solids, solid: Record, local: Vector) -> tuple[float, Vector
         if gap <= 0.0 or gap >= least:
             # It looks the other way, or its whole plane is farther.
             continue
-        away = minus(local, nearest(local, (row(corners, a), row(corners, b), row(corners, c))))
+        away = minus(
+            local, nearest_on_triangle(local, (row(corners, a), row(corners, b), row(corners, c)))
+        )
         far = length(away)
         if far < least:
             least, normal = far, times(1.0 / far, away) if far > TINY else up

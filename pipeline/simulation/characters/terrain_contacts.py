@@ -12,8 +12,15 @@ from pipeline.simulation.characters.contact_response import (
     rubbed,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-from pipeline.simulation.dynamics.grid import Grid, around, highest, pieces, surface, triangle
-from pipeline.simulation.dynamics.rounding import nearest
+from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
+from pipeline.simulation.dynamics.terrain_grid import (
+    Grid,
+    cells_around,
+    highest_around,
+    surface_at,
+    triangle,
+    triangles_per_cell,
+)
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -67,7 +74,7 @@ def stand(
         return
     x, z = 0.5 * (owner.low[0] + owner.high[0]), 0.5 * (owner.low[2] + owner.high[2])
     half = 0.5 * max(owner.high[0] - owner.low[0], owner.high[2] - owner.low[2])
-    if owner.low[1] - SLACK > highest(grid.frame, grid.tops, x, z, 1.5 * half):
+    if owner.low[1] - SLACK > highest_around(grid.frame, grid.tops, x, z, 1.5 * half):
         return
     for i in range(first, first + owner.nodes[1]):
         node = nodes[i]
@@ -100,21 +107,21 @@ def _meet(
     """Move a ball on the way from one node to another out of the ground."""
     at = _between(one.p, other.p, t)
     frame = grid.frame
-    if at[1] - radius - SLACK > highest(frame, grid.tops, at[0], at[2], radius):
+    if at[1] - radius - SLACK > highest_around(frame, grid.tops, at[0], at[2], radius):
         return
-    height, _ = surface(frame, grid.vertices, at[0], at[2])
+    height, _ = surface_at(frame, grid.vertices, at[0], at[2])
     if at[1] <= height:
         least, normal = _way_out(grid, at, max(height - at[1], radius))
         where = (-least - radius, normal[0], normal[1], normal[2])
         _press(one, other, links, owner, t, where, h, slack, moment, log)
         return
     reach = radius + SLACK
-    i, i_last, j, j_last = around(frame, at[0], at[2], reach)
+    i, i_last, j, j_last = cells_around(frame, at[0], at[2], reach)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
-            for piece in range(pieces(frame)):
+            for piece in range(triangles_per_cell(frame)):
                 at = _between(one.p, other.p, t)
-                away = minus(at, nearest(at, triangle(grid, line, column, piece)))
+                away = minus(at, nearest_on_triangle(at, triangle(grid, line, column, piece)))
                 far = length(away)
                 if TINY < far < reach:
                     n = times(1.0 / far, away)
@@ -126,12 +133,12 @@ def _meet(
 def _way_out(grid: Grid, at: Vector, reach: float) -> tuple[float, Vector]:
     """Return how far a place below the ground is from the nearest triangle, and its normal."""
     least, normal = min(reach, DEEPEST), (0.0, 1.0, 0.0)
-    i, i_last, j, j_last = around(grid.frame, at[0], at[2], least)
+    i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], least)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
-            for piece in range(pieces(grid.frame)):
+            for piece in range(triangles_per_cell(grid.frame)):
                 corners = triangle(grid, line, column, piece)
-                far = length(minus(at, nearest(at, corners)))
+                far = length(minus(at, nearest_on_triangle(at, corners)))
                 if far < least:
                     a, b, c = corners
                     up = cross(minus(b, a), minus(c, a))

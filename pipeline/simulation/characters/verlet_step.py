@@ -21,7 +21,7 @@ from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
 from pipeline.simulation.characters.solid_contacts import SubStep, find_solids, meet_solids
 from pipeline.simulation.characters.terrain_contacts import stand
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry, inlined
-from pipeline.simulation.dynamics.grid import Grid
+from pipeline.simulation.dynamics.terrain_grid import Grid
 
 
 @inlined

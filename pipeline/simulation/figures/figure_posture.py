@@ -24,8 +24,8 @@ from pipeline.simulation.figures.kinematics import JointTree, LimbBatch, LimbPos
 from pipeline.simulation.figures.pose_plan import JointRun, PointRun, PosePlan
 from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.spatial import Array, normalized, rotation, turn, unturn
-from pipeline.simulation.tracks import turned
 from pipeline.spec.pose import Frame
 
 
@@ -76,7 +76,7 @@ def point_targets(asked: PointRun, around: FigureFrames, R_BP: Array, p_BP: Arra
         return unturn(R_WP, p_WG + turn(R_WG, values) - p_WP)
     if asked.goal == "aim":
         return normalized(unturn(R_WP, turn(R_WG, values)))
-    result: Array = R_WP.transpose(0, 2, 1) @ R_WG @ turned(values)
+    result: Array = R_WP.transpose(0, 2, 1) @ R_WG @ rotation_from_angles(values)
     return result
 
 
@@ -332,7 +332,7 @@ class FigurePosture:
         wanted = np.zeros((len(times), 6))
         for run in self.plan.body:
             wanted += run.weight(times)[:, None] * run.track(times)
-        return turned(wanted[:, 3:]), wanted[:, :3]
+        return rotation_from_angles(wanted[:, 3:]), wanted[:, :3]
 
     def free(self, limb: int, times: Array) -> Array:
         """Return what part of a limb's doing (n,) is left to itself."""

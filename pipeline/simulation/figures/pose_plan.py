@@ -16,8 +16,8 @@ from typing import NamedTuple
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.ik_goals import LimbPoint
+from pipeline.simulation.keyframe_track import BlendedTrack, Track
 from pipeline.simulation.spatial import normalized
-from pipeline.simulation.tracks import Run, Track
 from pipeline.spec.keyframes import Ease
 from pipeline.spec.nearest import hint
 from pipeline.spec.pose import GOALS, Frame, PoseKey
@@ -95,7 +95,7 @@ class PoseRun:
     """
 
     limb: int
-    run: Run
+    run: BlendedTrack
     priority: int
     weight: float
 
@@ -140,7 +140,7 @@ class PosePlan:
 
     points: tuple[PointRun, ...]
     joints: tuple[JointRun, ...]
-    body: tuple[Run, ...]
+    body: tuple[BlendedTrack, ...]
 
     def limbs(self) -> list[int]:
         """Return the numbers of the limbs that something is asked of."""
@@ -183,12 +183,14 @@ class _OpenTrack:
     first: PoseKey
     released: PoseKey | None = None
 
-    def run(self) -> Run:
+    def run(self) -> BlendedTrack:
         start = self.keys[0][0]
         let_go = (math.inf, math.inf)
         if self.released is not None:
             let_go = (self.released.at, self.released.at + self.released.blend)
-        return Run(Track.of(self.keys), (max(start - self.first.blend, 0.0), start), let_go)
+        return BlendedTrack(
+            Track.of(self.keys), (max(start - self.first.blend, 0.0), start), let_go
+        )
 
 
 @dataclass(slots=True)

@@ -21,7 +21,7 @@ from audio.score import Marker, Score, ScoreEvent
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.production import score_only
 from pipeline.production.run.progress import Reporter
-from pipeline.production.sound.cue_files import (
+from pipeline.production.sound.edit_lists import (
     audacity_labels,
     edit_list,
     timecode,

@@ -44,7 +44,7 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         troupes.append(PropTroupe(props, world, [member.material or THING for member in props]))
     if scene.dancers:
         # MuJoCo is loaded by those alone who need it.
-        from pipeline.simulation.dancers.dancers import Dancers
+        from pipeline.simulation.dancers.dancer_troupe import Dancers
 
         troupes.append(Dancers(scene.dancers, scene.dances, world))
     # Characters are not among them: they run into bodies themselves, and feel what these weigh.

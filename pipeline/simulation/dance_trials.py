@@ -3,9 +3,7 @@
 A trial varies controller, durations or gains, so no take holds it.
 """
 
-from pipeline.simulation.dancers.figure_three import COLUMNS, SUBTASKS
-from pipeline.simulation.dancers.jerk import CUTOFF, LEAST, RATE, rank_correlation
-from pipeline.simulation.dancers.measuring import (
+from pipeline.simulation.dancers.dance_measurement import (
     Danced,
     Measured,
     dance_through,
@@ -13,7 +11,9 @@ from pipeline.simulation.dancers.measuring import (
     measure,
     same_way,
 )
-from pipeline.simulation.dancers.same_way import Timed
+from pipeline.simulation.dancers.figure_three import COLUMNS, SUBTASKS
+from pipeline.simulation.dancers.jerk import CUTOFF, LEAST, RATE, rank_correlation
+from pipeline.simulation.dancers.minimum_jerk_retiming import Timed
 
 __all__ = [
     "COLUMNS",

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.dancers.moves import beat_of, moves_of
-from pipeline.simulation.dancers.places import body_places
+from pipeline.simulation.dancers.body_surfaces import body_places
+from pipeline.simulation.dancers.dance_moves import beat_of, moves_of
 from pipeline.simulation.dancers.torso import ARM, AXES, WRIST
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.simulate import Simulation

@@ -11,7 +11,7 @@ import math
 
 from pipeline.production.reports.jerk_trials import dancer_of
 from pipeline.production.reports.tables import Report
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.progress import Reporter, stage
 from pipeline.simulation.dance_trials import Measured, dance_through, first_of_each, measure
 from pipeline.spec import Dance, Dancer, Scene
 from pipeline.spec.dancer import Arms, Gains
@@ -58,7 +58,7 @@ def fit_jerk(scene: Scene, reporter: Reporter) -> Report:
                     if _is_better(movements, found, before):
                         best, found = other, movements
                     done += 1
-                    step(reporter, current, done)
+                    current.advance(done)
         current.result = f"danced {done + 1} times"
     return _report(member, best, dance, before, found)
 

@@ -27,7 +27,7 @@ from pipeline.production.reports.jerk_trials import (
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import working
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.progress import Reporter, stage
 from pipeline.simulation.dance_trials import COLUMNS, CUTOFF, LEAST, RATE, Measured, Timed
 from pipeline.spec import Dance
 
@@ -66,7 +66,7 @@ def report_jerk(order: Order, reporter: Reporter) -> Report:
     with working(order, reporter) as run:
         with stage(reporter, "dance", 1) as current:
             trials = trials_of(order.scene)
-            step(reporter, current, 1)
+            current.advance(1)
             current.result = f"danced {2 * len(trials)} times"
         compared = {t.name: agreements(t) if is_figure_three(dance) else [] for t in trials}
         text = _text(member.name, dance, trials, compared)

@@ -14,10 +14,15 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.dancers.arms import Arm
-from pipeline.simulation.dancers.fields import RATE
-from pipeline.simulation.dancers.goals import Choreography, Part, easy_posture, rest_posture
-from pipeline.simulation.dancers.rehearsal import STEP, bring
+from pipeline.simulation.dancers.arm_control import Arm
+from pipeline.simulation.dancers.dance_goals import (
+    Choreography,
+    Part,
+    easy_posture,
+    rest_posture,
+)
+from pipeline.simulation.dancers.force_fields import RATE
+from pipeline.simulation.dancers.key_postures import STEP, bring
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array

@@ -9,15 +9,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.dancers.arms import Arm
-from pipeline.simulation.dancers.carriage import TRUNK, Carriage
-from pipeline.simulation.dancers.fields import RATE
-from pipeline.simulation.dancers.goals import Choreography, rest_posture
-from pipeline.simulation.dancers.moves import Move, Occasion
-from pipeline.simulation.dancers.posing import Poses
-from pipeline.simulation.dancers.rehearsal import postures_of, ready_postures
+from pipeline.simulation.dancers.arm_control import Arm
+from pipeline.simulation.dancers.dance_goals import Choreography, rest_posture
+from pipeline.simulation.dancers.dance_moves import Move, Occasion
+from pipeline.simulation.dancers.dancer_poses import Poses
+from pipeline.simulation.dancers.force_fields import RATE
+from pipeline.simulation.dancers.hand_contacts import Strike, Touching
+from pipeline.simulation.dancers.key_postures import postures_of, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
-from pipeline.simulation.dancers.touching import Strike, Touching
+from pipeline.simulation.dancers.trunk_control import TRUNK, Carriage
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Controller

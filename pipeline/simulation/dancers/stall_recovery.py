@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.dancers.fields import Point
+from pipeline.simulation.dancers.force_fields import Point
 
 OFF = 0.012
 """How far from its point a hand may stay for good [m]."""

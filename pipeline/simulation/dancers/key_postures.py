@@ -15,9 +15,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from pipeline.simulation.dancers.arms import Arm
-from pipeline.simulation.dancers.fields import RATE
-from pipeline.simulation.dancers.goals import Choreography, Goal, easy_posture, rest_posture
+from pipeline.simulation.dancers.arm_control import Arm
+from pipeline.simulation.dancers.dance_goals import (
+    Choreography,
+    Goal,
+    easy_posture,
+    rest_posture,
+)
+from pipeline.simulation.dancers.force_fields import RATE
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.dancers.dancing import Dancing, lateness
-from pipeline.simulation.dancers.posing import Place
-from pipeline.simulation.dancers.programme import STILL, Plan, Programme, Wish
+from pipeline.simulation.dancers.dance_schedule import STILL, Plan, Programme, Wish
+from pipeline.simulation.dancers.dancer_motion import Dancing, lateness
+from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.repertoire import SIDES
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.spec import script as words

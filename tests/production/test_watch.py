@@ -1,4 +1,4 @@
-"""Watching: a picture a change, mistakes told, and nothing of a film overwritten."""
+"""Watch: a picture per change, reported errors, and no film overwritten."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ import pytest
 
 from pipeline.errors import PronkError
 from pipeline.production.run.order import Order
-from pipeline.production.run.progress import Quiet
+from pipeline.production.run.progress import Reporter
 from pipeline.production.run.watch import Stamps, changes_of, files_of, stamps, watch
 from pipeline.spec import load_scene
 
 SCENE = "pronk: 1\nframes: 4\ncast: [{figure: beetle, walk: {}}]\n"
 
 
-class Told(Quiet):
+class Results(Reporter):
     """A reporter that keeps the results."""
 
     def __init__(self) -> None:
@@ -52,10 +52,10 @@ def test_every_change_makes_a_picture_and_mistakes_are_told_and_mended(tmp_path:
         made.append(order)
         return tmp_path / f"{len(made)}.png"
 
-    told = Told()
-    watch(file, order_of, make, told, said.append, changes)
+    report = Results()
+    watch(file, order_of, make, report, said.append, changes)
     assert [order.scene.n_frames for order in made] == [4, 6]
-    assert told.results == [str(tmp_path / "1.png"), str(tmp_path / "2.png")]
+    assert report.results == [str(tmp_path / "1.png"), str(tmp_path / "2.png")]
     (mistake,) = said
     assert "did you mean 'walk'" in str(mistake)
     assert all(file in files for files in asked)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.dancers.fields import MOST_UNDER, phase_of, smooth
+from pipeline.simulation.dancers.force_fields import MOST_UNDER, phase_of, smooth
 from pipeline.simulation.spatial import Array
 
 

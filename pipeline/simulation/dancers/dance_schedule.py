@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from pipeline.simulation.dancers.moves import Move, beat_of, moves_of, onsets_of
+from pipeline.simulation.dancers.dance_moves import Move, beat_of, moves_of, onsets_of
 from pipeline.simulation.dancers.repertoire import Repertoire
 from pipeline.spec.dance import Dance
 from pipeline.spec.dancer import Dancer

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.dancers.feasible import beyond_limits, inside, too_far
-from pipeline.simulation.dancers.places import (
+from pipeline.simulation.dancers.body_surfaces import (
     Surface,
     body_places,
     drum_place,
     in_proportion,
     link_number,
 )
+from pipeline.simulation.dancers.reach_limits import beyond_limits, inside, too_far
 from pipeline.simulation.dancers.torso import (
     ARM,
     HAND_RADIUS,

@@ -7,10 +7,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.dancers.fields import Fields, Point, as_point, desired_velocity
-from pipeline.simulation.dancers.goals import Goal
-from pipeline.simulation.dancers.patience import WITHDRAWN, Patience
-from pipeline.simulation.dancers.postures import Passage
+from pipeline.simulation.dancers.dance_goals import Goal
+from pipeline.simulation.dancers.force_fields import (
+    Fields,
+    Point,
+    as_point,
+    desired_velocity,
+)
+from pipeline.simulation.dancers.posture_sequence import Passage
+from pipeline.simulation.dancers.stall_recovery import WITHDRAWN, Patience
 from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array

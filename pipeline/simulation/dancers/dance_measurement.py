@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dancing import practised
-from pipeline.simulation.dancers.goals import choreography_of
+from pipeline.simulation.dancers.dance_goals import choreography_of
+from pipeline.simulation.dancers.dance_moves import Move, beat_of, moves_of
+from pipeline.simulation.dancers.dancer_motion import practised
 from pipeline.simulation.dancers.jerk import Jerk, floor_between, jerk_of
-from pipeline.simulation.dancers.moves import Move, beat_of, moves_of
-from pipeline.simulation.dancers.same_way import Timed, same_way_at_best
+from pipeline.simulation.dancers.minimum_jerk_retiming import Timed, same_way_at_best
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance

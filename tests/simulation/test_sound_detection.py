@@ -1,4 +1,4 @@
-"""What is heard: by contacts and motions, when it happens, once, and nothing that is at rest."""
+"""Sound events of contacts, motions and signals: causes, onsets, courses, and silence at rest."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from audio.cause_voices import cause_voice
 from pipeline.errors import SceneError
-from pipeline.simulation.detect import OF_CONTACTS, OF_HAPPENINGS, OF_MOTIONS
-from pipeline.simulation.detect.boings import Boings
-from pipeline.simulation.detect.motions import Motions
-from pipeline.simulation.detect.scenery import Scenery, solids_of
-from pipeline.simulation.detect.spells import Spell, Spells
-from pipeline.simulation.event_detection import scenery_of
+from pipeline.simulation.detect.active_intervals import ActiveInterval, IntervalTracker
+from pipeline.simulation.detect.contact_sounds import CONTACT_CAUSES
+from pipeline.simulation.detect.motion_sounds import MOTION_CAUSES, MotionSounds
+from pipeline.simulation.detect.sound_sources import SoundSources, rigid_parts
+from pipeline.simulation.event_detection import sound_sources
 from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Contact, SoundEvent, Take
 from pipeline.simulation.take_store import read_take, write_take
 from pipeline.spec import Scene, find_scene, load_scene, simulation_key
-from pipeline.spec.sound_thresholds import Detect, Lasting
+from pipeline.spec.detect import Detect, Lasting, Voiced
 
 from .conftest import scene_of, walk_through
 
@@ -41,7 +41,7 @@ DART = (
 )
 
 
-def heard(take: Take, cause: str) -> list[SoundEvent]:
+def events_of(take: Take, cause: str) -> list[SoundEvent]:
     return [event for event in take.events if event.cause == cause]
 
 
@@ -54,9 +54,9 @@ def time_of(take: Take, event: SoundEvent) -> float:
 
 
 def landings(scene: Scene) -> dict[str, list[float]]:
-    """Return when each foot comes to stand, by the poses of the last links alone.
+    """Return the landing times of each foot, from the poses of the last links alone.
 
-    A foot stands while its tip does not move; it has landed if it stands after it has not.
+    A foot stands while its tip does not move; it lands when it stands after moving.
     """
     walk = walk_through(scene)
     dt, herd = walk.simulation.world.clock.dt, walk.walkers.herd
@@ -64,7 +64,7 @@ def landings(scene: Scene) -> dict[str, list[float]]:
     names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
     found = {}
     for leg, name in enumerate(names):
-        # Three still intervals in a row are a stand; a swing is still at its summit at most once.
+        # Three still intervals in a row are a stance; a swing is still at its apex at most once.
         stands = still[:-2, leg] & still[1:-1, leg] & still[2:, leg]
         found[name] = (np.flatnonzero(stands[1:] & ~stands[:-1]) * dt + dt).tolist()
     return found
@@ -85,7 +85,7 @@ def landings(scene: Scene) -> dict[str, list[float]]:
         "procession",
     ],
 )
-def test_footfalls_are_as_many_as_the_poses_have_landings(name: str) -> None:
+def test_footfalls_match_the_landings_of_the_poses(name: str) -> None:
     scene = load_scene(find_scene(name))
     expected = landings(scene)
     take = simulate(scene)
@@ -93,8 +93,8 @@ def test_footfalls_are_as_many_as_the_poses_have_landings(name: str) -> None:
     end = float(scene.n_frames / scene.rate)
     assert sum(map(len, expected.values())) > 10
     for part, times in expected.items():
-        own = [time_of(take, e) for e in heard(take, "footfall") if e.part == part]
-        # Of who comes down in the last rows the poses cannot tell whether it stands.
+        own = [time_of(take, e) for e in events_of(take, "footfall") if e.part == part]
+        # In the last rows the poses do not show whether a foot stands.
         own = [time for time in own if time < end - 4 * dt]
         times = [time for time in times if time < end - 4 * dt]
         assert len(own) == len(times), part
@@ -117,18 +117,18 @@ RESTING = {
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("what", RESTING)
-def test_who_rests_for_ten_seconds_is_silent(what: str) -> None:
+def test_performers_at_rest_are_silent_for_ten_seconds(what: str) -> None:
     take = simulate(scene_of(RESTING[what], terrain="flat", duration=10))
     assert take.events == ()
 
 
 @pytest.mark.parametrize("meets", ["all", "terrain"])
 @pytest.mark.parametrize("shape", ["box", "sphere", "die"])
-def test_what_comes_to_rest_falls_silent_and_never_rattles(meets: str, shape: str) -> None:
+def test_bodies_that_settle_fall_silent_without_rattling(meets: str, shape: str) -> None:
     words = f"shape: {shape}, bounciness: 0.5, rolling: 0.02, collide: {meets}"
     body = f"{{name: b, body: {{{words}}}, at: [0, 0.8, 0], rotation_deg: [20, 0, 35]}}"
     take = simulate(scene_of(body, terrain="flat", duration=8))
-    times = [time_of(take, event) for event in heard(take, "collision")]
+    times = [time_of(take, event) for event in events_of(take, "collision")]
     assert 2 <= len(times) <= 40
     assert min(np.diff(times)) >= Detect().collision.pause - 1e-9
     assert max(time_of(take, event) for event in take.events) < 4
@@ -144,18 +144,18 @@ def squeaks(
 ) -> tuple[Take, list[SoundEvent]]:
     scene = scene_of(ARM.format(turn=turn, end=end), duration=4, more=f"fps: {fps}\n{more}")
     take = simulate(scene)
-    return take, heard(take, "squeak")
+    return take, events_of(take, "squeak")
 
 
 def crossings(mean: float, threshold: float, start: float, span: float) -> tuple[float, float]:
-    """Return when an ease from rest to rest, 30 mean s² (1 - s)², goes over a rate and under it."""
+    """Return the times at which an ease, of speed 30 mean s² (1 - s)², crosses a threshold."""
     product = math.sqrt(threshold / (30.0 * mean))
     root = math.sqrt(1.0 - 4.0 * product)
     return start + span * (1 - root) / 2, start + span * (1 + root) / 2
 
 
 @pytest.mark.parametrize("fps", [24, 60])
-def test_a_joint_squeaks_from_where_it_bends_quickly_enough(fps: int) -> None:
+def test_a_joint_squeaks_while_its_rate_exceeds_the_threshold(fps: int) -> None:
     take, found = squeaks(90, 3, fps=fps)
     (event,) = found
     row = 1.0 / float(take.header.rate * take.header.samples)
@@ -183,7 +183,7 @@ def test_a_squeak_has_a_strength_and_a_place_at_each_row() -> None:
     assert event.strength == pytest.approx(max(event.strengths), abs=1e-6)
 
 
-def test_thresholds_are_the_authors() -> None:
+def test_thresholds_follow_the_configuration() -> None:
     assert squeaks(6, 3)[1] == []
     assert len(squeaks(6, 3, "sound: {detect: {squeak: {above_deg_s: 2, below_deg_s: 1}}}")[1]) == 1
     assert squeaks(90, 3, "sound: {detect: {squeak: {heard: false}}}")[1] == []
@@ -192,7 +192,7 @@ def test_thresholds_are_the_authors() -> None:
     assert squeaks(90, 3, "sound: {detect: {squeak: {least: 2.5}}}")[1] == []
 
 
-def test_who_jerks_squawks_instead() -> None:
+def test_a_fast_joint_squawks_instead_of_squeaking() -> None:
     take, found = squeaks(150, 1.2)
     assert [event.cause for event in take.events] == ["squawk"]
     assert found == []
@@ -209,7 +209,7 @@ def darts(end: float, size: str, ease: str = "linear") -> Take:
     return simulate(scene_of(DART.format(end=end, size=size, ease=ease), duration=6))
 
 
-def test_what_is_quick_swooshes_while_it_is() -> None:
+def test_a_prop_swooshes_while_its_speed_exceeds_the_threshold() -> None:
     take = darts(3, "[0.6, 0.1, 0.1]", "in-out")
     (event,) = take.events
     assert event.cause == "swoosh"
@@ -235,49 +235,46 @@ def test_what_is_quick_swooshes_while_it_is() -> None:
         (3, "[1, 0.1, 0.1]", ["swoosh"]),
     ],
 )
-def test_size_decides_what_swooshes_and_what_whistles(
-    end: float, size: str, causes: list[str]
-) -> None:
+def test_swoosh_and_whistle_depend_on_size(end: float, size: str, causes: list[str]) -> None:
     assert sorted(event.cause for event in darts(end, size).events) == causes
 
 
-def test_a_leap_from_place_to_place_is_no_swoosh() -> None:
+def test_a_jump_of_a_keyframed_prop_makes_no_swoosh() -> None:
     assert darts(1.5, "[0.3, 0.3, 0.3]", "hold").events == ()
 
 
 def pushed(
     rises: Callable[[Array], Array], feet: bool = True, lifts: Sequence[Contact] = ()
 ) -> list[SoundEvent]:
-    """Return what is heard of a creature whose nodes are moved up by a function of time."""
+    """Return the push-offs of a creature whose nodes are raised by a function of time."""
     simulation = Simulation(scene_of("{name: roo, figure: kangaroo}", duration=3))
     while not simulation.finished:
         simulation.step()
     take, clock = simulation.take(), simulation.world.clock
+    parts = rigid_parts(take.parts, take.meshes)
     figures = {"roo": None}
-    scenery = Scenery(
-        clock, take.nodes, solids_of(take.parts, take.meshes), (), figures, frozenset()
-    )  # type: ignore[arg-type]
+    sources = SoundSources(clock, take.nodes, parts, (), figures, frozenset())  # type: ignore[arg-type]
     up = rises(np.arange(clock.rows) / 96)
     p = take.positions.copy()
-    # Of who gets up the feet stay where they are.
+    # Feet stay in place when a creature gets up.
     p[:, : len(take.nodes) if feet else 1, 1] += up[:, None]
     rows = p, matrix(take.rotations), take.alive, take.values
-    watch = Motions({"boing": Boings}, Detect(), scenery)
-    watch.met(lifts)
-    found = []
+    detectors = MotionSounds(Detect(), sources)
+    detectors.add_contacts(lifts)
+    events = []
     for first in range(0, clock.rows, 13):
-        which = slice(first, min(first + 13, clock.rows))
-        found += watch.look(which, *(values[which] for values in rows))
-    return found
+        batch = slice(first, min(first + 13, clock.rows))
+        events += detectors.events(batch, *(values[batch] for values in rows))
+    return [event for event in events if event.cause == "boing"]
 
 
 def jump(t: Array) -> Array:
-    """Half a second at 8 m/s² up, to 4 m/s at 1.5 s, then weight alone."""
+    """Return the height after half a second at 8 m/s², 4 m/s at 1.5 s, then free flight."""
     push, flight = np.clip(t - 1, 0, 0.5), np.clip(t - 1.5, 0, 8 / 9.81)
     return 4.0 * push**2 + 4.0 * flight - 0.5 * 9.81 * flight**2
 
 
-def test_who_flies_after_a_push_has_pushed_itself_off() -> None:
+def test_a_flight_after_a_push_is_a_push_off() -> None:
     (event,) = pushed(jump)
     steps = Fraction(96)
     assert float((event.step + Fraction(event.fraction)) / steps) == pytest.approx(1.5, abs=1 / 96)
@@ -285,7 +282,7 @@ def test_who_flies_after_a_push_has_pushed_itself_off() -> None:
     assert (event.cause, event.who, event.part) == ("boing", "roo", "roo.body")
 
 
-def test_contacts_say_more_exactly_when_the_last_foot_left() -> None:
+def test_a_push_off_starts_at_the_lift_of_the_last_foot() -> None:
     nowhere = (0.0, 0.0, 0.0)
     lifts = [
         Contact(step, fraction, who, who, "terrain", nowhere, nowhere, 4, 1, "", "", 1, "lift")
@@ -304,32 +301,32 @@ def test_contacts_say_more_exactly_when_the_last_foot_left() -> None:
         lambda t: 2 * t + 0.02 * np.sin(12 * t),
     ],
 )
-def test_who_is_carried_up_has_not(rises: Callable[[Array], Array]) -> None:
+def test_a_lifted_creature_makes_no_push_off(rises: Callable[[Array], Array]) -> None:
     assert pushed(rises) == []
 
 
-def test_who_gets_up_and_keeps_its_feet_down_has_not() -> None:
+def test_getting_up_makes_no_push_off() -> None:
     assert pushed(jump, feet=False) == []
 
 
-def test_breaths_are_heard_if_asked_for_and_go_with_the_gait() -> None:
+def test_breathing_is_optional_and_follows_the_gait() -> None:
     scene = "{name: bob, figure: person, walk: {speed: 0.9, cycle: 1.0}}"
     ask = "sound: {detect: {breath: {heard: true, per_minute: 6, strides: 2}}}"
-    assert heard(simulate(scene_of(scene, duration=3)), "breath") == []
+    assert events_of(simulate(scene_of(scene, duration=3)), "breath") == []
     take = simulate(scene_of(scene, duration=9, more=ask))
-    times = [time_of(take, event) for event in heard(take, "breath")]
+    times = [time_of(take, event) for event in events_of(take, "breath")]
     assert len(times) >= 3
     np.testing.assert_allclose(np.diff(times[1:]), 2.0, atol=0.02)
     resting = simulate(scene_of("{figure: person}", duration=25, more=ask))
-    times = [time_of(resting, event) for event in heard(resting, "breath")]
+    times = [time_of(resting, event) for event in events_of(resting, "breath")]
     np.testing.assert_allclose(times, [10, 20], atol=1e-6)
 
 
-def test_what_rolls_has_a_track() -> None:
+def test_a_rolling_ball_has_a_course() -> None:
     words = "shape: sphere, collide: terrain, rolling: 0.05"
     ball = f"{{name: b, body: {{{words}}}, at: [0, 0], velocity: [2, 0, 0]}}"
     take = simulate(scene_of(ball, duration=3))
-    (event,) = heard(take, "roll")
+    (event,) = events_of(take, "roll")
     first, last = event.track
     assert len(event.strengths) == len(event.places) == last - first + 1
     x = take.positions[first : last + 1, 0, 0]
@@ -338,34 +335,35 @@ def test_what_rolls_has_a_track() -> None:
     np.testing.assert_allclose(event.strengths[9:-1], np.gradient(x, 1 / 96)[9:-1], rtol=5e-3)
 
 
-# --- spells ------------------------------------------------------------------------------------
+# --- active intervals --------------------------------------------------------------------------
 
 
-def spells(level: list[float], least: float, pause: float, batch: int) -> list[Spell]:
-    one = Spells(np.array([1.0]), np.array([2.0]), Lasting(least=least, pause=pause), 1.0)
+def intervals(level: list[float], least: float, pause: float, batch: int) -> list[ActiveInterval]:
+    config = Lasting(least=least, pause=pause)
+    tracker = IntervalTracker(np.array([1.0]), np.array([2.0]), config, 1.0)
     found = []
     for first in range(0, len(level), batch):
-        some = np.array(level[first : first + batch])[:, None]
-        final = first + batch >= len(level)
-        found += one.look(first, some, some[:, :, None], final)
+        rows = np.array(level[first : first + batch])[:, None]
+        is_final = first + batch >= len(level)
+        found += tracker.update(first, rows, rows[:, :, None], is_final)
     return found
 
 
 @pytest.mark.parametrize("batch", [1, 2, 3, 5, 100])
-def test_a_level_that_shivers_about_a_threshold_is_one_spell(batch: int) -> None:
+def test_a_level_that_oscillates_around_a_threshold_is_one_interval(batch: int) -> None:
     level = [0.0, 4.0, *([1.9, 2.1] * 20), 0.0, 0.0, 0.0, 3.0, 0.0, 0.0]
-    first, second = spells(level, 0, 1, batch)
-    assert (first.begin, first.first, first.last, first.top) == (0.5, 0, 41, 4.0)
+    first, second = intervals(level, 0, 1, batch)
+    assert (first.start, first.first, first.last, first.peak) == (0.5, 0, 41, 4.0)
     assert [row[0] for row in first.values] == level[:42]
-    assert (second.begin, second.last) == (44 + 2 / 3, 45)
+    assert (second.start, second.last) == (44 + 2 / 3, 45)
 
 
 @pytest.mark.parametrize("batch", [1, 4, 100])
-def test_pauses_join_and_short_spells_are_none(batch: int) -> None:
+def test_pauses_are_bridged_and_short_intervals_dropped(batch: int) -> None:
     level = [3.0, 3.0, 0.0, 0.0, 3.0, 3.0, 0.0, 0.0, 0.0, 0.0, 3.0]
-    assert [s.last for s in spells(level, 0, 2, batch)] == [5, 10]
-    assert [s.last for s in spells(level, 0, 1, batch)] == [1, 5, 10]
-    assert [s.last for s in spells(level, 1.5, 2, batch)] == [5]
+    assert [s.last for s in intervals(level, 0, 2, batch)] == [5, 10]
+    assert [s.last for s in intervals(level, 0, 1, batch)] == [1, 5, 10]
+    assert [s.last for s in intervals(level, 1.5, 2, batch)] == [5]
 
 
 # --- all of them -------------------------------------------------------------------------------
@@ -380,7 +378,9 @@ ALL = "sound: {detect: {breath: {heard: true}, squeak: {materials: {chitin: 1, p
 
 
 @pytest.mark.slow
-def test_the_same_bytes_twice_and_whatever_the_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_events_repeat_exactly_whatever_the_batches(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     scene = scene_of(*MIXED, duration=3, more=ALL)
     take = simulate(scene)
     assert {"squeak", "swoosh", "whistle", "breath", "footfall"} <= {e.cause for e in take.events}
@@ -389,17 +389,23 @@ def test_the_same_bytes_twice_and_whatever_the_batches(monkeypatch: pytest.Monke
     assert sorted(simulate(scene).events, key=repr) == sorted(take.events, key=repr)
 
 
-def test_a_take_keeps_tracks(tmp_path: Path) -> None:
+def test_a_stored_take_keeps_its_events(tmp_path: Path) -> None:
     take = simulate(scene_of(*MIXED, duration=2, more=ALL))
     write_take(take, tmp_path / "take")
     assert read_take(tmp_path / "take").events == take.events
 
 
-def test_every_model_has_what_detects_it() -> None:
-    assert list(Detect.model_fields) == [*OF_CONTACTS, *OF_MOTIONS, *OF_HAPPENINGS]
+def test_every_cause_has_one_detector_and_every_detector_a_cause() -> None:
+    vocal = [cause for cause, config in Detect() if isinstance(config, Voiced)]
+    assert sorted([*CONTACT_CAUSES, *MOTION_CAUSES, *vocal]) == sorted(Detect.model_fields)
 
 
-def test_thresholds_are_part_of_what_is_simulated() -> None:
+def test_every_cause_but_impacts_has_a_voice() -> None:
+    impacts = {"footfall", "collision"}
+    assert {cause for cause in Detect.model_fields if cause_voice(cause) is None} == impacts
+
+
+def test_thresholds_are_part_of_the_simulation_key() -> None:
     louder = "sound: {volume_db: 3}"
     other = "sound: {detect: {swoosh: {above: 8}}}"
     plain, loud, high = (
@@ -421,7 +427,7 @@ def test_thresholds_are_part_of_what_is_simulated() -> None:
         ("swoosh: {above: fast}", "sound.detect.swoosh.above"),
     ],
 )
-def test_bad_words_get_one_clear_message(words: str, says: str) -> None:
+def test_a_wrong_threshold_gets_one_clear_message(words: str, says: str) -> None:
     with pytest.raises(SceneError) as caught:
         scene_of("{figure: beetle}", more=f"sound: {{detect: {{{words}}}}}")
     (problem,) = caught.value.problems
@@ -429,9 +435,9 @@ def test_bad_words_get_one_clear_message(words: str, says: str) -> None:
     assert json.dumps(problem.message)
 
 
-def test_the_scenery_of_a_scene_has_those_who_may_fly() -> None:
+def test_flying_parts_exclude_creatures_and_groups() -> None:
     simulation = Simulation(scene_of(*MIXED, "{group: {rule: swarm, count: 3}}"))
     figures = {"bug": None, "arm": None}
     clock, recorder = simulation.world.clock, simulation.recorder
-    scenery = scenery_of(scene_of(*MIXED), clock, recorder, figures)  # type: ignore[arg-type]
-    assert [solid.performer for solid in scenery.flying][:2] == ["dart", "b"]
+    sources = sound_sources(scene_of(*MIXED), clock, recorder, figures)  # type: ignore[arg-type]
+    assert [part.performer for part in sources.flying][:2] == ["dart", "b"]

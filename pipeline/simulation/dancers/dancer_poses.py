@@ -10,8 +10,8 @@ from itertools import groupby
 import numpy as np
 
 from pipeline.errors import SceneError
-from pipeline.simulation.dancers.feasible import beyond_limits
-from pipeline.simulation.dancers.goals import Part
+from pipeline.simulation.dancers.dance_goals import Part
+from pipeline.simulation.dancers.reach_limits import beyond_limits
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.spec.dance import Hand, Subtask
 from pipeline.spec.dancer import ARMS, TRUNK, side_of

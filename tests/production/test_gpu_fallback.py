@@ -1,4 +1,4 @@
-"""A graphics processor with too little memory: the film goes on without it, and says so."""
+"""GPU fallback: a GPU with too little memory is replaced by the processor."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from unittest.mock import Mock
 import pytest
 
 from pipeline.errors import FilmingError
-from pipeline.production.run import gpu_fallback
-from pipeline.production.run.gpu_fallback import on_some_backend
-from pipeline.production.run.progress import Plain
+from pipeline.production.run import workers
+from pipeline.production.run.progress import LogReporter
 from pipeline.production.shots.frame_rendering import film_frames
 from render.backend import Backend
 from render.device_memory import told_memory
@@ -34,7 +33,7 @@ def test_what_drjit_says_becomes_an_error_of_its_own() -> None:
         assert not isinstance(error.value, DeviceMemoryShort)
 
 
-def test_the_processor_goes_on_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_processor_goes_on_and_it_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     tried: list[str] = []
 
     def work(backend: Backend) -> str:
@@ -44,10 +43,10 @@ def test_the_processor_goes_on_and_it_is_said(monkeypatch: pytest.MonkeyPatch) -
                 raise RuntimeError(SAID)
         return "film"
 
-    monkeypatch.setattr(gpu_fallback, "choose", lambda choice: CUDA)
-    monkeypatch.setattr(gpu_fallback, "without_gpu", lambda: LLVM)
+    monkeypatch.setattr(workers, "choose", lambda choice: CUDA)
+    monkeypatch.setattr(workers, "without_gpu", lambda: LLVM)
     stream = io.StringIO()
-    assert on_some_backend("auto", Plain(stream), work) == "film"
+    assert workers.with_gpu_fallback("auto", LogReporter(stream), work) == "film"
     assert tried == ["cuda_ad_rgb", "llvm_ad_rgb"]
     assert "too little memory" in stream.getvalue()
     assert "going on with llvm_ad_rgb" in stream.getvalue()

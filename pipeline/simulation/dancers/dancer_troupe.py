@@ -14,13 +14,13 @@ import numpy as np
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dancers.build import is_child, proportions_of
-from pipeline.simulation.dancers.dancing import CALM, Dancing, lateness
-from pipeline.simulation.dancers.looks import Look, inventory_of, links_of_frames
-from pipeline.simulation.dancers.posing import Place
-from pipeline.simulation.dancers.programme import Programme
+from pipeline.simulation.dancers.dance_schedule import Programme
+from pipeline.simulation.dancers.dancer_mesh import Look, inventory_of, links_of_frames
+from pipeline.simulation.dancers.dancer_motion import CALM, Dancing, lateness
+from pipeline.simulation.dancers.dancer_poses import Place
+from pipeline.simulation.dancers.dancer_script import Directed
+from pipeline.simulation.dancers.hand_contacts import Strike
 from pipeline.simulation.dancers.repertoire import SIDES, repertoire_of
-from pipeline.simulation.dancers.telling import Directed
-from pipeline.simulation.dancers.touching import Strike
 from pipeline.simulation.people.person_mesh import clothes_of
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders

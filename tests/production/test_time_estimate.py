@@ -1,4 +1,4 @@
-"""How long a film will take: said before, put right in time, remembered."""
+"""Time estimates: reported before rendering, corrected, and stored."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from pipeline.production.run.time_estimate import (
-    MOST,
+    MAX_PACES,
     Estimate,
-    remembered,
-    spoken,
-    work_of,
+    frame_work,
+    rounded_duration,
+    stored_paces,
 )
 from render.backend import Backend
 from render.config import Film
@@ -28,14 +28,14 @@ def estimate(name: str = "a", total: int = 100, **words: object) -> Estimate:
     return Estimate(name, Film.model_validate(words).resolved(), BACKEND, 1, total)
 
 
-def filmed(one: Estimate, each: float, first: float = 20.0) -> list[str]:
-    """Film at a pace, after a slow first frame; return what is said."""
-    said = [one.after(done, first + each * (done - 1)) for done in range(1, one.total + 1)]
-    one.remember()
+def filmed(film: Estimate, each: float, first: float = 20.0) -> list[str]:
+    """Film at a pace, after a slow first frame; return the reports."""
+    said = [film.after(done, first + each * (done - 1)) for done in range(1, film.total + 1)]
+    film.store()
     return [text for text in said if text is not None]
 
 
-def test_nothing_known_nothing_said_until_some_frames_are_done() -> None:
+def test_without_earlier_films_the_first_frames_give_the_estimate() -> None:
     one = estimate()
     assert one.before() is None
     assert filmed(one, 2.0) == [
@@ -60,53 +60,53 @@ def test_another_film_takes_as_long_as_its_work() -> None:
     assert other.before() == (
         "render: about 14 min for 100 frames of 1280x720, by other films on this machine"
     )
-    assert work_of(other.film) == pytest.approx(4 * work_of(estimate().film))
+    assert frame_work(other.film) == pytest.approx(4 * frame_work(estimate().film))
 
 
-def test_tiny_frames_tell_of_their_own_film_alone() -> None:
+def test_tiny_frames_predict_only_their_own_film() -> None:
     filmed(estimate("tiny", size=(64, 36)), 0.3)
     assert estimate().before() is None
     assert "by the last time" in str(estimate("tiny", size=(64, 36)).before())
 
 
-def test_the_first_frame_is_counted_in() -> None:
+def test_the_start_counts() -> None:
     filmed(estimate(), 2.0, first=302.0)
     assert "about 8 min for 100 frames" in str(estimate().before())
 
 
-def test_a_begin_that_took_long_once_is_forgotten_for_a_shorter_one() -> None:
+def test_a_long_start_is_replaced_by_a_shorter_one() -> None:
     filmed(estimate(), 2.0, first=302.0)
     filmed(estimate(), 2.0, first=22.0)
     filmed(estimate(), 2.0, first=102.0)
     assert "about 4 min for 100 frames" in str(estimate().before())
 
 
-def test_short_films_say_nothing() -> None:
+def test_short_films_report_nothing() -> None:
     assert filmed(estimate(total=20), 0.1, first=0.5) == []
     assert estimate(total=20).before() is None
 
 
 @pytest.mark.parametrize("content", ["", "[1]", '{"a": "x"}', '{"a": -1}', "\x00"])
-def test_a_damaged_memory_is_forgotten(tmp_path: Path, content: str) -> None:
+def test_damaged_paces_are_ignored(tmp_path: Path, content: str) -> None:
     place = tmp_path / "pronk" / "paces.json"
     place.parent.mkdir()
     place.write_text(content)
-    assert remembered() == {}
+    assert stored_paces() == {}
     filmed(estimate(), 2.0)
     assert estimate().before() is not None
 
 
 @pytest.mark.slow
-def test_memory_is_bounded_and_the_oldest_goes_first() -> None:
+def test_the_oldest_paces_are_dropped() -> None:
     filmed(estimate("first"), 2.0)
-    for i in range(MOST - 2):
+    for i in range(MAX_PACES - 2):
         filmed(estimate(f"s{i}", total=5), 1.0)
-    assert len(remembered()) == MOST
+    assert len(stored_paces()) == MAX_PACES
     assert "by other films" in str(estimate("first").before())
-    assert "by the last time" in str(estimate(f"s{MOST - 3}").before())
+    assert "by the last time" in str(estimate(f"s{MAX_PACES - 3}").before())
 
 
-def test_a_memory_that_cannot_be_kept_does_no_harm(
+def test_paces_that_cannot_be_stored_do_no_harm(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("in the way")
@@ -126,5 +126,5 @@ def test_a_memory_that_cannot_be_kept_does_no_harm(
         (9000, "2 h 30 min"),
     ],
 )
-def test_times_are_said_as_one_says_them(seconds: float, text: str) -> None:
-    assert spoken(seconds) == text
+def test_durations_are_rounded(seconds: float, text: str) -> None:
+    assert rounded_duration(seconds) == text

@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.bodies.building import build_of
+from pipeline.simulation.bodies.body_model import build_body
 from pipeline.simulation.dynamics.impact_law import MEASURED
 from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld
-from pipeline.simulation.dynamics.rigid import State
+from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.body import Box, Sphere
 
@@ -30,7 +30,7 @@ def colliders(b: float) -> list[Collider]:
     box = Box(shape="box", bounciness=b, collide="all")
     sphere = Sphere(shape="sphere", bounciness=b, radius=0.15, collide="all")
     half = 0.5 * np.array(box.size)
-    return [Collider(build_of(sphere, ""), None), Collider(build_of(box, ""), half)]
+    return [Collider(build_body(sphere, ""), None), Collider(build_body(box, ""), half)]
 
 
 def measured(b: float) -> tuple[float, float]:

@@ -18,9 +18,9 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dancing import Dancing
-from pipeline.simulation.dancers.goals import choreography_of
-from pipeline.simulation.dancers.moves import beat_of, moves_of
+from pipeline.simulation.dancers.dance_goals import choreography_of
+from pipeline.simulation.dancers.dance_moves import beat_of, moves_of
+from pipeline.simulation.dancers.dancer_motion import Dancing
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 

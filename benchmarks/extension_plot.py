@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from pipeline.simulation.figures.extension import reach_of
+from pipeline.simulation.figures.ball_joint_ik import full_reach
 from pipeline.simulation.figures.figure import build_figure
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.reach import reach
+from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 
@@ -35,7 +35,7 @@ def follow(leg: LimbBatch, plain: bool) -> tuple[Array, Array]:
     """Return joint values (STEPS, n), and distances of the tip from where it can be (STEPS,)."""
     start, base = leg.pose(leg.preferred), leg.places[:, 0]
     near = np.linalg.norm(start.tips - base, axis=-1)
-    away, most = (start.tips - base) / near[:, None], reach_of(leg)
+    away, most = (start.tips - base) / near[:, None], full_reach(leg)
     pose, values, off = start, [], []
     for t in np.linspace(0.0, 1.0, STEPS + 1)[1:]:
         asked = near + (BEYOND * most - near) * (1.0 - abs(2.0 * t - 1.0))

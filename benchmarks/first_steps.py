@@ -13,9 +13,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from pipeline.production.filming import due, film_frames
 from pipeline.production.run.outputs import Outputs
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.frame_rendering import due, film_frames
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose

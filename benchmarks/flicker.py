@@ -16,12 +16,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
+from render.config import Film
 from render.renderer import Renderer
-from render.words import Film
 
 SIZE, DEPTH, SAMPLES, ENOUGH = (320, 180), 4, 2, 256
 

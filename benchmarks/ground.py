@@ -26,10 +26,10 @@ def main() -> None:
     backend.activate()
     import mitsuba as mi
 
-    from render.materials import bsdf
-    from render.nested import nested
+    from render.config import material
     from render.plain import flat, plain
-    from render.words import material
+    from render.surfaces.material_bsdf import bsdf
+    from render.surfaces.mitsuba_bsdf import nested
 
     words = material("dry soil")
     # Under the limit of what scatters evenly, patterns are nested in Mitsuba's principled BSDF.

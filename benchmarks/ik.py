@@ -26,7 +26,12 @@ except ImportError:
     mink = None
 
 from pipeline.simulation.figures.figure import build_figure
-from pipeline.simulation.figures.inverse import ALPHA, DAMPING, TOLERANCE, solve
+from pipeline.simulation.figures.inverse_kinematics import (
+    DAMPING,
+    REST_GAIN,
+    TOLERANCE,
+    solve,
+)
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.figures.skeleton import Limb, Skeleton
 from pipeline.simulation.spatial import Array, cross, rotation
@@ -70,7 +75,7 @@ def in_mujoco(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
             model, data = models[limb.name], datas[limb.name]
             J = np.zeros((3, model.nv))
             damping = (DAMPING * limb.length) ** 2 * np.eye(3)
-            gain = ALPHA
+            gain = REST_GAIN
             while True:
                 data.qpos[:] = q
                 mujoco.mj_kinematics(model, data)
@@ -177,7 +182,7 @@ def leg_by_leg(skeleton: Skeleton, limbs: list[Limb]) -> Follow:
         worst = 0.0
         for q, limb, own, goal in zip(qs, limbs, bounds, goals, strict=True):
             damping = (DAMPING * limb.length) ** 2 * np.eye(3)
-            gain = ALPHA
+            gain = REST_GAIN
             while True:
                 tip, J = tip_and_jacobian(limb, q)
                 error = goal - tip

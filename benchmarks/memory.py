@@ -60,7 +60,7 @@ def _resident() -> int:
 
 
 def _rendered(frames: int, words: list[str]) -> Iterator[object]:
-    from pipeline.production.shooting import Shooting
+    from pipeline.production.shots.shot_builder import Shooting
     from pipeline.simulation.simulate import simulate
     from pipeline.spec import find_scene, load_scene
     from render.backend import choose

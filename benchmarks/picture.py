@@ -31,17 +31,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
 from render.color import developed
 from render.comparison.flip import flip
 from render.comparison.psnr import psnr
+from render.config import Film
 from render.denoiser import Denoiser
 from render.exposure import Exposure
 from render.shot import Shot
-from render.words import Film
 
 SCENES = {"first_steps": 40, "toy": 30}
 """And the frame of each."""
@@ -89,8 +89,8 @@ def main(width: int, samples: int) -> None:
 
 def reference(shot: Shot, samples: int) -> Picture:
     """Return the light of the shot by `path`, from the cache where it was made before."""
-    from render.path_tracer import PathTracer
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
+    from render.tracing.path_tracer import PathTracer
 
     key = hashlib.blake2b(f"{shot.digest}|{samples}".encode(), digest_size=10).hexdigest()
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
@@ -135,7 +135,7 @@ def measured(way: str, shot: Shot, judge: Picture) -> list[Point]:
 def _loop(shot: Shot, count: int) -> Callable[[int], Picture]:
     import mitsuba as mi
 
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     def render(seed: int) -> Picture:
         stage = Stage(shot)
@@ -175,8 +175,8 @@ def _plain_sensor(sensor: Any, shot: Shot, count: int) -> dict[str, Any]:
 
 
 def _path(shot: Shot, count: int) -> Callable[[int], Picture]:
-    from render.path_tracer import PathTracer
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
+    from render.tracing.path_tracer import PathTracer
 
     stage, oidn = Stage(shot), _Albedo()
     tracer = PathTracer(stage.scene, stage.depth)
@@ -208,7 +208,7 @@ class _Albedo:
 
 
 def _ours(shot: Shot, count: int, soft_light: str = "full") -> Callable[[int], Picture]:
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     words = {"soft_light": soft_light, "samples": count}
     shot = replace(shot, film=shot.film.model_copy(update=words))

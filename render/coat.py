@@ -7,17 +7,17 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from render.ground import BRIGHTEST, bent, colored, level_of, source
-from render.packed import Sample, patch_texels, texels
-from render.rough import PIXEL
-from render.words import Material
+from render.config import Material
+from render.surfaces.bsdf_plugins import PIXEL
+from render.surfaces.patterns import BRIGHTEST, bent, colored, level_of, source
+from render.surfaces.texture_mapping import Sample, patch_texels, texels
 
 PATCHES = (1.7, 19.0)
 """Tiles of a coat that the map of patches spans, and how far it is turned [deg]."""
 
 
 class Coat:
-    """What is seen of a body: a `render.rough.Look`."""
+    """What is seen of a body: a `render.surfaces.bsdf_plugins.Look`."""
 
     def __init__(self, words: Material) -> None:
         self.words = words

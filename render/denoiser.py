@@ -12,9 +12,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from render.config.film import Denoise
 from render.errors import DenoiseError
 from render.exposure import GLEAM, Exposure, Image
-from render.words.film import Denoise
 
 THREADS = 2
 """Threads of the denoiser; part of the key of a frame."""

@@ -11,10 +11,10 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from render.config import Material
 from render.plain import plain
 from render.plugins import plugin
-from render.rough import Look, bent_in, side_of
-from render.words import Material
+from render.surfaces.bsdf_plugins import Look, bent_in, side_of
 
 
 def glossy(words: Material, look: Look, values: dict[str, Any]) -> Any:
@@ -23,7 +23,7 @@ def glossy(words: Material, look: Look, values: dict[str, Any]) -> Any:
     Args:
         words: the material; its colour and texture are those of the look.
         look: what it shows.
-        values: see `render.rough.rough`.
+        values: see `render.surfaces.bsdf_plugins.rough`.
     """
     paint, surface = plugin(_Paint, "Texture"), plugin(_Glossy, "BSDF")
     surface.paint, surface.below = paint, mi.load_dict(plain(words, paint))

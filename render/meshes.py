@@ -16,8 +16,13 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
+from render.config import Material
 from render.errors import ShotError
-from render.materials import (
+from render.footprints import Prints
+from render.shares import share_names, shares
+from render.shot import Mesh
+from render.surfaces.footprint_lookup import PRINTED
+from render.surfaces.material_bsdf import (
     TINTED,
     Surface,
     bsdf,
@@ -25,12 +30,7 @@ from render.materials import (
     has_shares,
     needs_coordinates,
 )
-from render.pressed import PRINTED
-from render.prints import Prints
-from render.shares import share_names, shares
-from render.shot import Mesh
 from render.unwrapping import Unwrapped, unwrapped
-from render.words import Material
 
 ALONE = 20_000
 """A mesh of this many vertices is not merged: it is likely to stand still (terrain)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from render.color import linear
-from render.words import Material
+from render.config import Material
 
 ROUGH = 0.7
 """From this roughness on a bare dielectric scatters evenly, which costs and flickers least."""

@@ -12,14 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from render.backend import Backend
+from render.config import FullFilm
 from render.device_memory import told_memory
 from render.exposure import Exposure
 from render.frame import Frame
 from render.shot import Shot
-from render.words import FullFilm
 
 if TYPE_CHECKING:
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
 
 @dataclass
@@ -118,7 +118,7 @@ class Renderer:
             return plate.exposure()
 
     def _staged(self, shot: Shot) -> Stage:
-        from render.stage import Stage
+        from render.mitsuba_scene import Stage
 
         # Taken off while it is worked on: one that stopped half way is not used again.
         stage, self._stage = self._stage, None
@@ -138,6 +138,6 @@ def look() -> str:
     """Return a digest of the modules that decide what a frame looks like."""
     here = Path(__file__).parent
     # Words are in the digest of a shot, and a film is made of finished frames.
-    others = {"backend.py", "codecs.py", "errors.py", "film.py", "pictures.py", "words"}
+    others = {"backend.py", "codecs.py", "errors.py", "film_encoder.py", "image_files.py", "config"}
     files = sorted(f for f in here.rglob("*.py") if f.relative_to(here).parts[0] not in others)
     return hashlib.blake2b(b"".join(f.read_bytes() for f in files), digest_size=6).hexdigest()

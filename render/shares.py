@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from render.ground import SOFT, SOFT_DEG
-from render.words import Material
+from render.config import Material
+from render.surfaces.patterns import SOFT, SOFT_DEG
 
 STEEP, CREST, HOLLOW = "vertex_steep", "vertex_crest", "vertex_hollow"
 """Mesh attributes: shares of bare rock, of crests and of hollows, 0 to 1."""

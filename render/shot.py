@@ -21,9 +21,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from render.panorama import content_of
-from render.prints import Prints
-from render.words import Film, Light, Material
+from render.config import Film, Light, Material
+from render.footprints import Prints
+from render.panorama_file import content_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,10 +9,10 @@ from typing import Any
 
 import mitsuba as mi
 
-from render.path_tracer import PathTracer
-from render.plate import Tracer
-from render.wavefront import Wavefront
-from render.words import FullFilm
+from render.config import FullFilm
+from render.tracing.path_tracer import PathTracer
+from render.tracing.tracer import Tracer
+from render.tracing.wavefront import Wavefront
 
 
 def tracer(scene: Any, film: FullFilm, depth: int) -> tuple[Tracer, str]:

@@ -17,7 +17,7 @@ import pytest
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.simulation.figures.figure import build_figure
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 
@@ -391,7 +391,7 @@ def test_a_starter_is_right_and_is_not_overwritten(pronk: Pronk, folder: Path) -
 def unpictured(monkeypatch: pytest.MonkeyPatch) -> None:
     """Leave out the pictures of figures, which take seconds."""
     monkeypatch.setattr("pipeline.production.reports.figure_sheet.figure_svg", lambda _: "<svg/>")
-    monkeypatch.setattr("pipeline.production.reports.figure_sheet.png_of", lambda _: b"")
+    monkeypatch.setattr("pipeline.production.reports.canvas.png_of", lambda _: b"")
 
 
 def told_of(pronk: Pronk, name: str, *words: str) -> dict[str, Any]:
@@ -465,7 +465,7 @@ def test_poses_come_back_from_the_printed_parameters(pronk: Pronk, name: str) ->
     assert [row["joint"] for row in rows] == list(skeleton.joint_names)
     chance = np.random.default_rng(1)
     for q in (skeleton.preferred, *chance.uniform(skeleton.lower, skeleton.upper, (3, len(rows)))):
-        assert np.abs(rebuilt(rows, q) - Tree.of(skeleton).pose(q)).max() < 1e-9
+        assert np.abs(rebuilt(rows, q) - JointTree.of(skeleton).pose(q)).max() < 1e-9
 
 
 @pytest.mark.usefixtures("folder", "unpictured")

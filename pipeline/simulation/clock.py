@@ -49,6 +49,10 @@ class Clock:
         row, rest = divmod(step * self.samples, self.steps)
         return row if rest == 0 else None
 
+    def step_of_row(self, row: int) -> int:
+        """Return the step at which `row` stands."""
+        return row * self.steps // self.samples
+
     def row_of_frame(self, frame: int) -> int:
         """Return the row that the 1-based `frame` shows."""
         return (frame - 1) * self.samples

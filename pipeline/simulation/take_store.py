@@ -17,10 +17,11 @@ import zarr
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
-from pipeline.simulation.reel import reel, rows_of
+from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.take import (
     FORMAT,
-    LATER,
+    OPTIONAL_TABLES,
     Channel,
     Contact,
     Header,
@@ -44,6 +45,8 @@ ROWS: dict[str, Any] = {
     "events": SoundEvent,
     "notes": Note,
     "told": Told,
+    "mechanisms": Mechanism,
+    "legs": Leg,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
@@ -84,7 +87,7 @@ def _write_array(group: zarr.Group, name: str, values: NDArray[Any], samples: in
         name, shape=values.shape, dtype=values.dtype, chunks=(rows, *shape[1:])
     )
     if values.size:
-        for some in rows_of(values, rows):
+        for some in row_chunks(values, rows):
             array[some] = values[some]
 
 
@@ -120,16 +123,16 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
     def array(name: str) -> NDArray[Any]:
         found = group[name]
         assert isinstance(found, zarr.Array)
-        values = reel(found.shape, found.dtype)
+        values = allocate_rows(found.shape, found.dtype)
         if values.size:
-            for some in rows_of(values, found.chunks[0]):
+            for some in row_chunks(values, found.chunks[0]):
                 values[some] = found[some]
         return values
 
     tables: dict[str, Any] = {
         name: tuple(_rows(row, plain["tables"][name]))
         for name, row in ROWS.items()
-        if name not in LATER or name in plain["tables"]
+        if name not in OPTIONAL_TABLES or name in plain["tables"]
     }
     rows: dict[str, Any] = {name: array(name) for name in BY_ROW}
     terrain = plain["terrain"]

@@ -15,10 +15,10 @@ import mitsuba as mi
 import numpy as np
 
 from render.color import linear, luminance
+from render.config import Lamp
 from render.errors import ShotError
-from render.lights.directions import Vector
+from render.lights.environment_map import Vector
 from render.shot import LampPlace
-from render.words import Lamp
 
 CARD = 1.25 * math.pi
 """Irradiance at which a grey card shows as middle grey."""

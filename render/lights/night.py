@@ -11,9 +11,17 @@ from functools import cache
 
 import numpy as np
 
-from render.lights.directions import UP, Image, angles, brightness, directions, headed, smooth
-from render.lights.key import Key
-from render.words import Moon
+from render.config import Moon
+from render.lights.environment_map import (
+    UP,
+    Image,
+    angles,
+    brightness,
+    directions,
+    headed,
+    smooth,
+)
+from render.lights.key_light import Key
 
 MOON_LUX = 0.25
 """Illuminance of a plane that faces a full moon [lx]."""

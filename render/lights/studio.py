@@ -7,9 +7,16 @@ import math
 import numpy as np
 
 from render.color import linear
-from render.lights.directions import Image, Vector, cap, directions, headed, solid_angles
-from render.lights.key import Key
-from render.words import Studio
+from render.config import Studio
+from render.lights.environment_map import (
+    Image,
+    Vector,
+    cap,
+    directions,
+    headed,
+    solid_angles,
+)
+from render.lights.key_light import Key
 
 _KEY = 4.2
 """Irradiance of a studio's key light; its backdrop has about 0.3 of radiance."""

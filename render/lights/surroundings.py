@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from render.lights.directions import UP, Image, brightness, smooth, unit
-from render.lights.key import Key
+from render.lights.environment_map import UP, Image, brightness, smooth, unit
+from render.lights.key_light import Key
 
 _TURNS = 0.1
 """Share of the key light for which the grey card turns to it whole."""

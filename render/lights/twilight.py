@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from render.lights.directions import HEIGHT, WIDTH, Image, directions, headed
+from render.lights.environment_map import HEIGHT, WIDTH, Image, directions, headed
 
 SUNSET_DEG = 1.0
 """Height of the lowest sun that the model of the sky is asked for."""

@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from render.textures import grounds, things
+from render.textures import ground_patterns, object_patterns
 from render.textures.noise import TILE, Plane, noise
 
 __all__ = ["TILE", "Plane", "Tile", "patches", "patterns", "tile"]
@@ -41,7 +41,7 @@ class Tile:
 
 @lru_cache(maxsize=16)
 def tile(pattern: str) -> Tile:
-    """Return the tile of a pattern of `render.words.material.Texture`."""
+    """Return the tile of a pattern of `render.config.material.Texture`."""
     shade, warmth, relief, size = _PATTERNS[pattern](np.random.default_rng(_SEED))
     shade = shade / shade.mean()
     warmth = np.clip(warmth, -1, 1)
@@ -72,29 +72,29 @@ def _softened(relief: Plane) -> Plane:
     return relief
 
 
-_PATTERNS: dict[str, Callable[[np.random.Generator], grounds.Drawn]] = {
-    "soil": grounds.soil,
-    "sand": grounds.sand,
-    "grass": grounds.grass,
-    "snow": grounds.snow,
-    "rock": grounds.rock,
-    "gravel": grounds.gravel,
-    "mud": grounds.mud,
-    "asphalt": grounds.asphalt,
-    "ice": grounds.ice,
-    "tiles": grounds.tiles,
-    "checker": grounds.checker,
-    "wood": things.wood,
-    "planks": things.planks,
-    "mottle": things.mottle,
-    "shell": things.shell,
-    "fur": things.fur,
-    "plumage": things.plumage,
-    "pores": things.pores,
-    "weave": things.weave,
-    "scratches": things.scratches,
-    "brushed": things.brushed,
-    "plaster": things.plaster,
-    "clay": things.clay,
-    "marble": things.marble,
+_PATTERNS: dict[str, Callable[[np.random.Generator], ground_patterns.Drawn]] = {
+    "soil": ground_patterns.soil,
+    "sand": ground_patterns.sand,
+    "grass": ground_patterns.grass,
+    "snow": ground_patterns.snow,
+    "rock": ground_patterns.rock,
+    "gravel": ground_patterns.gravel,
+    "mud": ground_patterns.mud,
+    "asphalt": ground_patterns.asphalt,
+    "ice": ground_patterns.ice,
+    "tiles": ground_patterns.tiles,
+    "checker": ground_patterns.checker,
+    "wood": object_patterns.wood,
+    "planks": object_patterns.planks,
+    "mottle": object_patterns.mottle,
+    "shell": object_patterns.shell,
+    "fur": object_patterns.fur,
+    "plumage": object_patterns.plumage,
+    "pores": object_patterns.pores,
+    "weave": object_patterns.weave,
+    "scratches": object_patterns.scratches,
+    "brushed": object_patterns.brushed,
+    "plaster": object_patterns.plaster,
+    "clay": object_patterns.clay,
+    "marble": object_patterns.marble,
 }

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from audio.config.sound import Sound
 from audio.score import Score, ScoreEvent
-from audio.words import Sound
 
 
 @dataclass

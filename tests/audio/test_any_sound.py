@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio.midi import write_midi
-from audio.quantise_words import GRIDS
+from audio.config.notes import GRIDS
+from audio.midi_file import write_midi
 
 RATES = [Fraction(r) for r in (10, 12, 15, 18, 24, 25, 30, 50, 60, 72, 144, 240)]
 RATES += [Fraction(r * 1000, 1001) for r in (24, 30, 60)]

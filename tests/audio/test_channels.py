@@ -6,26 +6,27 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio.channels import CHANNELS, DRUMS, allocate
-from audio.gestures import Moment
-from audio.placed import Placed
+from audio.channel_allocation import CHANNELS, DRUM_CHANNEL, ChannelNote, allocate_channels
+from audio.controller_curves import ControllerPoint
 
 TAIL = 20
 
 
 def note(track=0, start=0, end=10, program=0, pan=64, pitch=60, velocity=80, **rest):
-    return Placed(track, start, end, program, pan, pitch, velocity, **rest)
+    return ChannelNote(track, start, end, program, pan, pitch, velocity, **rest)
 
 
 def slide(start=0, end=10, **words):
     """Return a note that sinks and fades from tick to tick."""
-    gesture = tuple(Moment(t, -100 * (t - start), 127 - (t - start)) for t in range(start, end))
-    return note(start=start, end=end, gesture=gesture, **words)
+    gesture = tuple(
+        ControllerPoint(t, -100 * (t - start), 127 - (t - start)) for t in range(start, end)
+    )
+    return note(start=start, end=end, curve=gesture, **words)
 
 
 def placed(*notes):
     ordered = sorted(notes, key=lambda n: (n.start, n.track))
-    return allocate([replace(n) for n in ordered], TAIL)
+    return allocate_channels([replace(n) for n in ordered], TAIL)
 
 
 def messages(played):
@@ -44,8 +45,8 @@ def check(played):
             continue
         assert (n.channel, n.pitch) not in sounding, "struck while it sounds"
         if n.drum:
-            assert n.channel == DRUMS
-            assert not any((n.sets_program, n.sets_pan, n.sets_send, n.gesture))
+            assert n.channel == DRUM_CHANNEL
+            assert not any((n.sets_program, n.sets_pan, n.sets_send, n.curve))
             sounding[n.channel, n.pitch] = n
             continue
         assert n.channel in CHANNELS
@@ -53,14 +54,14 @@ def check(played):
         told = program.get(n.channel), pan.get(n.channel), send.get(n.channel)
         changes = told != (n.program, n.pan, n.send)
         assert not (held and changes), "changed under a sounding note"
-        assert not (held and (n.gesture or n.channel in moved)), "bent under a sounding note"
-        assert not any(sounding[key].gesture for key in held), "plays along with a gesture"
-        if n.gesture:
-            assert n.start == n.gesture[0].tick
-            assert n.gesture[-1].tick < n.end
+        assert not (held and (n.curve or n.channel in moved)), "bent under a sounding note"
+        assert not any(sounding[key].curve for key in held), "plays along with a gesture"
+        if n.curve:
+            assert n.start == n.curve[0].tick
+            assert n.curve[-1].tick < n.end
             moved.add(n.channel)
         else:
-            assert n.rests or n.channel not in moved
+            assert n.resets_controllers or n.channel not in moved
             moved.discard(n.channel)
         program |= {n.channel: n.program} if n.sets_program else {}
         pan |= {n.channel: n.pan} if n.sets_pan else {}
@@ -81,11 +82,11 @@ def check_words(played):
         send |= {n.channel: n.send} if n.sets_send else {}
         told = program[n.channel], pan[n.channel], send[n.channel]
         assert told == (n.program, n.pan, n.send)
-        ranged |= {n.channel} if n.sets_range else set()
-        assert not n.gesture or n.channel in ranged
-        moved -= {n.channel} if n.rests else set()
-        assert n.gesture or n.channel not in moved
-        moved |= {n.channel} if n.gesture else set()
+        ranged |= {n.channel} if n.sets_bend_range else set()
+        assert not n.curve or n.channel in ranged
+        moved -= {n.channel} if n.resets_controllers else set()
+        assert n.curve or n.channel not in moved
+        moved |= {n.channel} if n.curve else set()
 
 
 @pytest.mark.slow
@@ -185,23 +186,31 @@ def test_a_gesture_has_its_channel_to_itself_and_leaves_it_as_it_was():
     )
     slid, beside, after, again = played
     assert slid.channel != beside.channel
-    assert (slid.sets_range, again.sets_range and again.channel == slid.channel) == (True, False)
-    assert [n.rests for n in played] == [False, False, after.channel == slid.channel, False]
+    assert (slid.sets_bend_range, again.sets_bend_range and again.channel == slid.channel) == (
+        True,
+        False,
+    )
+    assert [n.resets_controllers for n in played] == [
+        False,
+        False,
+        after.channel == slid.channel,
+        False,
+    ]
     check(played)
 
 
 def test_a_note_that_comes_back_to_a_channel_finds_it_as_it_was():
     others = [note(start=20, end=99, program=i) for i in range(1, 15)]
     played, _ = placed(slide(), *others, note(start=50, end=60))
-    assert (played[0].channel, played[-1].rests) == (played[-1].channel, True)
+    assert (played[0].channel, played[-1].resets_controllers) == (played[-1].channel, True)
     check(played)
 
 
 def test_a_gesture_is_given_up_where_no_channel_is_silent():
     held = [note(program=i, end=50) for i in range(15)]
     played, losses = placed(*held, slide(0, 60, program=3, pitch=64))
-    assert played[-1].gesture == ()
-    assert (played[-1].channel, losses.stiff) == (played[3].channel, 1)
+    assert played[-1].curve == ()
+    assert (played[-1].channel, losses.without_curve) == (played[3].channel, 1)
     check(played)
 
 
@@ -209,8 +218,8 @@ def test_a_gesture_silences_what_was_struck_before_but_no_other_gesture():
     held = [slide(0, 99), *(note(start=i, end=99, program=i) for i in range(1, 15))]
     played, losses = placed(*held, slide(20, 60, program=20))
     assert (played[0].end, played[1].end, played[-1].channel) == (99, 20, played[1].channel)
-    assert bool(played[-1].gesture)
-    assert (losses.stiff, losses.cut_short) == (0, 1)
+    assert bool(played[-1].curve)
+    assert (losses.without_curve, losses.cut_short) == (0, 1)
     check(played)
 
 
@@ -224,7 +233,7 @@ def test_each_track_says_for_itself_what_its_notes_need():
     assert (other.sets_program, other.sets_pan) == (True, True)
     for track in (0, 1):
         check_words([n for n in played if n.track == track])
-    assert back.rests == (back.channel == slid.channel)
+    assert back.resets_controllers == (back.channel == slid.channel)
 
 
 def test_drums_have_their_channel_and_one_key_sounds_once():
@@ -245,7 +254,7 @@ def test_a_sixteenth_direction_moves_to_the_nearest():
     pans = [8 * i for i in range(15)]
     played, losses = placed(*(note(pan=p) for p in pans), note(track=1, pan=27, pitch=61))
     assert played[-1].pan == 24
-    assert (losses.moved, losses.merged) == (1, [])
+    assert (losses.pan_changed, losses.merged) == (1, [])
 
 
 def test_another_share_of_the_reverb_has_another_channel_while_there_is_one():
@@ -253,14 +262,14 @@ def test_another_share_of_the_reverb_has_another_channel_while_there_is_one():
     assert [n.channel for n in played][::2] == [played[0].channel] * 2
     assert played[1].channel != played[0].channel
     assert [n.sets_send for n in played] == [True, True, False]
-    assert losses.reverbs == 0
+    assert losses.reverb_changed == 0
 
 
 def test_with_no_channel_left_a_note_takes_the_nearest_share_of_the_reverb():
     held = [note(pan=0, send=s) for s in (0, 32)] + [note(program=i) for i in range(1, 14)]
     played, losses = placed(*held, note(track=1, pan=0, send=96, pitch=61))
     assert (played[-1].pan, played[-1].send) == (0, 32)
-    assert (losses.moved, losses.reverbs, losses.merged) == (0, 1, [])
+    assert (losses.pan_changed, losses.reverb_changed, losses.merged) == (0, 1, [])
     check(played)
 
 

@@ -5,10 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from audio.chords import KINDS, parse_chord, parse_steps
-from audio.scales import parse_scale
-from audio.voices import notes_of
-from audio.words import Sound
+from audio.config.sound import Sound
+from audio.harmony import CHORD_KINDS, parse_chord, parse_scale, parse_steps
+from audio.notes import notes_of
 
 ROOTS = ("C", "C#", "Db", "D", "Eb", "E", "F", "F♯", "G", "Ab", "A", "B♭", "B")
 
@@ -31,7 +30,7 @@ def test_a_chord_stands_on_its_root_nearest_to_a_pitch(name, pitches):
     assert parse_chord(name).near(60) == pitches
 
 
-@given(st.sampled_from(ROOTS), st.sampled_from(sorted(KINDS)), st.integers(0, 127))
+@given(st.sampled_from(ROOTS), st.sampled_from(sorted(CHORD_KINDS)), st.integers(0, 127))
 def test_every_chord_is_within_midi_near_its_pitch_and_is_its_own_scale(root, kind, pitch):
     chord = parse_chord(root + kind)
     pitches = chord.near(pitch)
@@ -42,7 +41,7 @@ def test_every_chord_is_within_midi_near_its_pitch_and_is_its_own_scale(root, ki
     if 12 <= pitch <= 100:
         assert abs(pitches[0] - pitch) <= 6
     scale = parse_steps(root + kind)
-    assert all(scale.holds(each) for each in pitches)
+    assert all(scale.contains(each) for each in pitches)
     assert len(scale.intervals) == len({each % 12 for each in pitches})
 
 
@@ -76,7 +75,7 @@ def test_a_voice_with_a_chord_strikes_it_at_once_as_loud_as_one_note(step, score
     notes = notes_of(score_of([step()], sound={"voices": [{"pitch": 57, "chord": "Am7"}]}))
     assert [note.pitch for note in notes] == [57, 60, 64, 67]
     assert {note.onset for note in notes} == {plain.onset}
-    assert [note.opens for note in notes] == [True, False, False, False]
+    assert [note.is_first for note in notes] == [True, False, False, False]
     assert sum(10 ** (n.level / 10) for n in notes) == pytest.approx(10 ** (plain.level / 10))
     assert all(note.tuned for note in notes)
 

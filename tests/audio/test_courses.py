@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from audio.courses import SOUND, drive_of, gains_of, read_at
-from audio.modal import write_wav
+from audio.dsp import resample
 from audio.score import Bearing
+from audio.source_motion import SPEED_OF_SOUND, moving_gains, speed_profile
+from audio.wav_file import write_wav
 
 RATE = 48_000
 
@@ -57,7 +58,7 @@ def test_a_whistle_that_passes_falls_by_the_law_of_doppler(heard, speed):
     going = strongest(sound, 0.8 * seconds, 0.98 * seconds)
     v = speed * 8 / np.hypot(8, 2)
     # The tone itself wanders by two per cent.
-    assert coming / going == pytest.approx((SOUND + v) / (SOUND - v), rel=0.04)
+    assert coming / going == pytest.approx((SPEED_OF_SOUND + v) / (SPEED_OF_SOUND - v), rel=0.04)
 
 
 def test_what_passes_comes_from_the_left_and_goes_to_the_right_and_is_loudest_near(heard):
@@ -77,11 +78,11 @@ def test_what_passes_comes_from_the_left_and_goes_to_the_right_and_is_loudest_ne
 
 def test_gains_go_with_one_over_distance_and_keep_power():
     course, seconds = pass_by(20.0)
-    left, right = gains_of(course, 2.0, seconds, int(seconds * RATE))
+    left, right = moving_gains(course, 2.0, seconds, int(seconds * RATE))
     at = np.linspace(0, left.size - 1, len(course)).astype(int)
     distance = np.array([bearing.distance for bearing in course])
     assert np.hypot(left, right)[at] == pytest.approx(2.0 / distance, rel=0.01)
-    left, right = gains_of(course, 2.0, seconds, 1000, pan=1.0)
+    left, right = moving_gains(course, 2.0, seconds, 1000, pan=1.0)
     assert np.abs(left).max() < 1e-12
     assert (right > 0).all()
 
@@ -106,7 +107,7 @@ def test_what_slows_down_gets_softer_and_lower(heard, cause):
 def test_the_band_of_a_slide_is_that_of_its_profile_read_as_fast():
     rng = np.random.default_rng(0)
     profile = np.convolve(rng.standard_normal(96_000), np.hanning(24), "same")
-    whole = np.stack([read_at(profile, np.full(48_000, pace)) for pace in (1.0, 0.5)])
+    whole = np.stack([resample(profile, np.full(48_000, pace)) for pace in (1.0, 0.5)])
     spread = [centroid(np.stack([w, w], axis=1), 0, 1) for w in whole]
     assert spread[1] == pytest.approx(spread[0] / 2, rel=0.05)
 
@@ -129,19 +130,19 @@ def test_every_course_begins_on_its_sample_and_ends_in_time(
 
 
 def test_a_drive_goes_through_its_speeds_and_stays_at_the_last():
-    drive = drive_of(RATE, 0.5, (1.0, 4.0, 2.0), ())
-    assert drive.share[[0, 12_000, 24_000, 47_999]] == pytest.approx([0.25, 1.0, 0.5, 0.5])
-    assert (drive.rate == 1).all()
-    near = drive_of(RATE, 1.0, (), (SOUND / 2, SOUND / 2))
-    assert near.rate == pytest.approx(2.0)
-    assert near.steady
+    drive = speed_profile(RATE, 0.5, (1.0, 4.0, 2.0), ())
+    assert drive.relative_speed[[0, 12_000, 24_000, 47_999]] == pytest.approx([0.25, 1.0, 0.5, 0.5])
+    assert (drive.doppler == 1).all()
+    near = speed_profile(RATE, 1.0, (), (SPEED_OF_SOUND / 2, SPEED_OF_SOUND / 2))
+    assert near.doppler == pytest.approx(2.0)
+    assert near.is_steady
 
 
 def test_a_profile_read_at_its_own_pace_is_itself():
     profile = np.random.default_rng(1).standard_normal(500)
-    assert np.array_equal(read_at(profile, np.ones(500)), profile)
+    assert np.array_equal(resample(profile, np.ones(500)), profile)
     t = np.arange(2000)
     curve = np.sin(2 * np.pi * t / 97)
-    half = read_at(curve, np.full(1900, 0.5))
+    half = resample(curve, np.full(1900, 0.5))
     # About its first sample it is taken to come round again.
     assert half[2:] == pytest.approx(np.sin(np.pi * t[2:1900] / 97), abs=2e-3)

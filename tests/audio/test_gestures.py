@@ -8,12 +8,12 @@ import symusic
 from hypothesis import given
 from hypothesis import strategies as st
 
-from audio.gestures import gesture_of
-from audio.grid import grid_of
-from audio.heard import loudness_db
-from audio.midi import midi_bytes, write_midi
+from audio.controller_curves import controller_curve
+from audio.loudness_at_listener import loudness_db
+from audio.midi_file import midi_bytes, write_midi
+from audio.time_grid import tick_grid
 
-GRID = grid_of(Fraction(24))
+GRID = tick_grid(Fraction(24))
 
 
 def rolls(step, speeds, frame=1, **words):
@@ -76,7 +76,7 @@ def test_sixteen_rolls_at_once_keep_their_notes_and_say_whose_gesture_is_lost(
     report = write_midi(score_of(happened, 48), path)
     smf = read_smf(path.read_bytes())
     check_laws(smf, 48, Fraction(24))
-    assert report.stiff == 1
+    assert report.without_curve == 1
     assert report.notes + report.merged == 16
 
 
@@ -88,7 +88,7 @@ def test_sixteen_rolls_at_once_keep_their_notes_and_say_whose_gesture_is_lost(
 )
 def test_any_gesture_is_legal_and_lies_within_its_note(step, speeds, duration, start, length):
     event = step(1, speeds=speeds, duration=duration)
-    moments = gesture_of(event, GRID, start, start + length)
+    moments = controller_curve(event, GRID, start, start + length)
     assert [m.tick for m in moments] == sorted({m.tick for m in moments})
     assert all((m.tick - start) % 40 == 0 for m in moments)
     assert all(start <= m.tick < start + length for m in moments)
@@ -98,5 +98,5 @@ def test_any_gesture_is_legal_and_lies_within_its_note(step, speeds, duration, s
 
 def test_an_even_speed_is_said_once(step):
     event = step(1, speeds=(0.7,) * 9, duration=2.0)
-    (moment,) = gesture_of(event, GRID, 0, 1920)
+    (moment,) = controller_curve(event, GRID, 0, 1920)
     assert (moment.bend, moment.expression) == (0, 127)

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from audio.errors import AudioError, GridError
-from audio.grid import SAMPLE_RATE, grid_of, sample_of
+from audio.time_grid import SAMPLE_RATE, sample_of_frame, tick_grid
 
 USUAL = [Fraction(r) for r in (10, 12, 15, 16, 24, 25, 30, 48, 50, 60, 100, 120, 240)]
 NTSC = [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
@@ -15,18 +15,18 @@ NTSC = [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
 
 @pytest.mark.parametrize("rate", USUAL + NTSC, ids=str)
 def test_usual_rates_have_24_frames_a_beat_and_40_ticks_a_frame(rate):
-    grid = grid_of(rate)
+    grid = tick_grid(rate)
     assert (grid.ticks_per_beat, grid.ticks_per_frame) == (960, 40)
     assert grid.tempo == 24_000_000 / rate
 
 
 def test_the_tempo_of_ntsc():
-    assert grid_of(Fraction(30000, 1001)).tempo == 800_800
+    assert tick_grid(Fraction(30000, 1001)).tempo == 800_800
 
 
 @pytest.mark.parametrize("rate", [18, 72, 90, 144])
 def test_rates_of_nines_have_9_frames_a_beat(rate):
-    grid = grid_of(Fraction(rate))
+    grid = tick_grid(Fraction(rate))
     assert (grid.ticks_per_beat, grid.frames_per_beat, grid.ticks_per_frame) == (954, 9, 106)
 
 
@@ -39,7 +39,7 @@ def test_rates_of_nines_have_9_frames_a_beat(rate):
 )
 def test_a_grid_is_exact_and_legal_or_refused(rate, frame):
     try:
-        grid = grid_of(rate)
+        grid = tick_grid(rate)
     except GridError:
         # Only where a beat of whole microseconds is too long or has too many frames for a file.
         least = Fraction(1_000_000 / rate).denominator
@@ -54,15 +54,15 @@ def test_a_grid_is_exact_and_legal_or_refused(rate, frame):
 @pytest.mark.parametrize("rate", [Fraction(0), Fraction(-24), Fraction(314159265, 10**7)])
 def test_a_rate_without_a_grid_is_an_audio_error_that_names_it(rate):
     with pytest.raises(AudioError, match=str(rate)):
-        grid_of(rate)
+        tick_grid(rate)
 
 
 @given(st.integers(1, 10**7), st.sampled_from(USUAL + NTSC + [Fraction(7), Fraction(18)]))
 def test_a_frame_begins_at_the_nearest_sample_and_half_goes_up(frame, rate):
-    off = sample_of(frame, rate) - (frame - 1) * SAMPLE_RATE / rate
+    off = sample_of_frame(frame, rate) - (frame - 1) * SAMPLE_RATE / rate
     assert -Fraction(1, 2) < off <= Fraction(1, 2)
 
 
 def test_half_a_sample_goes_up():
-    assert sample_of(2, Fraction(96_000)) == 1
-    assert sample_of(4, Fraction(96_000)) == 2
+    assert sample_of_frame(2, Fraction(96_000)) == 1
+    assert sample_of_frame(4, Fraction(96_000)) == 2

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from audio.loudness import integrated, true_peak, true_peaks
+from audio.loudness_meter import integrated_loudness, true_peak, true_peaks
 
 RATE = 48_000
 
@@ -16,28 +16,30 @@ def sine(hertz, seconds, amplitude=1.0, phase=0.3):
 @pytest.mark.parametrize("level", [-18.0, -23.0, -33.0])
 def test_a_tone_of_a_thousand_hertz_in_both_ears_is_as_loud_as_its_level(level):
     # Source: EBU Tech 3341, test signals 1 and 2.
-    assert integrated(sine(1000, 20, 10 ** (level / 20))) == pytest.approx(level, abs=0.1)
+    assert integrated_loudness(sine(1000, 20, 10 ** (level / 20))) == pytest.approx(level, abs=0.1)
 
 
 @pytest.mark.slow
 def test_silence_has_no_loudness_and_pauses_do_not_count():
-    assert integrated(np.zeros((RATE, 2))) == -np.inf
-    assert integrated(np.zeros((1, 2))) == -np.inf
+    assert integrated_loudness(np.zeros((RATE, 2))) == -np.inf
+    assert integrated_loudness(np.zeros((1, 2))) == -np.inf
     tone = sine(1000, 10, 0.1)
     paused = np.concatenate((tone, np.zeros((RATE * 30, 2))))
-    assert integrated(paused) == pytest.approx(integrated(tone), abs=0.15)
+    assert integrated_loudness(paused) == pytest.approx(integrated_loudness(tone), abs=0.15)
 
 
 def test_the_least_film_and_its_last_moment_are_heard():
     for samples, at in ((400, 10), (2 * RATE + 3000, 2 * RATE + 2900)):
         click = np.zeros((samples, 2))
         click[at : at + 60] = 0.5
-        assert -60 < integrated(click) < -20
+        assert -60 < integrated_loudness(click) < -20
 
 
 def test_twice_the_amplitude_is_six_decibels():
     heard = sine(500, 3, 0.1)
-    assert integrated(2 * heard) - integrated(heard) == pytest.approx(6.02, abs=0.01)
+    assert integrated_loudness(2 * heard) - integrated_loudness(heard) == pytest.approx(
+        6.02, abs=0.01
+    )
 
 
 @pytest.mark.parametrize("hertz", [997, 6000, 12_000, 17_000, 20_000])

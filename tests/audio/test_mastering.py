@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from audio.loudness import integrated, true_peak
-from audio.mastering import FULL, mastered
-from audio.modal import write_wav
-from audio.track_words import Master
+from audio.config.sound import Master
+from audio.loudness_meter import integrated_loudness, true_peak
+from audio.mastering import FULL_SCALE, master_mix
+from audio.wav_file import write_wav
 
 
 def walk(level, steps=12, decay=3000):
@@ -23,11 +23,11 @@ def walk(level, steps=12, decay=3000):
 @pytest.mark.parametrize("decay", [300, 3000, 20_000])
 def test_a_walk_is_as_loud_as_asked_whatever_it_was(level, lufs, decay):
     words = Master(lufs=lufs)
-    done = mastered(walk(level, decay=decay), words)
+    done = master_mix(walk(level, decay=decay), words)
     assert done.true_peak_db < -1
-    written = done.samples / FULL
+    written = done.samples / FULL_SCALE
     assert done.true_peak_db == pytest.approx(20 * np.log10(true_peak(written)), abs=1e-9)
-    assert done.lufs == pytest.approx(integrated(written), abs=1e-9)
+    assert done.lufs == pytest.approx(integrated_loudness(written), abs=1e-9)
     assert done.limited_db <= words.most_limiting_db + 1e-9
     if done.gain_db < words.most_gain_db and done.limited_db < words.most_limiting_db - 0.1:
         assert done.lufs == pytest.approx(lufs, abs=0.2)
@@ -35,17 +35,17 @@ def test_a_walk_is_as_loud_as_asked_whatever_it_was(level, lufs, decay):
 
 def test_what_is_nearly_silent_is_raised_by_no_more_than_allowed():
     mix = walk(-45)
-    done = mastered(mix, Master(most_gain_db=20))
+    done = master_mix(mix, Master(most_gain_db=20))
     assert done.gain_db == 20
-    assert done.lufs == pytest.approx(integrated(mix) + 20, abs=0.1)
+    assert done.lufs == pytest.approx(integrated_loudness(mix) + 20, abs=0.1)
 
 
 def test_soft_and_loud_keep_their_relation_where_nothing_is_lowered():
     mix = walk(-30, decay=20_000)
     mix[: len(mix) // 2] *= 0.1
-    done = mastered(mix, Master(lufs=-30))
+    done = master_mix(mix, Master(lufs=-30))
     assert done.limited_db == 0
-    ratio = done.samples / FULL / np.where(mix == 0, 1, mix)
+    ratio = done.samples / FULL_SCALE / np.where(mix == 0, 1, mix)
     big = np.abs(mix) > 1e-3
     assert np.allclose(ratio[big], 10 ** (done.gain_db / 20), rtol=1e-3)
 
@@ -53,7 +53,7 @@ def test_soft_and_loud_keep_their_relation_where_nothing_is_lowered():
 def test_what_is_louder_stays_louder():
     mix = walk(0, steps=2)
     mix[24_000:] *= 0.25
-    done = mastered(mix, Master())
+    done = master_mix(mix, Master())
     loud, soft = (np.abs(done.samples[at : at + 24_000]).max() for at in (0, 24_000))
     assert done.limited_db > 0
     assert soft < loud
@@ -62,15 +62,15 @@ def test_what_is_louder_stays_louder():
 @pytest.mark.parametrize("level", [-30, 0, 30])
 def test_off_leaves_the_loudness_and_keeps_the_ceiling(level):
     mix = walk(level)
-    done = mastered(mix, None)
+    done = master_mix(mix, None)
     assert done.gain_db == 0
     assert done.true_peak_db < -1
     if level < -1.2:
-        assert np.array_equal(done.samples, np.rint(mix * FULL))
+        assert np.array_equal(done.samples, np.rint(mix * FULL_SCALE))
 
 
 def test_silence_stays_silence():
-    done = mastered(np.zeros((5000, 2)), Master())
+    done = master_mix(np.zeros((5000, 2)), Master())
     assert not done.samples.any()
     assert (done.lufs, done.true_peak_db, done.gain_db) == (-np.inf, -np.inf, 0.0)
 

@@ -9,9 +9,9 @@ import symusic
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from audio import midi
+from audio import midi_file
 from audio.errors import AudioError, ScoreError, SoundFileError
-from audio.midi import midi_bytes, write_midi
+from audio.midi_file import midi_bytes, write_midi
 from audio.score import Marker
 
 RATES = [Fraction(r) for r in (10, 12, 15, 16, 24, 25, 30, 48, 50, 60, 100, 120, 240)]
@@ -106,7 +106,7 @@ def test_five_thousand_in_two_seconds_are_all_told_of(
     assert report.merged > 0
     assert sum(report.merged_by_frame.values()) == report.merged
     assert {tick for tick, *_ in smf.onsets()} == {40 * i for i in range(48)}
-    assert report.moved > 0
+    assert report.pan_changed > 0
     assert report.notes == len(smf.onsets()) == 5000 - report.merged
     read = symusic.Score.from_midi(path.read_bytes())
     assert sum(len(track.notes) for track in read.tracks) == report.notes
@@ -310,7 +310,7 @@ def test_a_failure_leaves_the_earlier_file_and_nothing_beside_it(
     def fail(self, target):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(midi.Path, "replace", fail)
+    monkeypatch.setattr(midi_file.Path, "replace", fail)
     with pytest.raises(SoundFileError, match="No space left"):
         write_midi(score_of([step(2)]), path)
     with pytest.raises(ScoreError):

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from audio.acoustic_materials import FAMILIES
 from audio.errors import ScoreError, SoundFileError
-from audio.grid import sample_of
-from audio.materials import FAMILIES
-from audio.modal import write_wav
+from audio.time_grid import sample_of_frame
+from audio.wav_file import write_wav
 
 RATES = [10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 144, 240]
 RATES = [Fraction(r) for r in RATES] + [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
@@ -52,8 +52,8 @@ def test_a_blow_is_heard_from_the_sample_of_its_frame_on(step, heard, rate):
     frames = 2 * int(rate) + 3
     for frame in (2, int(rate) + 2, frames):
         sound = heard([step(frame)], frames, rate)
-        at = sample_of(frame, rate)
-        assert len(sound) == sample_of(frames + 1, rate)
+        at = sample_of_frame(frame, rate)
+        assert len(sound) == sample_of_frame(frames + 1, rate)
         assert not sound[:at].any()
         assert np.abs(sound[at]).min() > 1e-4
         # Within a millisecond it stands: at least a third of the whole blow's peak.
@@ -147,11 +147,11 @@ def test_any_score_gives_finite_sound_of_exact_length(
     path = tmp_path_factory.mktemp("wav") / "score.wav"
     report = write_wav(score_of(happened, frames, rate), path)
     sound = read_wav(path)
-    assert len(sound) == report.samples == sample_of(frames + 1, rate)
+    assert len(sound) == report.samples == sample_of_frame(frames + 1, rate)
     assert abs(len(sound) - 48_000 * frames / rate) <= Fraction(1, 2)
     assert np.abs(sound).max() <= CEILING
     first = min((event.frame for event in happened), default=frames + 1)
-    assert not sound[: sample_of(first, rate)].any()
+    assert not sound[: sample_of_frame(first, rate)].any()
 
 
 def test_the_order_of_events_does_not_matter(step, score_of, tmp_path):
@@ -173,10 +173,10 @@ _PROGRAM = """
 import sys
 from fractions import Fraction
 from pathlib import Path
-from audio.midi import write_midi
-from audio.modal import write_wav
+from audio.midi_file import write_midi
+from audio.wav_file import write_wav
 from audio.score import Score, ScoreEvent
-from audio.words import Sound
+from audio.config.sound import Sound
 events = [
     ScoreEvent(1 + i, Fraction(i, 24), cause, who, f"foot_{i % 6}", "terrain", material, "dry soil")
     for i, (cause, who, material) in enumerate(
@@ -399,7 +399,7 @@ def test_a_failure_leaves_the_earlier_file(step, score_of, tmp_path, monkeypatch
     def fail(handle):
         raise OSError(5, "Input/output error")
 
-    monkeypatch.setattr("audio.files.os.fsync", fail)
+    monkeypatch.setattr("audio.atomic_file.os.fsync", fail)
     with pytest.raises(SoundFileError, match="Input/output"):
         write_wav(score_of([step(2)]), path)
     with pytest.raises(ScoreError, match="hours"):

@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from audio.midi import midi_bytes, write_midi
-from audio.voices import notes_of, voiced
-from audio.words import Sound
+from audio.config.sound import Sound
+from audio.midi_file import midi_bytes, write_midi
+from audio.notes import arrange, notes_of
 
 RATES = [Fraction(r) for r in (10, 12, 24, 25, 30, 50, 60, 72, 144)]
 RATES += [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
@@ -27,7 +27,7 @@ def test_degrees_climb_the_scale_above_the_events_own_pitch(step, score_of):
     assert [(n.onset * 24 + 1, n.pitch) for n in notes] == [
         (25, 60), (31, 63), (43, 60), (43, 65), (49, 48), (55, 65), (55, 68), (55, 72),
     ]  # fmt: skip
-    assert [n.opens for n in notes] == [True] + [False] * 7
+    assert [n.is_first for n in notes] == [True] + [False] * 7
 
 
 def test_a_phrase_off_the_scale_keeps_its_first_note(step, score_of):
@@ -105,7 +105,7 @@ def test_below_frames_a_phrase_goes_on_from_the_exact_time(step, score_of):
 
 def test_notes_after_the_last_frame_are_left_out_and_counted(step, score_of, read_smf, check_laws):
     score = phrased(score_of, [step(24)], {"steps": [0, 1, 2], "frames": 1}, frames=24)
-    spoken = voiced(score)
+    spoken = arrange(score)
     assert (len(spoken.notes), spoken.after_the_end) == (1, 2)
     smf = read_smf(midi_bytes(score))
     check_laws(smf, 24, Fraction(24))

@@ -7,12 +7,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from audio.midi import midi_bytes, write_midi
-from audio.modal import write_wav
-from audio.quantise_words import GRIDS, QuantiseWords, beats_of
-from audio.quantising import quantised
-from audio.voices import notes_of, voiced
-from audio.words import Sound
+from audio.config.notes import GRIDS, Quantisation, beats_of_grid
+from audio.config.sound import Sound
+from audio.midi_file import midi_bytes, write_midi
+from audio.notes import arrange, notes_of
+from audio.quantisation import quantise
+from audio.wav_file import write_wav
 
 RATES = [Fraction(r) for r in (10, 12, 24, 25, 30, 50, 60, 72, 144)]
 RATES += [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
@@ -31,24 +31,24 @@ def heard_at(score):
 
 
 def test_grids_are_note_values():
-    assert [beats_of(g) for g in ("1/4", "1/8", "1/16", "1/8T", "1/8D", "1/1")] == [
+    assert [beats_of_grid(g) for g in ("1/4", "1/8", "1/16", "1/8T", "1/8D", "1/1")] == [
         1, Fraction(1, 2), Fraction(1, 4), Fraction(1, 3), Fraction(3, 4), 4,
     ]  # fmt: skip
-    assert len({beats_of(grid) for grid in GRIDS}) == len(GRIDS)
+    assert len({beats_of_grid(grid) for grid in GRIDS}) == len(GRIDS)
 
 
 def test_without_the_word_nothing_moves(step, score_of):
     score = score_of([step(f) for f in (2, 5, 11)])
     assert heard_at(score) == [2, 5, 11]
-    assert voiced(score).shifts.asked == 0
+    assert arrange(score).shifts.events == 0
 
 
 def test_notes_go_to_the_nearest_place_the_later_of_two(step, score_of):
     # At 120 beats a minute eighths are six frames: 1, 7, 13, 19 ...
     score = on_grid(score_of, (1, 3, 4, 9, 12, 96), step, grid="1/8")
     assert heard_at(score) == [1, 1, 7, 7, 13, 91]
-    shifts = voiced(score).shifts
-    assert (shifts.asked, shifts.moved, shifts.earlier) == (6, 5, 3)
+    shifts = arrange(score).shifts
+    assert (shifts.events, shifts.moved, shifts.earlier) == (6, 5, 3)
     assert shifts.greatest == Fraction(5, 24)
     assert shifts.mean == Fraction(2 + 3 + 2 + 1 + 5, 5 * 24)
 
@@ -75,7 +75,7 @@ def test_a_voice_may_stay_off_the_grid(step, score_of):
     sound = {"quantise": {"grid": "1/4"}, "voices": [{"when": {"who": "b"}, "quantise": False}]}
     score = score_of([step(6, who="a"), step(6, who="b")], sound=sound)
     assert {n.event.who: n.onset * 24 + 1 for n in notes_of(score)} == {"a": 1, "b": 6}
-    assert voiced(score).shifts.asked == 1
+    assert arrange(score).shifts.events == 1
 
 
 @settings(max_examples=150)
@@ -92,13 +92,13 @@ def test_a_voice_may_stay_off_the_grid(step, score_of):
 def test_the_laws_of_the_grid(
     step, score_of, rate, tempo, grid, frame, strength, swing, mode, offset
 ):
-    words = QuantiseWords(grid=grid, strength=strength, swing=swing, mode=mode, offset=offset)
+    words = Quantisation(grid=grid, strength=strength, swing=swing, mode=mode, offset=offset)
     score = score_of(frames=50, rate=rate, sound={"tempo_bpm": tempo})
     onset = Fraction(frame - 1) / rate
-    drawn = quantised(onset, words, score)
+    drawn = quantise(onset, words, score)
     assert (drawn * rate).denominator == 1
     assert 0 <= drawn < 50 / rate
-    pair = 2 * 60 / Fraction(str(tempo)) * beats_of(grid)
+    pair = 2 * 60 / Fraction(str(tempo)) * beats_of_grid(grid)
     # Never farther than the wider of two steps, and half a frame of rounding.
     far = pair * Fraction(str(swing))
     assert abs(drawn - onset) <= far + Fraction(1, 2) / rate
@@ -155,7 +155,7 @@ def test_one_event_on_the_last_frame_and_none_at_all(step, score_of, read_smf, c
         smf = read_smf(midi_bytes(score))
         check_laws(smf, 24, Fraction(24))
         assert len(smf.onsets()) == len(shown)
-        assert voiced(score).shifts.asked == len(shown)
+        assert arrange(score).shifts.events == len(shown)
 
 
 @pytest.mark.parametrize(

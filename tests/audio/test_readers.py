@@ -12,7 +12,7 @@ import pretty_midi
 import pytest
 import symusic
 
-from audio.midi import midi_bytes
+from audio.midi_file import midi_bytes
 
 NTSC = [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
 RATES = [Fraction(r) for r in (10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120)]

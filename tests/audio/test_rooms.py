@@ -5,8 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from audio.rooms import Space, acoustics_of, images_of, reverberation
-from audio.track_words import Room
+from audio.config.sound import Room
+from audio.room_acoustics import (
+    Reverberator,
+    early_reflections,
+    reverb_response,
+    room_acoustics,
+)
 
 RATE, SOUND = 48_000, 343.0
 
@@ -19,7 +24,7 @@ RATE, SOUND = 48_000, 343.0
 )
 def test_no_reflection_comes_before_or_louder_than_its_sound(step, preset, distance, azimuth, size):
     event = step(1, distance=distance, azimuth=azimuth, size=size)
-    images = list(images_of(event, acoustics_of(Room(preset=preset))))
+    images = list(early_reflections(event, room_acoustics(Room(preset=preset))))
     assert len(images) == (1 if preset == "open" else 6)
     for image in images:
         assert image.delay >= 1
@@ -28,9 +33,9 @@ def test_no_reflection_comes_before_or_louder_than_its_sound(step, preset, dista
 
 
 def test_the_reflections_of_a_box_are_where_geometry_has_them(step):
-    room = acoustics_of(Room(preset="hall", size=(10, 8, 20), absorption=0))
+    room = room_acoustics(Room(preset="hall", size=(10, 8, 20), absorption=0))
     event = step(1, distance=4.0, azimuth=0.0, size=1.6)
-    paths = sorted(4.0 + image.delay * SOUND / RATE for image in images_of(event, room))
+    paths = sorted(4.0 + image.delay * SOUND / RATE for image in early_reflections(event, room))
     # Ears and source 1.6 m high, 4 m apart, ears in the middle of the floor.
     ground, top = np.hypot(4, 3.2), np.hypot(4, 12.8)
     side = np.hypot(4, 10)
@@ -39,15 +44,17 @@ def test_the_reflections_of_a_box_are_where_geometry_has_them(step):
 
 def test_walls_send_back_less_the_more_they_take(step):
     def gains(absorption):
-        room = acoustics_of(Room(preset="room", absorption=absorption))
-        return [image.gain for image in images_of(step(1), room)]
+        room = room_acoustics(Room(preset="room", absorption=absorption))
+        return [image.gain for image in early_reflections(step(1), room)]
 
     assert np.divide(gains(0.75), gains(0.0)) == pytest.approx(0.5)
     assert gains(1.0) == []
 
 
 def test_a_wall_on_the_left_is_heard_on_the_left(step):
-    pans = [i.pan for i in images_of(step(1, azimuth=0.0), acoustics_of(Room(preset="room")))]
+    pans = [
+        i.pan for i in early_reflections(step(1, azimuth=0.0), room_acoustics(Room(preset="room")))
+    ]
     assert min(pans) < -0.7
     assert max(pans) > 0.7
     assert sum(pans) == pytest.approx(0, abs=1e-9)
@@ -56,7 +63,7 @@ def test_a_wall_on_the_left_is_heard_on_the_left(step):
 @pytest.mark.parametrize("seconds", [0.4, 1.0, 2.5])
 def test_a_reverberation_falls_by_sixty_decibels_in_its_time(seconds):
     for side in (0, 1):
-        tail = reverberation(seconds, side)
+        tail = reverb_response(seconds, side)
         assert np.sum(tail**2) == pytest.approx(1)
         assert not tail[:576].any()
         # Backward integration. Source: Schroeder 1965.
@@ -66,9 +73,9 @@ def test_a_reverberation_falls_by_sixty_decibels_in_its_time(seconds):
 
 
 def test_both_sides_of_a_reverberation_are_apart_and_always_the_same():
-    left, right = reverberation(1.0, 0), reverberation(1.0, 1)
+    left, right = reverb_response(1.0, 0), reverb_response(1.0, 1)
     assert abs(np.sum(left * right)) < 0.1
-    assert np.array_equal(left, reverberation(1.0, 0))
+    assert np.array_equal(left, reverb_response(1.0, 0))
 
 
 @pytest.mark.parametrize("preset", ["open", "room", "hall"])
@@ -76,8 +83,8 @@ def test_a_room_answers_after_the_onset_and_the_more_the_more_it_is_sent(step, p
     click, event = np.ones(8), step(1, distance=3.0)
     power = []
     for send in (0.0, 0.25, 1.0):
-        space = Space(acoustics_of(Room(preset=preset)), 48_000)
-        space.hear(event, 1000, click, 1.0, send)
+        space = Reverberator(room_acoustics(Room(preset=preset)), 48_000)
+        space.feed(event, 1000, click, 1.0, send)
         stereo = np.zeros((48_000, 2))
         space.add_to(stereo)
         assert np.abs(stereo[:1001]).max() < 1e-12
@@ -86,15 +93,15 @@ def test_a_room_answers_after_the_onset_and_the_more_the_more_it_is_sent(step, p
 
 
 def test_a_dry_room_gives_nothing_back(step):
-    space = Space(acoustics_of(Room(preset="dry")), 4800)
-    space.hear(step(1), 0, np.ones(100), 1.0, 1.0)
+    space = Reverberator(room_acoustics(Room(preset="dry")), 4800)
+    space.feed(step(1), 0, np.ones(100), 1.0, 1.0)
     stereo = np.zeros((4800, 2))
     space.add_to(stereo)
     assert not stereo.any()
 
 
 def test_a_room_in_full_is_its_preset_but_for_what_is_said():
-    hall = acoustics_of(Room(preset="hall"))
-    said = acoustics_of(Room(preset="hall", seconds=4.0, wet_db=-20))
-    assert (said.size, said.reflected, said.seconds) == (hall.size, hall.reflected, 4.0)
+    hall = room_acoustics(Room(preset="hall"))
+    said = room_acoustics(Room(preset="hall", seconds=4.0, wet_db=-20))
+    assert (said.size, said.reflectance, said.seconds) == (hall.size, hall.reflectance, 4.0)
     assert said.wet == pytest.approx(0.1)

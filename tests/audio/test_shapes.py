@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from audio.modal import write_wav
-from audio.shapes import BAR, BELL, MEMBRANE, PLATE, SHELL
+from audio.modal_synthesis import BAR, BELL, MEMBRANE, PLATE, SHELL
+from audio.wav_file import write_wav
 
 ALL = {"bar": BAR, "plate": PLATE, "bell": BELL, "membrane": MEMBRANE, "shell": SHELL}
 X = (np.arange(2000) + 0.5) / 2000
@@ -14,13 +14,13 @@ X = (np.arange(2000) + 0.5) / 2000
 @pytest.mark.parametrize("name", sorted(ALL))
 def test_every_mode_has_a_shape_whose_most_is_one(name):
     shape = ALL[name]
-    moves = np.array([shape.moves(x, 0.0) for x in np.linspace(0, 1, 401)])
+    moves = np.array([shape.displacement(x, 0.0) for x in np.linspace(0, 1, 401)])
     assert moves.shape == (401, len(shape.ratios))
     assert np.abs(moves).max(axis=0) == pytest.approx(1, abs=0.01)
 
 
 def test_the_modes_of_a_bar_are_orthogonal_and_move_neither_its_mass_nor_its_balance():
-    moves = np.array([BAR.moves(x, 0.0) for x in X])
+    moves = np.array([BAR.displacement(x, 0.0) for x in X])
     products = moves.T @ moves / X.size
     assert products == pytest.approx(0.25 * np.eye(6), abs=1e-3)
     assert moves.mean(axis=0) == pytest.approx(0, abs=1e-3)
@@ -30,9 +30,9 @@ def test_the_modes_of_a_bar_are_orthogonal_and_move_neither_its_mass_nor_its_bal
 def test_a_bar_is_silent_at_its_nodes():
     # Where a xylophone's bars lie on their cords: 0.2242 of the length from each end.
     for x in (0.2242, 0.7758):
-        assert BAR.moves(x, 0.0)[0] == pytest.approx(0, abs=1e-3)
-    assert BAR.moves(0.5, 0.0)[1::2] == pytest.approx(0, abs=1e-9)
-    assert np.abs(BAR.moves(0.0, 0.0)) == pytest.approx(1, abs=1e-6)
+        assert BAR.displacement(x, 0.0)[0] == pytest.approx(0, abs=1e-3)
+    assert BAR.displacement(0.5, 0.0)[1::2] == pytest.approx(0, abs=1e-9)
+    assert np.abs(BAR.displacement(0.0, 0.0)) == pytest.approx(1, abs=1e-6)
 
 
 def test_the_frequencies_of_a_bar_are_its_roots_squared():
@@ -48,7 +48,7 @@ def test_a_membrane_moves_as_bessel_functions_do():
     for along in (0.0, 0.2, 0.45, 0.5, 0.9):
         radius = 0.9 * abs(2 * along - 1)
         expected = jv(order, zero * radius) / most
-        assert MEMBRANE.moves(along, 0.0) == pytest.approx(expected, abs=1e-4)
+        assert MEMBRANE.displacement(along, 0.0) == pytest.approx(expected, abs=1e-4)
 
 
 @pytest.mark.slow

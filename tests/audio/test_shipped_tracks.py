@@ -10,14 +10,14 @@ import pyloudnorm
 import pytest
 from scipy.signal import resample_poly
 
-from audio.grid import sample_at
-from audio.modal import write_wav
-from audio.voices import notes_of
-from pipeline.production.shooting import Shooting
+from audio.notes import notes_of
+from audio.time_grid import sample_at
+from audio.wav_file import write_wav
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 SLOW = {"squeaky_robot": pytest.mark.slow, "pass_by": pytest.mark.slow, "toy": pytest.mark.slow}
 SCENES = [

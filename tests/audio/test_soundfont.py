@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from audio.errors import SoundFontError
-from audio.grid import sample_of
-from audio.modal import write_wav
+from audio.time_grid import sample_of_frame
+from audio.wav_file import write_wav
 from tests.audio.sf2 import sf2
 
 PLAYS = pytest.mark.skipif(
@@ -44,10 +44,10 @@ def test_every_note_begins_on_its_sample(font, step, score_of, read_wav, tmp_pat
     words = {"soundfont": str(font), "voices": [{"pitch": "C4", "length": 0.1}]}
     report = write_wav(score_of(happened, 40, rate, words), tmp_path / "a.wav")
     sound = np.abs(read_wav(tmp_path / "a.wav")).max(axis=1)
-    assert len(sound) == report.samples == sample_of(41, rate)
+    assert len(sound) == report.samples == sample_of_frame(41, rate)
     assert report.true_peak_db < -1
     for frame in frames:
-        at = sample_of(frame, rate)
+        at = sample_of_frame(frame, rate)
         # A note's first sample is the click's first.
         assert sound[at] > 0.3 * sound[at : at + 400].max()
         assert sound[max(at - 40, 0) : at].max(initial=0) < 0.02 * sound[at]

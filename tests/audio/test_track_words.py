@@ -3,8 +3,7 @@
 import pytest
 from pydantic import ValidationError
 
-from audio.track_words import Master, Room
-from audio.words import Sound
+from audio.config.sound import Master, Room, Sound
 
 
 @pytest.mark.parametrize("name", ["open", "dry", "room", "hall"])

@@ -8,14 +8,14 @@ from fractions import Fraction
 
 import pytest
 
-from audio.chords import parse_steps
+from audio.harmony import parse_steps
+from audio.notes import Note, arrange
 from audio.score import Score
-from audio.voices import Note, voiced
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import SUFFIX, library
+from pipeline.spec.scene_library import SUFFIX, library
 
 pytestmark = pytest.mark.slow
 
@@ -34,14 +34,14 @@ def score() -> Score:
 
 @pytest.fixture(scope="module")
 def notes(score: Score) -> tuple[Note, ...]:
-    return voiced(score).notes
+    return arrange(score).notes
 
 
 def frames_of(notes: tuple[Note, ...], who: str, part: str = "") -> list[Fraction]:
     return [
         note.onset * 24
         for note in notes
-        if note.opens
+        if note.is_first
         and note.event.who == who
         and note.event.cause == "footfall"
         and part in (note.event.part, "")
@@ -52,7 +52,7 @@ def test_every_pitch_belongs_to_the_scale(notes: tuple[Note, ...]) -> None:
     scale = parse_steps("A minor pentatonic")
     tuned = [note for note in notes if not note.drum]
     assert len(tuned) > 150
-    assert all(scale.holds(note.pitch) for note in tuned)
+    assert all(scale.contains(note.pitch) for note in tuned)
 
 
 @pytest.mark.parametrize("who", FEET)
@@ -93,6 +93,6 @@ def test_jumps_are_answered_by_phrases_and_landings_by_chords(notes: tuple[Note,
 
 def test_gaits_are_so_well_timed_that_nothing_moves_by_more_than_a_frame(score: Score) -> None:
     walkers = tuple(event for event in score.events if event.who in FEET)
-    shifts = voiced(replace(score, events=walkers)).shifts
-    assert shifts.asked > 80
+    shifts = arrange(replace(score, events=walkers)).shifts
+    assert shifts.events > 80
     assert shifts.greatest <= Fraction(1, 24)

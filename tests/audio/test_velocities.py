@@ -5,26 +5,30 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from audio.heard import loudness_db
-from audio.midi import midi_bytes
-from audio.velocities import level_by, level_of, velocity_of
-from audio.velocity_words import VelocityWords
-from audio.voices import notes_of
-from audio.words import Sound
+from audio.config.notes import Velocity
+from audio.config.sound import Sound
+from audio.loudness_at_listener import (
+    event_level,
+    level_of_velocity,
+    loudness_db,
+    velocity_of_level,
+)
+from audio.midi_file import midi_bytes
+from audio.notes import notes_of
 
 CURVES = ("physical", "linear", "power", "fixed")
 
 
 @given(st.integers(1, 127))
 def test_a_velocity_is_that_of_its_level(velocity):
-    assert velocity_of(level_of(velocity)) == velocity
+    assert velocity_of_level(level_of_velocity(velocity)) == velocity
 
 
 @given(st.floats(0, 50), st.floats(0, 100), st.floats(0.01, 10), st.floats(0, 100), st.booleans())
 def test_without_words_a_level_is_the_loudness_of_the_event(step, speed, energy, size, far, scuffs):
     cause = "scuff" if scuffs else "footfall"
     event = step(strength=speed, energy=energy, size=size, distance=far, cause=cause)
-    assert level_by(VelocityWords(), event) == loudness_db(event)
+    assert event_level(Velocity(), event) == loudness_db(event)
 
 
 @pytest.mark.parametrize(
@@ -49,10 +53,10 @@ def test_given_velocities_are_those_of_the_score(step, score_of, read_smf, words
 @pytest.mark.parametrize("curve", ["linear", "power", "fixed"])
 def test_what_is_far_is_softer_unless_the_author_says_otherwise(step, score_of, curve):
     near, far = step(1, distance=4), step(1, distance=40)
-    by = [level_by(VelocityWords(curve=curve), event) for event in (near, far)]
+    by = [event_level(Velocity(curve=curve), event) for event in (near, far)]
     assert by[0] - by[1] == pytest.approx(20)
-    same = VelocityWords(curve=curve, distance=False)
-    assert level_by(same, near) == level_by(same, far) == pytest.approx(by[0])
+    same = Velocity(curve=curve, distance=False)
+    assert event_level(same, near) == event_level(same, far) == pytest.approx(by[0])
 
 
 @given(
@@ -67,26 +71,26 @@ def test_no_curve_lets_a_harder_blow_be_softer(step, curve, one, other, exponent
         words["exponent"] = exponent
     if curve == "fixed":
         words = {"curve": curve}
-    words = VelocityWords(**words)
+    words = Velocity(**words)
     softer, harder = sorted((one, other))
-    low, high = (level_by(words, step(strength=speed)) for speed in (softer, harder))
+    low, high = (event_level(words, step(strength=speed)) for speed in (softer, harder))
     assert low <= high + 1e-9
 
 
 def test_an_exponent_of_one_doubles_the_amplitude_with_the_speed(step):
-    words = VelocityWords(exponent=1)
-    one, two = (level_by(words, step(strength=speed)) for speed in (1.0, 2.0))
+    words = Velocity(exponent=1)
+    one, two = (event_level(words, step(strength=speed)) for speed in (1.0, 2.0))
     assert two - one == pytest.approx(6.0206, abs=1e-3)
-    bound = VelocityWords(slowest=0.5, fastest=2)
-    levels = [level_by(bound, step(strength=speed)) for speed in (0.01, 0.5, 2, 30)]
+    bound = Velocity(slowest=0.5, fastest=2)
+    levels = [event_level(bound, step(strength=speed)) for speed in (0.01, 0.5, 2, 30)]
     assert levels[0] == pytest.approx(levels[1])
     assert levels[2] == pytest.approx(levels[3])
 
 
 def test_the_mass_that_is_heard_stays_where_speeds_are_bound(step):
-    words = VelocityWords(fastest=2)
+    words = Velocity(fastest=2)
     fast, bound = step(strength=8.0, energy=32.0), step(strength=2.0, energy=2.0)
-    assert level_by(words, fast) == pytest.approx(loudness_db(bound))
+    assert event_level(words, fast) == pytest.approx(loudness_db(bound))
 
 
 def test_gains_are_added_to_given_velocities(step, score_of):

@@ -5,13 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from audio.instruments import DRUMS, INSTRUMENTS, drum_of, program_of
-from audio.phrase_words import PhraseWords, StepWords
-from audio.quantise_words import QuantiseWords
-from audio.scales import MODES, parse_note, parse_scale
-from audio.velocity_words import VelocityWords
-from audio.voices import notes_of
-from audio.words import Sound, Voice, When, Within
+from audio.config.notes import Phrase, PhraseStep, Quantisation, Velocity
+from audio.config.sound import EventFilter, Range, Sound, Voice
+from audio.general_midi import DRUMS, INSTRUMENTS, drum_key, program_number
+from audio.harmony import MODES, parse_note, parse_scale
+from audio.notes import notes_of
 
 ROOTS = ("C", "C#", "Db", "D", "Eb", "E", "F", "F♯", "G", "Ab", "A", "B♭", "B")
 
@@ -20,15 +18,15 @@ def test_instruments_are_the_programs_of_general_midi():
     assert len(INSTRUMENTS) == len(set(INSTRUMENTS)) == 128
     known = {"acoustic grand piano": 0, "marimba": 12, "violin": 40, "kalimba": 108}
     known |= {"woodblock": 115, "gunshot": 127, "music box": 10, "flute": 73, "timpani": 47}
-    assert {name: program_of(name) for name in known} == known
-    assert program_of("Honky Tonk  Piano") == 3
+    assert {name: program_number(name) for name in known} == known
+    assert program_number("Honky Tonk  Piano") == 3
 
 
 def test_drums_are_the_keys_of_general_midi():
     assert len(DRUMS) == len(set(DRUMS)) == 47
     known = {"acoustic bass drum": 35, "Hand-Clap": 39, "crash cymbal 1": 49, "claves": 75}
     known |= {"low wood block": 77, "open triangle": 81}
-    assert {name: drum_of(name) for name in known} == known
+    assert {name: drum_key(name) for name in known} == known
 
 
 @pytest.mark.parametrize(
@@ -68,7 +66,7 @@ def test_a_wrong_word_is_refused_once_at_its_place_with_what_is_allowed(words, p
 
 
 def test_every_word_is_described():
-    for model in (Sound, Voice, When, Within, StepWords, PhraseWords, QuantiseWords, VelocityWords):
+    for model in (Sound, Voice, EventFilter, Range, PhraseStep, Phrase, Quantisation, Velocity):
         for name, info in model.model_fields.items():
             assert info.description, name
 
@@ -91,13 +89,13 @@ def test_degrees_climb_through_the_scale_and_are_found_again(root, mode):
     pitches = [scale.pitch(degree) for degree in range(60)]
     assert pitches == sorted(set(pitches))
     assert pitches[0] == scale.root
-    assert all(scale.holds(pitch) for pitch in pitches)
+    assert all(scale.contains(pitch) for pitch in pitches)
     assert [scale.degree(pitch) for pitch in pitches] == list(range(60))
 
 
 def test_a_minor_pentatonic_on_c():
     scale = parse_scale("C minor pentatonic")
-    assert [p for p in range(60, 72) if scale.holds(p)] == [60, 63, 65, 67, 70]
+    assert [p for p in range(60, 72) if scale.contains(p)] == [60, 63, 65, 67, 70]
 
 
 @given(
@@ -114,7 +112,7 @@ def test_every_pitch_that_follows_size_or_part_is_in_the_scale(
     events = [step(1, size=size, part=f"foot_{i}") for i, size in enumerate(sizes)]
     notes = notes_of(score_of(events, sound={"scale": scale, "voices": voices}))
     assert len(notes) == len(sizes)
-    assert all(parse_scale(scale).holds(note.pitch) for note in notes)
+    assert all(parse_scale(scale).contains(note.pitch) for note in notes)
     assert all(36 <= note.pitch <= 96 for note in notes)
 
 

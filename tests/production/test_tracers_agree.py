@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
+from render.config import Film
 from render.renderer import Renderer
 from render.shot import Shot
-from render.words import Film
 
 SCENES = (
     "at_the_table",
@@ -47,8 +47,8 @@ def shot_of(name: str) -> Shot:
 @pytest.mark.parametrize("name", SCENES)
 def test_as_much_light_in_shipped_scenes(renderer: Renderer, name: str) -> None:
     """Within 0.2 % in the mean, and at most four standard errors apart."""
-    from render.path_tracer import PathTracer
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
+    from render.tracing.path_tracer import PathTracer
 
     shot = shot_of(name)
     stage = Stage(shot)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from render.backend import Backend, choose
+from render.config import Film, Light, Material, light, material
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
-from render.words import Film, Light, Material, light, material
 
 SMALL = Film(size=(64, 48), samples=2, depth=3, denoise="off")
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from render.config import Film
 from render.renderer import Renderer
 from render.shot import CameraPose, Moment, Shot
-from render.words import Film
 
 Make = Callable[..., Shot]
 

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from render.backend import Backend
+from render.config import Film
 from render.denoiser import Denoiser
 from render.errors import DenoiseError
 from render.exposure import GLEAM, Exposure
 from render.renderer import Renderer
 from render.shot import Shot
-from render.words import Film
 
 BLACK = Exposure(*(np.zeros((4, 4, 3), np.float32) for _ in range(4)))
 
@@ -94,7 +94,7 @@ def test_a_sky_that_surfaces_ask_for_is_wide_and_its_grain_is_cleaned(
     renderer: Renderer, make_shot: Callable[..., Shot]
 ) -> None:
     """Few samples of an overcast sky, as rendered, against many; of a sun, all is as it was."""
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     stages = {lit: Stage(make_shot(lit=lit)) for lit in ("day", "overcast", "studio")}
     assert {lit: stage.wide for lit, stage in stages.items()} == {
@@ -114,8 +114,8 @@ def test_a_sky_that_surfaces_ask_for_is_wide_and_its_grain_is_cleaned(
 @pytest.mark.slow
 def test_softboxes_are_asked_for(renderer: Renderer, make_shot: Callable[..., Shot]) -> None:
     """A studio without a key light nearly: what its fill and rim do is no grain of a few hits."""
-    from render.stage import Stage
-    from render.words import light
+    from render.config import light
+    from render.mitsuba_scene import Stage
 
     stage = Stage(make_shot(lit=light({"studio": {"softness_deg": 5, "fill": 1, "rim": 1}})))
     whole = stage.expose(5, range(256), 256).light

@@ -10,11 +10,11 @@ import pytest
 
 from render.backend import Backend
 from render.color import luminance
+from render.config import Film, Light, light
 from render.errors import ShotError
-from render.panorama import content_of, fault_of
+from render.panorama_file import content_of, fault_of
 from render.renderer import Renderer
 from render.shot import Shot
-from render.words import Film, Light, light
 
 Make = Callable[..., Shot]
 
@@ -26,7 +26,7 @@ def _mitsuba(backend: Backend) -> None:
 
 def sky(sun: float = 0.0, width: int = 256) -> np.ndarray:
     """Return a bluish sky over dark ground, with a sun of some pixels towards +X, 40 degrees up."""
-    from render.lights.directions import directions, headed
+    from render.lights.environment_map import directions, headed
 
     d = directions(width, width // 2)
     image = np.where(d[..., 1:2] > 0, np.array([0.4, 0.5, 0.8]), 0.1) * np.ones(3)
@@ -47,8 +47,8 @@ def written(path: Path, image: np.ndarray) -> str:
 def test_sky_and_sun_together_are_the_picture(
     tmp_path: Path, name: str, normal: tuple[float, float, float]
 ) -> None:
-    from render.lights.directions import irradiance, unit
-    from render.lights.hdr import panorama
+    from render.lights.environment_map import irradiance, unit
+    from render.lights.panorama_light import panorama
 
     image = sky(sun=2000.0)
     lit = light({"hdr": {"file": written(tmp_path / name, image)}})
@@ -74,7 +74,7 @@ def test_a_sky_without_sun_has_no_key_light(tmp_path: Path) -> None:
 
 def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
     """A sun towards +X, turned by a quarter, stands towards -Z, as headings do."""
-    from render.lights.hdr import panorama
+    from render.lights.panorama_light import panorama
 
     file = written(tmp_path / "a.exr", sky(2000.0))
     for turn, xz in ((0, (1, 0)), (90, (0, -1)), (180, (-1, 0)), (-45, (0.707, 0.707))):
@@ -87,8 +87,8 @@ def test_a_place_turns_about_the_vertical(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_large_picture_gives_the_same_light(tmp_path: Path) -> None:
-    from render.lights.directions import UP, irradiance
-    from render.lights.hdr import _smaller
+    from render.lights.environment_map import UP, irradiance
+    from render.lights.panorama_light import _smaller
 
     image = sky(100.0, width=4096).astype(np.float64)
     small = _smaller(image)
@@ -116,12 +116,12 @@ def test_strength_is_a_factor_and_the_picture_is_exposed(
 def test_taking_the_sun_out_lights_the_scene_as_the_whole_picture_does(
     renderer: Renderer, make_shot: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from render.lights import hdr
+    from render.lights import panorama_light
 
     lit = Light.model_validate({"hdr": {"file": written(tmp_path / "a.exr", sky(600.0))}})
     film = Film(size=(32, 24), samples=1024, depth=3, denoise="off")
     parted = Renderer(renderer.backend).render(make_shot(lit=lit, film=film)).light
-    monkeypatch.setattr(hdr, "_SHARE", 2.0)
+    monkeypatch.setattr(panorama_light, "_SHARE", 2.0)
     whole = Renderer(renderer.backend).render(make_shot(lit=lit, film=film)).light
     # Both are exposed by a card, which is turned to the key light where there is one.
     ratio = parted / whole

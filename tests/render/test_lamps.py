@@ -11,10 +11,10 @@ from pydantic import ValidationError
 
 from render.backend import Backend
 from render.color import linear, luminance
+from render.config import Film, Lamp, Light, light, material
 from render.errors import ShotError
 from render.renderer import Renderer
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
-from render.words import Film, Lamp, Light, light, material
 
 Make = Callable[..., Shot]
 

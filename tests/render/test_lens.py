@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from render.config import Film, light, material
 from render.renderer import Renderer
 from render.shot import CameraPose, Lens, Mesh, Moment, Shot
-from render.words import Film, light, material
 
 SIZE = (96, 96)
 FOV = 30.0

@@ -7,7 +7,7 @@ import pytest
 
 from render.backend import Backend
 from render.color import luminance
-from render.words import Light, Sun, light
+from render.config import Light, Sun, light
 
 GROUND = (0.3, 0.26, 0.21)
 
@@ -20,7 +20,7 @@ def _mitsuba(backend: Backend) -> None:
 def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     """Return what sky and key light send on level ground and on a wall to the south."""
     from render.lights import emitters
-    from render.lights.directions import irradiance
+    from render.lights.environment_map import irradiance
 
     found = emitters(lit, GROUND)
     sky = np.array(found["sky"]["bitmap"], np.float64)[..., :3]

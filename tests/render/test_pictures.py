@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from render.errors import FrameFileError
-from render.pictures import read_key, read_png, write_exr, write_png
+from render.image_files import read_key, read_png, write_exr, write_png
 
 RNG = np.random.default_rng(1)
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from render.backend import Backend
+from render.config import Film, material
 from render.errors import ShotError
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
-from render.words import Film, material
 
 Make = Callable[..., Shot]
 
@@ -93,7 +93,7 @@ def test_a_white_furnace_gives_back_the_light(renderer: Renderer) -> None:
 
 def test_a_grey_card_is_middle_grey_by_day(renderer: Renderer) -> None:
     """The exposure is designed: a card of 18% half turned to the sun has radiance near 0.2."""
-    from render.words import light
+    from render.config import light
 
     lit = light("day")
     assert lit.sun is not None
@@ -193,7 +193,7 @@ import conftest
 from render.backend import choose
 from render.renderer import Renderer
 from render.shot import CameraPose, Shot
-from render.words import Film, light, material
+from render.config import Film, light, material
 renderer = Renderer(choose(), threads=int(sys.argv[2]))
 film = Film(size=(96, 64), samples=4, depth=4, denoise="fast")
 materials = {"dry soil": material("dry soil"), "bone": material("green chitin")}

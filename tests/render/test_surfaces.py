@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from render.prints import BLOCK, Prints, packed
+from render.config import MATERIALS, Film, Material, light, material
+from render.footprints import BLOCK, Prints, packed
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
-from render.words import MATERIALS, Film, Material, light, material
 
 Make = Callable[..., Shot]
 
@@ -67,8 +67,8 @@ def test_a_white_rough_surface_gives_back_what_its_colour_says(renderer: Rendere
     del renderer
     import mitsuba as mi
 
-    from render.ground import Ground
-    from render.rough import rough
+    from render.surfaces.bsdf_plugins import rough
+    from render.surfaces.patterns import Ground
 
     words = material({"preset": "dry soil", "bump": 0})
     look = Ground(words)
@@ -99,7 +99,7 @@ def test_sampling_fits_evaluation_where_the_normal_is_bent(renderer: Renderer) -
     import mitsuba as mi
 
     from render.glossy import glossy
-    from render.rough import rough
+    from render.surfaces.bsdf_plugins import rough
 
     tilted = mi.Normal3f(*(np.array([0.35, 0.0, 1.0]) / np.hypot(0.35, 1.0)).tolist())
 
@@ -181,7 +181,7 @@ def test_walls_have_no_streaks(renderer: Renderer) -> None:
     del renderer
     import mitsuba as mi
 
-    from render.ground import Ground
+    from render.surfaces.patterns import Ground
 
     look = Ground(material({"preset": "rock", "color2": None, "bump": 0}))
     rng = np.random.default_rng(7)
@@ -207,7 +207,7 @@ def test_crests_and_hollows_show_their_colours(renderer: Renderer) -> None:
         pytest.skip("the scalar variant shows them by attributes")
     import mitsuba as mi
 
-    from render.ground import Ground
+    from render.surfaces.patterns import Ground
 
     green, red, blue = [0.2, 0.6, 0.2], [0.8, 0.1, 0.1], [0.1, 0.1, 0.8]
     words = material(
@@ -263,7 +263,7 @@ def test_a_print_is_seen_in_its_place_and_once_it_is_made(
 
 @pytest.mark.nightly
 def test_memory_stays_flat_over_many_stages(renderer: Renderer, make_shot: Make) -> None:
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     def resident() -> float:
         return int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 2**20

@@ -11,7 +11,7 @@ import av_drift_detector as meter
 import numpy as np
 import pytest
 
-from render.film import RATE, write_film
+from render.film_encoder import RATE, write_film
 
 SIZE = (640, 360)
 COUNT = 60

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from render.backend import Backend
+from render.config import MATERIALS
 from render.textures import TILE, patches, patterns, tile
-from render.words import MATERIALS
 
 PATTERNS = sorted(patterns())
 
@@ -15,7 +15,7 @@ PATTERNS = sorted(patterns())
 def test_every_pattern_that_a_material_may_name_is_drawn() -> None:
     from typing import get_args
 
-    from render.words.material import Texture
+    from render.config.material import Texture
 
     assert {*PATTERNS, "none"} == set(get_args(Texture))
     assert {words.texture for words in MATERIALS.values()} <= {*PATTERNS, "none"}
@@ -55,7 +55,7 @@ def test_what_a_kernel_reads_is_what_was_drawn(backend: Backend) -> None:
     backend.activate()
     import mitsuba as mi
 
-    from render.packed import read, texels
+    from render.surfaces.texture_mapping import read, texels
 
     drawn, of = tile("soil"), texels("soil")
     rng = np.random.default_rng(1)
@@ -77,7 +77,7 @@ def test_coarser_copies_have_the_same_mean(backend: Backend) -> None:
     backend.activate()
     import mitsuba as mi
 
-    from render.packed import LEVELS, read, texels
+    from render.surfaces.texture_mapping import LEVELS, read, texels
 
     of = texels("rock")
     u, v = (mi.Float(a) for a in np.random.default_rng(2).random((2, 200_000)))

@@ -9,10 +9,10 @@ import numpy as np
 import trimesh
 
 from render.backend import Backend
+from render.config import Film, light, material
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
 from render.unwrapping import unwrapped
-from render.words import Film, light, material
 
 Make = Callable[..., Shot]
 

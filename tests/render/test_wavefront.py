@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from render.config import Film, Light, Material, light, material
 from render.exposure import GLEAM
 from render.renderer import Renderer
 from render.shot import Shot
 from render.strata import grid
-from render.words import Film, Light, Material, light, material
 
 Make = Callable[..., Shot]
 
@@ -38,8 +38,8 @@ def light_of_both(
     shot: Shot, samples: int, rounds: int = 1
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return what ours and Mitsuba's own see of a shot, each the mean of many samples."""
-    from render.path_tracer import PathTracer
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
+    from render.tracing.path_tracer import PathTracer
 
     stage = Stage(shot)
     assert stage.handed_over == ""
@@ -78,7 +78,7 @@ def test_a_white_furnace_is_exact(renderer: Renderer) -> None:
     """In a sky of radiance 1 a white body cannot be seen, at any depth that lets light out."""
     import mitsuba as mi
 
-    from render.wavefront import Wavefront
+    from render.tracing.wavefront import Wavefront
 
     scene = mi.load_dict(
         {
@@ -115,7 +115,7 @@ def test_a_white_furnace_is_exact(renderer: Renderer) -> None:
 
 
 def test_a_frame_is_played_back_from_one_recording(renderer: Renderer, make_shot: Make) -> None:
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     stage = Stage(make_shot())
     for i in range(4):
@@ -128,7 +128,7 @@ def test_a_frame_is_played_back_from_one_recording(renderer: Renderer, make_shot
 
 
 def test_passes_in_parts_are_the_whole(renderer: Renderer, make_shot: Make) -> None:
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     stage = Stage(make_shot())
     whole = stage.expose(5, range(6), 6)
@@ -142,7 +142,7 @@ def test_passes_in_parts_are_the_whole(renderer: Renderer, make_shot: Make) -> N
 
 @pytest.mark.slow
 def test_another_number_of_passes_is_recorded_anew(renderer: Renderer, make_shot: Make) -> None:
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     stage, fresh = Stage(make_shot()), Stage(make_shot())
     stage.expose(5, range(2), 2)
@@ -153,7 +153,7 @@ def test_another_number_of_passes_is_recorded_anew(renderer: Renderer, make_shot
 
 @pytest.mark.nightly
 def test_samples_are_spread_better_than_by_chance(renderer: Renderer, make_shot: Make) -> None:
-    from render.stage import Stage
+    from render.mitsuba_scene import Stage
 
     stage = Stage(replace(make_shot(), film=Film(size=(64, 48), depth=2, denoise="off")))
     spread = [stage.expose(seed, range(16), 16).light for seed in range(8)]
@@ -167,8 +167,8 @@ def test_samples_are_spread_better_than_by_chance(renderer: Renderer, make_shot:
 def test_a_medium_is_handed_over(renderer: Renderer) -> None:
     import mitsuba as mi
 
-    from render.path_tracer import PathTracer
     from render.tracer import tracer
+    from render.tracing.path_tracer import PathTracer
 
     fog = {"type": "homogeneous", "albedo": 0.5, "sigma_t": 1.0}
     scene = mi.load_dict(

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
-from render.words import (
+from render.config import (
     LIGHTS,
     MATERIALS,
     Camera,

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dancing import Dancing, practised
-from pipeline.simulation.dancers.goals import choreography_of
-from pipeline.simulation.dancers.moves import Move, beat_of, moves_of
+from pipeline.simulation.dancers.dance_goals import choreography_of
+from pipeline.simulation.dancers.dance_moves import Move, beat_of, moves_of
+from pipeline.simulation.dancers.dancer_motion import Dancing, practised
+from pipeline.simulation.dancers.hand_contacts import Strike
 from pipeline.simulation.dancers.torso import HANDS, LINKS
-from pipeline.simulation.dancers.touching import Strike
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 

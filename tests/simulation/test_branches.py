@@ -8,12 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.simulation.figures.branches import branches
-from pipeline.simulation.figures.extension import ball
+from pipeline.simulation.figures.ball_joint_ik import ball_joint_branches, base_ball_joint
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse import TOLERANCE, solve
+from pipeline.simulation.figures.inverse_kinematics import TOLERANCE, solve
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.reach import reach
+from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import Skeleton
 from pipeline.simulation.spatial import Array, normalized
 
@@ -36,13 +35,13 @@ def test_a_free_ball_joint_always_finds_the_goal(shipped: Figure) -> None:
     """
     batch = _some(shipped.skeleton, 40)
     goals = batch.pose(_uniform(batch, np.random.default_rng(1))).tips
-    free = ball(batch)
+    free = base_ball_joint(batch)
     batch = replace(
         batch,
         lower=np.where(free, -np.pi, batch.lower),
         upper=np.where(free, np.pi, batch.upper),
     )
-    tips = np.stack([batch.pose(q).tips for q in branches(batch, goals)])
+    tips = np.stack([batch.pose(q).tips for q in ball_joint_branches(batch, goals)])
     origin = batch.places[:, 0]
     far = np.linalg.norm(tips - origin, axis=-1) - np.linalg.norm(goals - origin, axis=-1)
     to_goal = normalized(goals - origin)
@@ -58,7 +57,7 @@ def test_branches_keep_their_limits(shipped: Figure) -> None:
     batch = _some(shipped.skeleton, 5)
     tips = batch.pose(_uniform(batch, np.random.default_rng(2))).tips
     for goals in (tips, batch.places[:, 0] + 3.0 * (tips - batch.places[:, 0])):
-        ways = branches(batch, goals)
+        ways = ball_joint_branches(batch, goals)
         assert (ways >= batch.lower).all()
         assert (ways <= batch.upper).all()
 

@@ -6,10 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from pipeline.simulation.figures.denavit import denavit_table, from_denavit, to_denavit
+from pipeline.simulation.figures.base_change import reroot
+from pipeline.simulation.figures.denavit_hartenberg import (
+    denavit_table,
+    from_denavit,
+    to_denavit,
+)
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.kinematics import Tree
-from pipeline.simulation.figures.reroot import reroot
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import Skeleton
 
 Maker = Callable[[np.random.Generator, int], Skeleton]
@@ -18,7 +22,7 @@ Maker = Callable[[np.random.Generator, int], Skeleton]
 def _round_trip(skeleton: Skeleton, chance: np.random.Generator) -> None:
     q = chance.uniform(-3, 3, (4, len(skeleton.parents)))
     rebuilt = from_denavit(to_denavit(skeleton), q)
-    assert np.abs(rebuilt - Tree.of(skeleton).pose(q)).max() < 1e-9
+    assert np.abs(rebuilt - JointTree.of(skeleton).pose(q)).max() < 1e-9
 
 
 def test_the_library_comes_back(shipped: Figure) -> None:

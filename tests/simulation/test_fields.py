@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.simulation.curves import ease
-from pipeline.simulation.dancers.arms import Arm
-from pipeline.simulation.dancers.fields import (
+from pipeline.simulation.dancers.arm_control import Arm
+from pipeline.simulation.dancers.dance_goals import easy_posture, rest_posture
+from pipeline.simulation.dancers.force_fields import (
     FASTEST,
     RATE,
     Fields,
@@ -19,8 +20,7 @@ from pipeline.simulation.dancers.fields import (
     smooth,
     strongest,
 )
-from pipeline.simulation.dancers.goals import easy_posture, rest_posture
-from pipeline.simulation.dancers.postures import Passage, natural_bends
+from pipeline.simulation.dancers.posture_sequence import Passage, natural_bends
 from pipeline.simulation.dancers.torso import ARM, HANDS, LIMITS, PALM, Torso, torso_of
 from pipeline.simulation.dynamics.linkage import Spot
 from pipeline.simulation.dynamics.mujoco_linkage import Moving

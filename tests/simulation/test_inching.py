@@ -14,11 +14,23 @@ from numpy.typing import NDArray
 
 from pipeline.errors import SceneError, SimulationError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.inching.chain import FRONT, REAR, Chain, is_chain
-from pipeline.simulation.locomotion.inching.loop import GREATEST, LEAST, amplitude, chord
-from pipeline.simulation.locomotion.inching.posing import posed
-from pipeline.simulation.locomotion.inching.steps import Step, Worm, poses_of
-from pipeline.simulation.locomotion.inching.worms import Inchworms
+from pipeline.simulation.locomotion.inching.inchworm_chain import (
+    FRONT,
+    MAX_AMPLITUDE,
+    MIN_AMPLITUDE,
+    REAR,
+    InchwormChain,
+    is_inchworm,
+    loop_amplitude,
+    loop_chord,
+)
+from pipeline.simulation.locomotion.inching.inchworm_pose import solve_pose
+from pipeline.simulation.locomotion.inching.inchworm_steps import (
+    Inchworm,
+    InchwormStep,
+    feet_at,
+)
+from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
@@ -69,15 +81,15 @@ class Crawl:
     """A simulation of one inchworm, with the step it was in at every row."""
 
     simulation: Simulation
-    steps: list[Step]
+    steps: list[InchwormStep]
 
     @property
-    def troupe(self) -> Inchworms:
+    def troupe(self) -> InchwormTroupe:
         """The worms."""
         return _worms(self.simulation)
 
     @property
-    def worm(self) -> Worm:
+    def worm(self) -> Inchworm:
         """The only one."""
         return self.troupe.worms[0]
 
@@ -115,8 +127,8 @@ class Crawl:
         return result
 
 
-def _worms(simulation: Simulation) -> Inchworms:
-    return next(troupe for troupe in simulation.troupes if isinstance(troupe, Inchworms))
+def _worms(simulation: Simulation) -> InchwormTroupe:
+    return next(troupe for troupe in simulation.troupes if isinstance(troupe, InchwormTroupe))
 
 
 def _crawl(scene: Scene) -> Crawl:
@@ -138,7 +150,7 @@ def crawl(request: pytest.FixtureRequest, scene_of: SceneOf) -> Crawl:
 
 
 @pytest.fixture(scope="module")
-def chain(figure: Callable[..., Figure]) -> Chain:
+def chain(figure: Callable[..., Figure]) -> InchwormChain:
     """A chain of uneven links, whose body is a link too."""
     nodes = {"a": -0.9, "b": -0.65, "c": -0.5, "d": -0.3, "e": -0.15, "f": 0.05, "g": 0.3}
     nodes |= {"h": 0.55, "i": 0.7, "j": 0.95}
@@ -149,8 +161,8 @@ def chain(figure: Callable[..., Figure]) -> Chain:
         f"{{radius: 0.04, nodes: {{{drawn}}}, chains: [[{', '.join(nodes)}]],"
         f" joints: {{head: {{{wide}}}, tail: {{{wide}}}}}}}"
     )
-    assert is_chain(found)
-    return Chain.of(found)
+    assert is_inchworm(found)
+    return InchwormChain.of(found)
 
 
 # --- what holds at every row ------------------------------------------------------
@@ -175,10 +187,12 @@ def test_the_swap_of_base_and_tip_moves_nothing(crawl: Crawl) -> None:
     for before, after in itertools.pairwise(crawl.steps):
         if before is not after:
             phase = np.array([before.down])
-            one = posed(
-                worm.chain, worm.track, 1 - before.end, *poses_of([before], phase, before.end)
+            one = solve_pose(
+                worm.chain, worm.track, 1 - before.end, *feet_at([before], phase, before.end)
             )
-            two = posed(worm.chain, worm.track, 1 - after.end, *poses_of([after], phase, after.end))
+            two = solve_pose(
+                worm.chain, worm.track, 1 - after.end, *feet_at([after], phase, after.end)
+            )
             assert after.end == 1 - before.end
             assert np.abs(one.positions - two.positions).max() < 1e-9
             assert np.abs(one.rotations - two.rotations).max() < 1e-9
@@ -286,22 +300,22 @@ def test_ends_come_down_at_the_half_and_at_the_whole_cycle(crawl: Crawl) -> None
 # --- laws ---------------------------------------------------------------------------
 
 
-def test_a_loop_is_as_wide_as_its_amplitude_says(chain: Chain) -> None:
-    chords = np.linspace(*chord(chain, np.array([GREATEST, LEAST])), 200)
-    assert np.allclose(chord(chain, amplitude(chain, chords)), chords, atol=1e-12)
+def test_a_loop_is_as_wide_as_its_amplitude_says(chain: InchwormChain) -> None:
+    chords = np.linspace(*loop_chord(chain, np.array([MAX_AMPLITUDE, MIN_AMPLITUDE])), 200)
+    assert np.allclose(loop_chord(chain, loop_amplitude(chain, chords)), chords, atol=1e-12)
 
 
 def test_loops_of_many_links_are_bessel_functions_wide(figure: Callable[..., Figure]) -> None:
     nodes = ", ".join(f"n{i}: [0, {0.01 * i}]" for i in range(123))
     names = ", ".join(f"n{i}" for i in range(123))
-    long = Chain.of(figure(f"{{radius: 0.003, nodes: {{{nodes}}}, chains: [[{names}]]}}"))
-    A = np.linspace(LEAST, GREATEST, 7)
+    long = InchwormChain.of(figure(f"{{radius: 0.003, nodes: {{{nodes}}}, chains: [[{names}]]}}"))
+    A = np.linspace(MIN_AMPLITUDE, MAX_AMPLITUDE, 7)
     t = (np.arange(4000) + 0.5) * (2.0 * np.pi / 4000)
     J0 = np.cos(A[:, None] * np.sin(t)).mean(axis=1)
-    assert np.allclose(chord(long, A) / long.free, J0, atol=1e-9)
+    assert np.allclose(loop_chord(long, A) / long.free, J0, atol=1e-9)
 
 
-def test_any_two_feet_are_joined_from_either_end(chain: Chain, scene_of: SceneOf) -> None:
+def test_any_two_feet_are_joined_from_either_end(chain: InchwormChain, scene_of: SceneOf) -> None:
     chance = np.random.default_rng(6)
     worm = _worms(Simulation(scene_of("{figure: inchworm}"))).worms[0]
     n = 40
@@ -310,7 +324,7 @@ def test_any_two_feet_are_joined_from_either_end(chain: Chain, scene_of: SceneOf
     )
     away = (chance.uniform(0.55, 0.9, n) * chain.free + chain.outside, chance.uniform(-0.1, 0.1, n))
     front = rear + np.stack([*away, chance.uniform(-0.2, 0.2, n)], axis=-1)
-    one, two = (posed(chain, worm.track, base, rear, front) for base in (REAR, FRONT))
+    one, two = (solve_pose(chain, worm.track, base, rear, front) for base in (REAR, FRONT))
     assert max(one.residual.max(), two.residual.max()) < 1e-12
     assert np.abs(one.positions - two.positions).max() < 1e-9
     for end, poses in ((REAR, rear), (FRONT, front)):
@@ -383,7 +397,7 @@ FIGURES = (
     [
         ("{figure: inchworm, walk: {gait: wave}}", "walk.gait", ["no legs", "`gait`"]),
         ("{figure: inchworm, walk: {body_height: 1}}", "walk.body_height", ["`body_height`"]),
-        ("{figure: inchworm, walk: {bounciness: 0}}", "walk.bounciness", ["`bounciness`"]),
+        ("{figure: inchworm, walk: {body_bob: 0}}", "walk.body_bob", ["`body_bob`"]),
         ("{figure: inchworm, walk: {stride: 3}}", "walk", ["stride", "3", "at most"]),
         ("{figure: inchworm, walk: {speed: 9, cycle: 2}}", "walk", ["stride", "18", "at most"]),
         ("{figure: stiff, walk: {}}", "walk", ["'stiff'", "joints"]),
@@ -425,7 +439,7 @@ def test_a_start_without_ground(scene_of: SceneOf) -> None:
 
 
 def test_only_straight_chains_inch(shipped: Figure) -> None:
-    assert is_chain(shipped) == (shipped.name == "inchworm")
+    assert is_inchworm(shipped) == (shipped.name == "inchworm")
 
 
 # --- beside others --------------------------------------------------------------------

@@ -10,8 +10,8 @@ import trimesh
 
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.locomotion.inventory import leg_masses
@@ -39,7 +39,7 @@ def assert_same(one: MassProperties, other: MassProperties, tolerance: float = 1
 def posed(figure: Figure, q: Array) -> tuple[Array, Array]:
     """Return all solids of a figure at joint values `q` as one soup, in the body's frame."""
     skeleton = figure.skeleton
-    X_BJ = Tree.of(skeleton).pose(q)
+    X_BJ = JointTree.of(skeleton).pose(q)
     vertices, faces, count = [], [], 0
     for piece in figure.pieces:
         here, joint = piece.solid.vertices, skeleton.links[piece.link].joint
@@ -62,7 +62,7 @@ def test_every_solid_of_the_library_weighs_what_trimesh_says(shipped: Figure) ->
 
 
 def test_a_figure_weighs_what_its_solids_do_in_any_pose(shipped: Figure) -> None:
-    inertia = Inertia(shipped)
+    inertia = FigureMass(shipped)
     chance = np.random.default_rng(1)
     skeleton = shipped.skeleton
     poses = [skeleton.preferred, chance.uniform(skeleton.lower, skeleton.upper)]
@@ -76,11 +76,11 @@ def test_eyes_weigh_in_a_head(beetle: Figure) -> None:
     pieces = [piece for piece in beetle.pieces if piece.link == head.links[-1]]
     assert [piece.name for piece in pieces] == ["head.2", "head.eye_l", "head.eye_r"]
     whole = sum(judged(piece.solid, 1000.0).mass for piece in pieces)
-    assert Inertia(beetle).of_link(head.links[-1]).mass == pytest.approx(whole, rel=1e-9)
+    assert FigureMass(beetle).of_link(head.links[-1]).mass == pytest.approx(whole, rel=1e-9)
 
 
 def test_twice_as_large_is_eight_times_as_heavy(figure: Build) -> None:
-    one, two = (Inertia(figure(WORM % "", scale)).links[1] for scale in (1.0, 2.0))
+    one, two = (FigureMass(figure(WORM % "", scale)).links[1] for scale in (1.0, 2.0))
     assert two.mass == pytest.approx(8 * one.mass)
     assert np.allclose(two.centre, 2 * one.centre)
     assert np.allclose(two.inertia, 32 * one.inertia)
@@ -88,7 +88,7 @@ def test_twice_as_large_is_eight_times_as_heavy(figure: Build) -> None:
 
 def test_density_is_the_authors_word_and_waters_if_left_out(figure: Build) -> None:
     assert figure(WORM % "").density == 1000.0
-    water, lead = Inertia(figure(WORM % "")), Inertia(figure(WORM % ", density: 11340"))
+    water, lead = FigureMass(figure(WORM % "")), FigureMass(figure(WORM % ", density: 11340"))
     for one, other in zip(water.links, lead.links, strict=True):
         assert other.mass == pytest.approx(11.34 * one.mass)
         assert np.allclose(other.inertia, 11.34 * one.inertia)
@@ -96,7 +96,7 @@ def test_density_is_the_authors_word_and_waters_if_left_out(figure: Build) -> No
 
 
 def test_left_legs_weigh_what_right_legs_do(beetle: Figure) -> None:
-    inertia, legs = Inertia(beetle), beetle.skeleton.legs
+    inertia, legs = FigureMass(beetle), beetle.skeleton.legs
     for left, right in zip(legs[:3], legs[3:], strict=True):
         for a, b in zip(left.links, right.links, strict=True):
             one, other = inertia.links[a], inertia.links[b]
@@ -110,14 +110,14 @@ def test_footfalls_have_the_weight_of_their_legs(scene_of: Callable[..., object]
     scene = scene_of("{figure: beetle, scale: 0.5}", duration=1)
     herd = Simulation(scene).troupes[0].herd
     legs = herd.figures[0].skeleton.legs
-    links = Inertia(herd.figures[0]).links
+    links = FigureMass(herd.figures[0]).links
     assert leg_masses(herd) == pytest.approx(
         [sum(links[i].mass for i in leg.links) for leg in legs]
     )
 
 
 def test_masses_alone_are_those_of_the_whole_properties(shipped: Figure) -> None:
-    inertia = Inertia(shipped)
+    inertia = FigureMass(shipped)
     numbers = range(len(shipped.skeleton.links))
     whole = sum(mass.mass for mass in inertia.links)
     assert inertia.mass_of(numbers) == pytest.approx(whole, rel=1e-9)

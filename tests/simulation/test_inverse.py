@@ -7,20 +7,25 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from pipeline.simulation.figures.avoidance import Obstacles, nearest
-from pipeline.simulation.figures.dexterity import dexterity
-from pipeline.simulation.figures.extension import reach_of
+from pipeline.simulation.figures.ball_joint_ik import full_reach
+from pipeline.simulation.figures.base_change import base_pose, limb_between, link_poses
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.goals import Avoid, Dexterity, Goal, Orientation, Preferred
-from pipeline.simulation.figures.inverse import solve
+from pipeline.simulation.figures.ik_goals import (
+    AvoidObstacles,
+    Goal,
+    MaximumDexterity,
+    PreferredValues,
+    TipOrientation,
+    dexterity,
+)
+from pipeline.simulation.figures.inverse_kinematics import solve
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.limb import limb_between
-from pipeline.simulation.figures.reach import reach
-from pipeline.simulation.figures.reroot import base_pose, link_poses
+from pipeline.simulation.figures.obstacle_avoidance import Obstacles, nearest_obstacles
+from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import BODY, Limb, Link, Skeleton
 from pipeline.simulation.spatial import Array
-from pipeline.spec.shipped import library as folder_of_scenes
-from pipeline.spec.shipped import names_in
+from pipeline.spec.scene_library import library as folder_of_scenes
+from pipeline.spec.scene_library import names_in
 
 COUNTS = [
     pytest.param(100, marks=pytest.mark.slow),
@@ -189,7 +194,7 @@ def _stretch(
     start, base = legs.pose(legs.preferred), legs.places[:, 0]
     near = np.linalg.norm(start.tips - base, axis=-1)
     away = (start.tips - base) / near[:, None]
-    most = reach_of(legs)
+    most = full_reach(legs)
     qs, off = [start.q], []
     for t in np.linspace(0, 1, steps + 1)[1:]:
         asked = near + (1.03 * most - near) * (1 - abs(2 * t - 1))
@@ -230,7 +235,7 @@ def test_along_a_motion_nothing_jumps(library: Library, name: str) -> None:
     for t in np.linspace(0, 2 * np.pi, steps):
         way = 0.05 * np.array([np.cos(t) - 1.0, np.sin(t), 0.5 * np.sin(2 * t)])
         goals = centre + limbs.lengths[:, None] * way
-        found = reach(limbs, pose, goals, secondary=[Preferred(0.2)], rounds=1)
+        found = reach(limbs, pose, goals, secondary=[PreferredValues(0.2)], rounds=1)
         met = found.residual <= 1e-4 * limbs.lengths
         # What cannot follow stays as near as it can without a jump.
         assert np.abs(found.pose.q - pose.q).max() < 0.35
@@ -241,9 +246,9 @@ def test_along_a_motion_nothing_jumps(library: Library, name: str) -> None:
 @pytest.mark.parametrize(
     "secondary",
     [
-        [Preferred()],
-        [Dexterity(0.2)],
-        [Orientation(np.broadcast_to(np.eye(3), (6, 3, 3))), Preferred()],
+        [PreferredValues()],
+        [MaximumDexterity(0.2)],
+        [TipOrientation(np.broadcast_to(np.eye(3), (6, 3, 3))), PreferredValues()],
     ],
 )
 def test_finite_steps_keep_the_tip(beetle: Figure, secondary: list[Goal]) -> None:
@@ -262,8 +267,8 @@ def test_lower_goals_get_what_there_is(beetle: Figure) -> None:
     nearer, abler = [], []
     for _ in range(10):
         start = legs.pose(_uniform(legs, chance))
-        rest = reach(legs, start, start.tips, secondary=[Preferred()]).pose
-        able = reach(legs, start, start.tips, secondary=[Dexterity(0.5)]).pose
+        rest = reach(legs, start, start.tips, secondary=[PreferredValues()]).pose
+        able = reach(legs, start, start.tips, secondary=[MaximumDexterity(0.5)]).pose
         before = np.linalg.norm(start.q - legs.preferred, axis=-1)
         after = np.linalg.norm(rest.q - legs.preferred, axis=-1)
         assert (after <= before + 1e-3).all()
@@ -280,14 +285,16 @@ def test_a_limb_keeps_clear_and_still_reaches() -> None:
     start = batch.pose(np.array([[0.9, -0.6, -0.6, -0.4, 0.3]]))
     middle = start.X_BJ[0, 2, :3, 3] + np.array([0.02, -0.08, 0.0])
     ball = Obstacles(np.stack([middle, middle])[None], np.array([0.1]))
-    assert nearest(batch, start, ball).gap.min() < 0.0
-    found = reach(batch, start, start.tips, secondary=[Avoid(ball, 0.015)])
+    assert nearest_obstacles(batch, start, ball).gap.min() < 0.0
+    found = reach(batch, start, start.tips, secondary=[AvoidObstacles(ball, 0.015)])
     assert found.residual[0] <= 2e-6 * batch.lengths[0]
-    assert nearest(batch, found.pose, ball).gap.min() >= 0.015 - 1e-3
+    assert nearest_obstacles(batch, found.pose, ball).gap.min() >= 0.015 - 1e-3
     # With the preferred values below it they have what is left, and the way stays clear.
-    both = reach(batch, start, start.tips, secondary=[Avoid(ball, 0.015), Preferred(0.1)])
+    both = reach(
+        batch, start, start.tips, secondary=[AvoidObstacles(ball, 0.015), PreferredValues(0.1)]
+    )
     assert both.residual[0] <= 2e-6 * batch.lengths[0]
-    assert nearest(batch, both.pose, ball).gap.min() >= 0.015 - 5e-3
+    assert nearest_obstacles(batch, both.pose, ball).gap.min() >= 0.015 - 5e-3
 
 
 def test_solve_says_which_limits_it_touched(beetle: Figure) -> None:
@@ -326,7 +333,7 @@ def test_an_inchworm_walks() -> None:
         for s in np.linspace(0, 1, 20)[1:]:
             there = begin + np.array([stride * s, 0.1 * np.sin(np.pi * s), 0.0])
             goal = X_WN[:3, :3].T @ (there - X_WN[:3, 3])
-            found = reach(batch, pose, goal[None], secondary=[Preferred(0.0)], rounds=1)
+            found = reach(batch, pose, goal[None], secondary=[PreferredValues(0.0)], rounds=1)
             assert found.residual[0] <= 1e-5 * batch.lengths[0]
             assert np.abs(found.pose.q - pose.q).max() < 0.3
             pose = found.pose

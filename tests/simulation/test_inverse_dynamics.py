@@ -11,15 +11,14 @@ import pytest
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.inverse_dynamics import (
+    ExternalForces,
+    FigureMotion,
     FrameMasses,
-    Motion,
-    Push,
     inverse_dynamics,
 )
-from pipeline.simulation.figures.jacobian import tree_jacobian
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree, tree_jacobian
 from pipeline.simulation.figures.skeleton import BODY, Skeleton
 from pipeline.simulation.spatial import (
     Array,
@@ -46,14 +45,14 @@ def _random_links(skeleton: Skeleton, chance: np.random.Generator) -> list[MassP
     return found
 
 
-def _moving(skeleton: Skeleton, chance: np.random.Generator, n: int = MOMENTS) -> Motion:
+def _moving(skeleton: Skeleton, chance: np.random.Generator, n: int = MOMENTS) -> FigureMotion:
     """Return random states between the limits of the joints, of a body that moves as well."""
     J = len(skeleton.parents)
     X_WB = np.zeros((n, 4, 4))
     X_WB[:, :3, :3] = matrix(normalized(chance.normal(size=(n, 4))))
     X_WB[:, :3, 3], X_WB[:, 3, 3] = chance.normal(size=(n, 3)), 1.0
     span = skeleton.upper - skeleton.lower
-    return Motion(
+    return FigureMotion(
         skeleton.lower + chance.random((n, J)) * span,
         chance.normal(size=(n, J)) * 3,
         chance.normal(size=(n, J)) * 20,
@@ -71,7 +70,7 @@ def _mujoco(skeleton: Skeleton, masses: FrameMasses) -> mujoco.MjModel:
     _weigh(root, masses, BODY)
     carrier, origin = {BODY: root}, {BODY: np.zeros(3)}
     waiting: dict[int, list[int]] = {}
-    for j in Tree.of(skeleton).outward:
+    for j in JointTree.of(skeleton).outward:
         above = int(skeleton.parents[j])
         # MuJoCo has no links without mass: joints of a ball share a body.
         chain = [*waiting.pop(above, []), j]
@@ -98,7 +97,9 @@ def _weigh(body: mujoco.MjsBody, masses: FrameMasses, frame: int) -> None:
     body.explicitinertial = True
 
 
-def _told_by_mujoco(skeleton: Skeleton, masses: FrameMasses, motion: Motion) -> tuple[Array, Array]:
+def _told_by_mujoco(
+    skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion
+) -> tuple[Array, Array]:
     """Return joint torques (n, J), and force and moment of the body (n, 6)."""
     model = _mujoco(skeleton, masses)
     data = mujoco.MjData(model)
@@ -121,8 +122,8 @@ def _told_by_mujoco(skeleton: Skeleton, masses: FrameMasses, motion: Motion) -> 
     return torques, wrenches
 
 
-def _agrees(skeleton: Skeleton, masses: FrameMasses, motion: Motion) -> None:
-    load = inverse_dynamics(Tree.of(skeleton), masses, motion)
+def _agrees(skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion) -> None:
+    load = inverse_dynamics(JointTree.of(skeleton), masses, motion)
     torques, wrenches = _told_by_mujoco(skeleton, masses, motion)
     ours = np.concatenate([load.force, load.moment], axis=-1)
     assert np.abs(load.torques - torques).max(initial=0.0) <= 1e-8 * np.abs(torques).max(
@@ -133,7 +134,7 @@ def _agrees(skeleton: Skeleton, masses: FrameMasses, motion: Motion) -> None:
 
 
 def _masses(figure: Figure) -> FrameMasses:
-    return FrameMasses.of(figure.skeleton, Inertia(figure).links)
+    return FrameMasses.of(figure.skeleton, FigureMass(figure).links)
 
 
 def test_the_library_needs_the_torques_that_mujoco_says(shipped: Figure) -> None:
@@ -152,7 +153,7 @@ def test_random_figures_of_both_kinds_of_joints_as_well(random_skeleton: Maker) 
 def test_pushes_take_from_the_torques_what_their_jacobians_say(shipped: Figure) -> None:
     """By virtual work: τ changes by -Jᵀ F, and the body by -F and its moment."""
     skeleton, chance = shipped.skeleton, np.random.default_rng(3)
-    tree, masses, motion = Tree.of(skeleton), _masses(shipped), _moving(skeleton, chance)
+    tree, masses, motion = JointTree.of(skeleton), _masses(shipped), _moving(skeleton, chance)
     frames = [BODY, *(limb.joints[-1] for limb in skeleton.limbs)]
     places = np.array([np.zeros(3), *(limb.tip for limb in skeleton.limbs)])
     forces = chance.normal(size=(MOMENTS, len(frames), 3)) * 50.0
@@ -168,7 +169,7 @@ def test_pushes_take_from_the_torques_what_their_jacobians_say(shipped: Figure) 
         J = tree_jacobian(tree, motion.q, frame, place)[..., :3]
         expected += (J * unturn(R_WB, forces[:, i])[:, None]).sum(axis=-1)
     free = inverse_dynamics(tree, masses, motion)
-    pushed = inverse_dynamics(tree, masses, motion, Push(frames, points, forces))
+    pushed = inverse_dynamics(tree, masses, motion, ExternalForces(frames, points, forces))
     size = max(float(np.abs(expected).max(initial=0.0)), 1.0)
     assert np.abs(free.torques - pushed.torques - expected).max(initial=0.0) < 1e-10 * size
     assert np.allclose(free.force - pushed.force, forces.sum(axis=1))
@@ -176,7 +177,7 @@ def test_pushes_take_from_the_torques_what_their_jacobians_say(shipped: Figure) 
     assert np.allclose(free.moment - pushed.moment, arms)
 
 
-def _swaying(skeleton: Skeleton, times: Array) -> Motion:
+def _swaying(skeleton: Skeleton, times: Array) -> FigureMotion:
     """Return a motion in closed form: joints swing, the body circles and turns."""
     rate = 2.0 + np.arange(len(skeleton.parents)) % 3
     middle, far = 0.5 * (skeleton.lower + skeleton.upper), 0.2
@@ -185,7 +186,7 @@ def _swaying(skeleton: Skeleton, times: Array) -> Motion:
     axis = normalized(np.array([1.0, 2.0, -0.5]))
     X[:, :3, :3] = rotation(axis, 0.7 * np.sin(times))
     X[:, :3, 3] = np.stack([np.cos(times), np.sin(2 * times), times], axis=-1)
-    return Motion(
+    return FigureMotion(
         middle + far * np.sin(angle),
         far * rate * np.cos(angle),
         -far * rate**2 * np.sin(angle),
@@ -196,9 +197,9 @@ def _swaying(skeleton: Skeleton, times: Array) -> Motion:
     )
 
 
-def _energy(skeleton: Skeleton, masses: FrameMasses, motion: Motion, dt: float) -> Array:
+def _energy(skeleton: Skeleton, masses: FrameMasses, motion: FigureMotion, dt: float) -> Array:
     """Return kinetic and potential energy (n,), all speeds by differences of poses [J]."""
-    X = motion.X_WB[:, None] @ Tree.of(skeleton).pose(motion.q)
+    X = motion.X_WB[:, None] @ JointTree.of(skeleton).pose(motion.q)
     X = np.concatenate([X, motion.X_WB[:, None]], axis=1)
     R, p = X[..., :3, :3], X[..., :3, 3]
     centres = p + turn(R, masses.centre)
@@ -218,7 +219,7 @@ def test_the_work_of_joints_and_body_is_the_change_of_energy(shipped: Figure) ->
     times = np.linspace(0.0, 1.0, 2001)
     dt = times[1] - times[0]
     motion = _swaying(skeleton, times)
-    load = inverse_dynamics(Tree.of(skeleton), masses, motion)
+    load = inverse_dynamics(JointTree.of(skeleton), masses, motion)
     velocity = np.stack([-np.sin(times), 2 * np.cos(2 * times), np.ones_like(times)], axis=-1)
     power = (load.torques * motion.speeds).sum(axis=-1)
     power += (load.force * velocity).sum(axis=-1) + (load.moment * motion.spin).sum(axis=-1)
@@ -233,13 +234,15 @@ def test_a_straight_leg_of_two_links_by_hand(figure: Callable[..., Figure]) -> N
         "{nodes: {a: [0, 0], b: [0, 1], k: [1, 0], f: [2.5, 0], l: [-1, 0], m: [-2.5, 0]},"
         " chains: [[a, b], [a, k, f], [a, l, m]], radius: 0.1}"
     )
-    skeleton, links = thing.skeleton, Inertia(thing).links
+    skeleton, links = thing.skeleton, FigureMass(thing).links
     leg = skeleton.legs[0]
     upper, lower = (links[i] for i in leg.links)
     hip, knee = (skeleton.places[skeleton.links[i].joint] for i in leg.links)
     q = np.zeros(len(skeleton.parents))
-    still = Motion(q, 0 * q, 0 * q, np.eye(4), *np.zeros((3, 3)))
-    torques = inverse_dynamics(Tree.of(skeleton), FrameMasses.of(skeleton, links), still).torques
+    still = FigureMotion(q, 0 * q, 0 * q, np.eye(4), *np.zeros((3, 3)))
+    torques = inverse_dynamics(
+        JointTree.of(skeleton), FrameMasses.of(skeleton, links), still
+    ).torques
     bend = [j for j in leg.joints if skeleton.joint_names[j].endswith("_bend")]
     pitch = [j for j in leg.joints if skeleton.joint_names[j].endswith("_pitch")]
     along = normalized((knee - hip) * [1, 0, 1])

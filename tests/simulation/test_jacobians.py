@@ -9,10 +9,16 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pipeline.simulation.figures.base_change import limb_between
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.jacobian import hessian, jacobian, tree_jacobian
-from pipeline.simulation.figures.kinematics import LimbBatch, LimbPose, Tree
-from pipeline.simulation.figures.limb import limb_between
+from pipeline.simulation.figures.kinematics import (
+    JointTree,
+    LimbBatch,
+    LimbPose,
+    hessian,
+    jacobian,
+    tree_jacobian,
+)
 from pipeline.simulation.figures.skeleton import BODY, Skeleton
 from pipeline.simulation.spatial import Array, turn
 
@@ -101,7 +107,7 @@ def _mujoco(skeleton: Skeleton) -> mujoco.MjModel:
 def _agrees(skeleton: Skeleton, chance: np.random.Generator) -> None:
     """Compare all poses, and the Jacobians of the far ends of all links, at random values."""
     model = _mujoco(skeleton)
-    data, tree = mujoco.MjData(model), Tree.of(skeleton)
+    data, tree = mujoco.MjData(model), JointTree.of(skeleton)
     # MuJoCo numbers joints depth first.
     address = [int(model.joint(name).qposadr[0]) for name in skeleton.joint_names]
     body = [int(model.body(name).id) for name in skeleton.joint_names]
@@ -138,7 +144,7 @@ def test_random_figures_are_the_same_in_mujoco(random_skeleton: Maker) -> None:
 
 def test_limbs_have_the_jacobians_of_their_trees(shipped: Figure) -> None:
     skeleton, chance = shipped.skeleton, np.random.default_rng(5)
-    tree, values = Tree.of(skeleton), _values(skeleton, chance)
+    tree, values = JointTree.of(skeleton), _values(skeleton, chance)
     for limb in skeleton.limbs:
         batch = LimbBatch.of([(skeleton, limb)])
         joints = list(limb.joints)

@@ -21,7 +21,7 @@ from pipeline.simulation.dancers.jerk import (
     resampled,
     third_derivative,
 )
-from pipeline.simulation.dancers.same_way import same_way_at_best
+from pipeline.simulation.dancers.minimum_jerk_retiming import same_way_at_best
 from pipeline.spec import read_scene
 
 
@@ -169,7 +169,7 @@ def test_a_search_that_does_not_end_leaves_what_was_danced(monkeypatch) -> None:
     def endless(*_args: object, **_words: object) -> None:
         raise RuntimeError("too many iterations")
 
-    monkeypatch.setattr("pipeline.simulation.dancers.same_way.nnls", endless)
+    monkeypatch.setattr("pipeline.simulation.dancers.minimum_jerk_retiming.nnls", endless)
     t, p = reach(2, np.array([0.3, 0.4, 0]))
     best = same_way_at_best(t, p, 0.0, 2.0)
     assert best.integral == best.danced == jerk_of(t, p, 0.0, 2.0).integral

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse import solve
-from pipeline.simulation.figures.kinematics import LimbBatch, Tree
+from pipeline.simulation.figures.inverse_kinematics import solve
+from pipeline.simulation.figures.kinematics import JointTree, LimbBatch
 from pipeline.simulation.figures.skeleton import BODY, Skeleton
 from pipeline.simulation.spatial import Array, rotation
 
@@ -57,7 +57,7 @@ def _slowly(skeleton: Skeleton, q: Array, joint: int) -> tuple[Array, Array]:
 
 
 def test_a_tree_places_its_joints_as_recursion_does(skeleton: Skeleton) -> None:
-    tree = Tree.of(skeleton)
+    tree = JointTree.of(skeleton)
     many = _random(skeleton, 5)
     X = tree.pose(many)
     R, p = X[..., :3, :3], X[..., :3, 3]
@@ -69,7 +69,7 @@ def test_a_tree_places_its_joints_as_recursion_does(skeleton: Skeleton) -> None:
 
 
 def test_at_zero_a_figure_lies_as_it_was_drawn(skeleton: Skeleton, legs: LimbBatch) -> None:
-    tree = Tree.of(skeleton)
+    tree = JointTree.of(skeleton)
     X = tree.pose(np.zeros(len(skeleton.parents)))
     assert np.allclose(X[:, :3, :3], np.eye(3))
     assert np.allclose(X[:, :3, 3], skeleton.places)
@@ -77,7 +77,7 @@ def test_at_zero_a_figure_lies_as_it_was_drawn(skeleton: Skeleton, legs: LimbBat
 
 
 def test_limbs_and_trees_agree(skeleton: Skeleton, legs: LimbBatch) -> None:
-    tree = Tree.of(skeleton)
+    tree = JointTree.of(skeleton)
     for q in _random(skeleton, 10):
         X = tree.pose(q)
         pose = legs.pose(_of_legs(skeleton, legs, q))

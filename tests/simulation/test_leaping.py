@@ -9,15 +9,14 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.locomotion.leaping.leaps import HANDS_OVER
-from pipeline.simulation.locomotion.pronking.hurdle import hurdle_on
+from pipeline.simulation.locomotion.leaping.walker_jumps import HANDOVER_TIME
+from pipeline.simulation.locomotion.pronking.hurdle_jump import hurdle_profile
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, find_scene, load_scene
-from pipeline.spec.cast import Prop
-from pipeline.spec.prop import BoxShape
+from pipeline.spec.prop import BoxShape, Prop
 
 from .conftest import scene_of, tips_of
 from .hops import Hops, hop_through
@@ -75,9 +74,9 @@ class Leap:
         """Keep the state of this step."""
         walkers = self.walkers
         trip = walkers.leaps.trips.get(0)
-        leaping = trip is not None and trip.stage == "leaping" and trip.hopping is not None
+        leaping = trip is not None and trip.stage == "leaping" and trip.simulation is not None
         self.stages.append("walking" if trip is None else trip.stage)
-        hopping = trip.hopping if trip is not None and leaping else None
+        hopping = trip.simulation if trip is not None and leaping else None
         self.down.append(~walkers.feet.swinging if hopping is None else hopping.state.down.copy())
 
     @property
@@ -158,7 +157,7 @@ def test_goes_over_from_walking_to_jumping_and_back_without_a_jolt(leap: Leap) -
     R = matrix(take.rotations)
     cosines = ((R[1:] * R[:-1]).sum(axis=(-1, -2)) - 1.0) / 2.0
     turned = np.arccos(np.clip(cosines, -1.0, 1.0)).max(axis=-1) / dt
-    rows = int(HANDS_OVER / dt)
+    rows = int(HANDOVER_TIME / dt)
     for k in leap.changes[1:]:
         near = slice(k - 3, k + rows)
         assert jolts[near].max() < 0.35
@@ -303,7 +302,7 @@ def test_a_kangaroo_hops_over_a_crate_and_on() -> None:
 
 def test_goes_to_a_place_and_lands_on_it() -> None:
     hops = directed("{at: 1, who: roo, do: {go_to: [4, 3]}}", 9)
-    state = hops.troupe.hoppings[0].state
+    state = hops.troupe.simulations[0].state
     assert state.phase == "standing"
     assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [4, 3]) < 0.05
     assert hops.seen[0][-1].tilt < math.radians(3)
@@ -378,7 +377,7 @@ def test_others_wait_for_a_hopper_that_arrives() -> None:
         "{when: {arrived: roo}, who: roo, do: {jump: {land_at: [3, 0]}}}"
     )
     hops = directed(script, 12)
-    state = hops.troupe.hoppings[0].state
+    state = hops.troupe.simulations[0].state
     assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [3, 0]) < 0.05
 
 
@@ -430,7 +429,7 @@ def test_a_hurdle_is_what_of_a_box_is_in_the_strip(deg: float) -> None:
     """A box turned by an angle: its sides cut the edges of the strip where lines meet."""
     long, wide, half = 0.4, 6.0, 0.3
     box = corners((long, 0.5, wide), (3.0, 0.25, 0.0), deg)
-    one = hurdle_on([box], np.zeros(2), 0.0, half)
+    one = hurdle_profile([box], np.zeros(2), 0.0, half)
     assert one is not None
     angle = math.radians(deg)
     reach = 0.5 * long / math.cos(angle) + half * math.tan(angle)
@@ -443,9 +442,9 @@ def test_a_hurdle_is_what_of_a_box_is_in_the_strip(deg: float) -> None:
 def test_a_hurdle_is_as_high_as_the_highest_of_its_solids_everywhere() -> None:
     low = corners((1.0, 0.2, 1.0), (2.0, 0.1, 0.0), 0.0)
     high = corners((0.2, 0.6, 1.0), (2.3, 0.3, 0.0), 0.0)
-    one = hurdle_on([low, high], np.zeros(2), 0.0, 0.2)
+    one = hurdle_profile([low, high], np.zeros(2), 0.0, 0.2)
     assert one is not None
     inside = (one.along > 2.2) & (one.along < 2.4)
     np.testing.assert_allclose(one.top[inside], 0.6)
     np.testing.assert_allclose(one.top[one.along < 2.2 - 1e-6], 0.2)
-    assert hurdle_on([low], np.array([0.0, 5.0]), 0.0, 0.2) is None
+    assert hurdle_profile([low], np.array([0.0, 5.0]), 0.0, 0.2) is None

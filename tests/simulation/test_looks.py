@@ -12,11 +12,11 @@ import yaml
 
 from pipeline.production.goldens.motion_digest import motion_digest
 from pipeline.simulation.figures.figure import Figure, build_figure
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.figure_skin import FOOT_MAKERS, extremity_skins
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.figures.skins import Skin
-from pipeline.simulation.figures.trimmings import FEET, trimmings
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import OWN, UNSEEN
@@ -115,11 +115,11 @@ def _above(figure: Figure, joint: int) -> list[int]:
 
 @pytest.mark.parametrize("feet", get_args(Feet))
 def test_feet_and_jaws_weigh_nothing(feet: Feet) -> None:
-    plain = Inertia(shipped("beetle", feet="plain", jaws=False)).at_rest
-    shod = Inertia(shipped("beetle", feet=feet, jaws=True)).at_rest
+    plain = FigureMass(shipped("beetle", feet="plain", jaws=False)).at_rest
+    shod = FigureMass(shipped("beetle", feet=feet, jaws=True)).at_rest
     assert plain.mass == shod.mass
     np.testing.assert_array_equal(plain.inertia, shod.inertia)
-    assert set(FEET) | {"plain"} == set(get_args(Feet))
+    assert set(FOOT_MAKERS) | {"plain"} == set(get_args(Feet))
 
 
 def test_looks_move_nobody() -> None:
@@ -157,10 +157,10 @@ def test_feet_stand_on_the_ground_that_the_tip_stands_on(name: str) -> None:
     """In the pose that a figure rests in they reach as low as the ball around the tip."""
     figure = shipped(name)
     skeleton = figure.skeleton
-    X_BJ = Tree.of(skeleton).pose(skeleton.preferred)
+    X_BJ = JointTree.of(skeleton).pose(skeleton.preferred)
     feet = {limb.links[-1]: limb for limb in skeleton.legs}
     tried = 0
-    for number, more in trimmings(figure):
+    for number, more in extremity_skins(figure):
         if number not in feet:
             continue
         link, radius = skeleton.links[number], skeleton.links[number].radii[1]
@@ -193,7 +193,9 @@ def test_eyes_and_jaws_can_be_left_out() -> None:
     assert any(".eye_" in piece.name for piece in shipped("beetle").pieces)
     assert not any(".eye_" in piece.name for piece in shipped("beetle", eyes=False).pieces)
     head = next(limb for limb in shipped("beetle").skeleton.limbs if limb.kind == "head")
-    with_jaws = {number for number, _ in trimmings(shipped("beetle"))}
+    with_jaws = {number for number, _ in extremity_skins(shipped("beetle"))}
     assert head.links[-1] in with_jaws
-    assert head.links[-1] not in {number for number, _ in trimmings(shipped("beetle", jaws=False))}
-    assert head.links[-1] not in {number for number, _ in trimmings(shipped("horse"))}
+    assert head.links[-1] not in {
+        number for number, _ in extremity_skins(shipped("beetle", jaws=False))
+    }
+    assert head.links[-1] not in {number for number, _ in extremity_skins(shipped("horse"))}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dancing import Dancing
+from pipeline.simulation.dancers.dancer_motion import Dancing
 from pipeline.simulation.dancers.torso import LINKS
 from pipeline.simulation.people.proportions import CHILD
 from pipeline.spec import read_scene

@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from pipeline.production.skinning import Skin
+from pipeline.production.shots.skinning import Skin
 from pipeline.simulation.people.body_frames import FRAMES, PARENTS, frame_origins, frames_of
 from pipeline.simulation.people.person_mesh import (
     Clothes,
@@ -25,7 +25,7 @@ from pipeline.simulation.people.person_mesh import (
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, Proportions
 from pipeline.simulation.spatial import Array, quaternion, rotation
 from pipeline.simulation.take import Node
-from render.words import MATERIALS
+from render.config import MATERIALS
 
 DENSITY = 985.0
 """Of a human body [kg/m³]."""

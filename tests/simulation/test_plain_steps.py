@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.simulation.figures.settling import brought, settle
+from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
 from pipeline.simulation.locomotion.foot_placement.foothold_planner import Lift, PlainSteps
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.routes.route_progress import SLOPE_SAMPLES_PER_SECOND
@@ -142,8 +142,8 @@ def test_misses_are_how_far_limbs_settle_from_their_goals(walkers: Walkers) -> N
     legs, chains = walkers.herd.legs, walkers.herd.chains
     chance = np.random.default_rng(2).normal(size=(3, len(legs.lengths), 3))
     goals = legs.tips + 0.3 * legs.lengths[:, None] * chance
-    settled = settle(legs, chains, goals).residual
+    settled = solve_near_rest(legs, chains, goals).residual
     rows = np.tile(np.arange(len(legs.lengths)), 3)
-    _, asked = brought(legs, chains, rows, goals.reshape(-1, 3))
+    _, asked = solve_each_near_rest(legs, chains, rows, goals.reshape(-1, 3))
     assert (settled > 1e-3 * legs.lengths).any()
     assert np.allclose(asked, settled.ravel(), rtol=0.0, atol=1e-12)

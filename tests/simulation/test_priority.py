@@ -5,12 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.figures.avoidance import closest_points
-from pipeline.simulation.figures.dexterity import dexterity, dexterity_gradient, singular_values
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.goals import Preferred, Weighted, rotation_vector
+from pipeline.simulation.figures.ik_goals import (
+    PreferredValues,
+    WeightedGoals,
+    dexterity,
+    dexterity_gradient,
+    rotation_vector,
+    singular_values,
+)
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.priority import Task, bounded_step, prioritized
+from pipeline.simulation.figures.obstacle_avoidance import closest_points
+from pipeline.simulation.figures.task_priority import (
+    Task,
+    bounded_priority_step,
+    solve_priorities,
+)
 from pipeline.simulation.spatial import Array, rotation
 
 
@@ -35,7 +45,7 @@ def test_what_is_left_over_moves_no_tip() -> None:
     for n in (2, 3, 5, 8):
         first = Task(_tasks(chance, (3,), n, 60)[0].jacobian, np.zeros((60, 3)))
         z = chance.normal(size=(60, n))
-        moved = (first.jacobian @ prioritized([first, Task.wish(z)])[..., None])[..., 0]
+        moved = (first.jacobian @ solve_priorities([first, Task.wish(z)])[..., None])[..., 0]
         assert (np.linalg.norm(moved, axis=-1) <= 1e-9 * np.linalg.norm(z, axis=-1)).all()
 
 
@@ -45,8 +55,8 @@ def test_a_lower_priority_never_worsens_a_higher_one(damping: float) -> None:
     for sizes in ((3, 1, 2), (3, 3, 3), (2, 1, 1, 4), (6, 3)):
         tasks = _tasks(chance, sizes, 7, 60)
         for level in range(1, len(tasks)):
-            before = prioritized(tasks[:level], damping)
-            after = prioritized(tasks[: level + 1], damping)
+            before = solve_priorities(tasks[:level], damping)
+            after = solve_priorities(tasks[: level + 1], damping)
             for higher in tasks[:level]:
                 a = np.linalg.norm(_left(higher, before), axis=-1)
                 b = np.linalg.norm(_left(higher, after), axis=-1)
@@ -59,7 +69,7 @@ def test_one_task_is_the_pseudo_inverse() -> None:
     for m, n in ((3, 6), (3, 3), (3, 2), (6, 4)):
         J, v = chance.normal(size=(20, m, n)), chance.normal(size=(20, m))
         expected = (np.linalg.pinv(J) @ v[..., None])[..., 0]
-        assert np.allclose(prioritized([Task(J, v)]), expected, atol=1e-10)
+        assert np.allclose(solve_priorities([Task(J, v)]), expected, atol=1e-10)
 
 
 def test_equations_b7_and_b9_are_one() -> None:
@@ -72,7 +82,7 @@ def test_equations_b7_and_b9_are_one() -> None:
     b7 = least + (free @ z[..., None])[..., 0]
     b9 = least + (free @ (z - least)[..., None])[..., 0]
     assert np.allclose(b7, b9)
-    assert np.allclose(prioritized([Task(J, v), Task.wish(z)]), b7)
+    assert np.allclose(solve_priorities([Task(J, v), Task.wish(z)]), b7)
 
 
 def test_between_limits_a_step_is_the_best_there_is(beetle: Figure) -> None:
@@ -83,7 +93,7 @@ def test_between_limits_a_step_is_the_best_there_is(beetle: Figure) -> None:
         q = legs.lower + chance.random(legs.lower.shape) * (legs.upper - legs.lower)
         J = legs.pose(q).jacobian.transpose(0, 2, 1)
         task = Task(J, 3.0 * chance.normal(size=(len(q), 3)))
-        after, _ = bounded_step(legs, q, [task], 1e-2)
+        after, _ = bounded_priority_step(legs, q, [task], 1e-2)
 
         def cost(values: Array, q: Array = q, task: Task = task) -> Array:
             off = _left(task, values - q)
@@ -102,7 +112,9 @@ def test_weights_add_up(beetle: Figure) -> None:
     """Eq. B.10."""
     legs = LimbBatch.of([(beetle.skeleton, leg) for leg in beetle.skeleton.legs])
     pose = legs.pose(legs.preferred + 0.1 * legs.is_joint)
-    both = Weighted(((0.25, Preferred(1.0)), (0.5, Preferred(0.5)))).task(legs, pose)
+    both = WeightedGoals(((0.25, PreferredValues(1.0)), (0.5, PreferredValues(0.5)))).task(
+        legs, pose
+    )
     assert np.allclose(both.velocity, 0.5 * (legs.preferred - pose.q), atol=1e-6)
 
 

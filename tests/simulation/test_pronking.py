@@ -10,12 +10,16 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.locomotion.pronking import phases
-from pipeline.simulation.locomotion.pronking.forces import drive, shared
-from pipeline.simulation.locomotion.pronking.parameters import Jump, heights_for, jump_of
+from pipeline.simulation.locomotion.pronking import hop_phases, hop_simulation
+from pipeline.simulation.locomotion.pronking.jump_parameters import (
+    Jump,
+    jump_heights,
+    resolve_jump,
+)
+from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 from .conftest import SHIPPED, scene_of
 from .hops import Hops, hop_through
@@ -57,14 +61,14 @@ def test_speed_distance_and_height_agree_with_the_flight_of_a_mass():
 
 @pytest.mark.parametrize(("distance", "speed"), [(1.0, 3.2), (1.6, 4.4), (0.3, 7.0)])
 def test_height_follows_from_distance_and_speed_twice(distance, speed):
-    for height in heights_for(distance, speed):
+    for height in jump_heights(distance, speed):
         assert Jump(distance, height).speed == pytest.approx(speed, rel=1e-12)
 
 
 def test_words_that_say_all_three_right_are_taken():
     jump = Jump(1.6, 0.8)
     words = Pronk(distance=1.6, height=0.8, speed=jump.speed)
-    assert jump_of("", words, 1.0) == jump
+    assert resolve_jump("", words, 1.0) == jump
 
 
 @pytest.mark.parametrize(
@@ -80,7 +84,7 @@ def test_words_that_say_all_three_right_are_taken():
 )
 def test_contradictory_words_get_the_formula_and_values_that_work(words, remedies):
     with pytest.raises(SceneError) as caught:
-        jump_of("cast[0].pronk", words, 1.0)
+        resolve_jump("cast[0].pronk", words, 1.0)
     message = caught.value.problems[0].message
     assert "speed² = g distance² / (8 height) + 2 g height" in message
     for remedy in remedies:
@@ -88,10 +92,10 @@ def test_contradictory_words_get_the_formula_and_values_that_work(words, remedie
 
 
 def test_values_that_a_message_names_work():
-    jump_of("", Pronk(distance=4.0, speed=6.265), 1.0)
-    jump_of("", Pronk(distance=0.9174, speed=3.0), 1.0)
-    jump_of("", Pronk(height=2.0, speed=6.265), 1.0)
-    jump_of("", Pronk(height=0.4587, speed=3.0), 1.0)
+    resolve_jump("", Pronk(distance=4.0, speed=6.265), 1.0)
+    resolve_jump("", Pronk(distance=0.9174, speed=3.0), 1.0)
+    resolve_jump("", Pronk(height=2.0, speed=6.265), 1.0)
+    resolve_jump("", Pronk(height=0.4587, speed=3.0), 1.0)
 
 
 # --- forces ---------------------------------------------------------------------------
@@ -99,7 +103,7 @@ def test_values_that_a_message_names_work():
 
 def test_a_drive_comes_to_its_velocity_at_its_height():
     v0, v1, rise = (1.0, -4.0, 0.2), (0.5, 0.0, -0.1), -0.6
-    one = drive(80.0, 1e6, v0, v1, rise)
+    one = phase_force(80.0, 1e6, v0, v1, rise)
     a = np.array(one.acceleration)
     np.testing.assert_allclose(np.array(v0) + one.time * a, v1, atol=1e-12)
     assert -4.0 * one.time + 0.5 * a[1] * one.time**2 == pytest.approx(rise)
@@ -107,8 +111,8 @@ def test_a_drive_comes_to_its_velocity_at_its_height():
 
 
 def test_a_saturated_drive_gives_all_there_is_and_takes_longer():
-    free = drive(80.0, 1e6, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
-    held = drive(80.0, 2000.0, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
+    free = phase_force(80.0, 1e6, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
+    held = phase_force(80.0, 2000.0, (0.0, -4.0, 0.0), (0.0, 0.0, 0.0), -0.4)
     assert held.saturated
     assert not free.saturated
     assert math.hypot(*held.force) == pytest.approx(2000.0)
@@ -123,7 +127,7 @@ def test_shares_add_up_give_their_moment_and_never_more_than_the_most():
         force = np.array([*rng.normal(size=2) * 50.0, 0.0])[[0, 2, 1]] + [0.0, 900.0 * n, 0.0]
         moment = rng.normal(size=3) * 300.0
         most = 1.3 * float(np.linalg.norm(force)) / n
-        shares = shared(force, moment, levers, most)
+        shares = distribute_force(force, moment, levers, most)
         np.testing.assert_allclose(shares.sum(axis=0), force, atol=1e-9)
         assert (shares[:, 1] >= -1e-9).all()
         assert (np.linalg.norm(shares, axis=-1) <= most * (1 + 1e-9)).all()
@@ -131,7 +135,9 @@ def test_shares_add_up_give_their_moment_and_never_more_than_the_most():
 
 def test_four_hips_around_the_centre_give_the_whole_moment():
     levers = np.array([[0.5, 0.1, -0.2], [-0.5, 0.1, -0.2], [0.5, 0.1, 0.2], [-0.5, 0.1, 0.2]])
-    shares = shared(np.array([0.0, 4000.0, 0.0]), np.array([60.0, 0.0, 200.0]), levers, 1e5)
+    shares = distribute_force(
+        np.array([0.0, 4000.0, 0.0]), np.array([60.0, 0.0, 200.0]), levers, 1e5
+    )
     found = np.cross(levers, shares).sum(axis=0)
     np.testing.assert_allclose(found[[0, 2]], [60.0, 200.0], atol=1e-9)
 
@@ -141,7 +147,7 @@ def test_four_hips_around_the_centre_give_the_whole_moment():
 
 @pytest.mark.slow
 def test_apex_and_travel_are_those_asked_for(level_hops):
-    of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
+    of, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
     flights = level_hops.lifts
     assert len(flights) >= 3
     for _, v in flights:
@@ -153,7 +159,7 @@ def test_apex_and_travel_are_those_asked_for(level_hops):
     for (_, a), (__, b) in itertools.pairwise(enumerate(seen)):
         if a.phase == "flight" and b.phase == "landing":
             p, _ = flights[b.jumps - 1]
-            assert b.p[1] <= p[1] + 0.02 * of.leg
+            assert b.p[1] <= p[1] + 0.02 * of.leg_length
 
 
 def test_flights_are_parabolas(level_hops):
@@ -183,32 +189,32 @@ def test_the_library_has_these_figures_with_legs(library):
 )
 def test_landings_end_at_the_crouch_at_rest(monkeypatch, figure, words):
     ends, begins = [], []
-    begin, push = phases.begin_landing, phases.begin_push
+    begin, push = hop_phases.begin_landing, hop_phases.begin_push
 
     def landing(of, ground, state, events):
         # That before the first jump comes from standing, not from the air.
-        if state.jumps:
+        if state.jump_count:
             begins.append((state.p[1], state.v[1]))
         begin(of, ground, state, events)
 
     def pushing(of, ground, state, events):
-        if state.jumps:
-            ends.append((state.p[1] - of.mass.centre[1], of.crouch))
+        if state.jump_count:
+            ends.append((state.p[1] - of.mass.centre[1], of.crouch_height))
         push(of, ground, state, events)
 
-    monkeypatch.setattr(phases, "begin_landing", landing)
-    monkeypatch.setattr(phases, "begin_push", pushing)
-    ended = phases.end_of_phase
+    monkeypatch.setattr(hop_phases, "begin_landing", landing)
+    monkeypatch.setattr(hop_phases, "begin_push", pushing)
+    ended = hop_simulation.finish_phase
     speeds = []
 
     def before_it_is_set_to_nothing(of, ground, state, events):
-        if state.phase == "landing" and state.jumps:
+        if state.phase == "landing" and state.jump_count:
             speeds.append(float(state.v[1]))
         ended(of, ground, state, events)
 
-    monkeypatch.setattr(phases, "end_of_phase", before_it_is_set_to_nothing)
+    monkeypatch.setattr(hop_simulation, "finish_phase", before_it_is_set_to_nothing)
     hops = hop_through(scene_of(hopper(figure, words), duration=8), until=3)
-    centre = hops.troupe.pronkers[0].mass.centre[1]
+    centre = hops.troupe.hoppers[0].mass.centre[1]
     assert len(ends) == len(begins) == len(speeds) >= 3
     for (height, crouch), (top, fall), speed in zip(ends, begins, speeds, strict=True):
         assert abs(height - crouch) < 0.01 * (top - centre - crouch)
@@ -216,7 +222,7 @@ def test_landings_end_at_the_crouch_at_rest(monkeypatch, figure, words):
 
 
 def test_forces_of_legs_are_what_accelerates_the_mass(level_hops):
-    of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
+    of, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
     for a, b in itertools.pairwise(seen):
         if a.phase == b.phase and a.phase in ("landing", "pushing") and a.jumps == b.jumps:
             found = (b.v - a.v) / (b.time - a.time)
@@ -233,7 +239,10 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     points = []
     for steps in (4, 8, 64):
         scene = scene_of(
-            hopper(figure, words), terrain=terrain, duration=5, more=f"steps: {steps}\nsamples: 4"
+            hopper(figure, words),
+            terrain=terrain,
+            duration=5,
+            more=f"steps: {steps}\nrows_per_frame: 4",
         )
         points.append(landing_points(hop_through(scene, until=3))[:3])
         assert len(points[-1]) == 3
@@ -276,7 +285,7 @@ def test_landing_points_on_level_ground_do_not_depend_on_the_step(figure):
 
 def landing_points(hops: Hops) -> np.ndarray:
     """Return the middles of the feet (k, 3) of the landings, one after the other."""
-    n = len(hops.troupe.pronkers[0].hips)
+    n = len(hops.troupe.hoppers[0].hips)
     places = [h.place for h in hops.happened[0] if h.kind == "touch"]
     count = len(places) // n * n
     return np.array(places[:count]).reshape(-1, n, 3).mean(axis=1)
@@ -313,7 +322,7 @@ def test_twenty_jumps_without_a_fall(long_hops):
 
 def kept(hops: Hops) -> int:
     """Return how many rows are written."""
-    return hops.simulation._written
+    return hops.simulation.scheduler.written
 
 
 def test_feet_stay_where_they_are_put_and_above_the_ground(long_hops):
@@ -375,18 +384,18 @@ def test_legs_that_are_too_weak_let_the_body_strike_the_ground():
         duration=3,
     )
     hops = hop_through(scene)
-    of = hops.troupe.pronkers[0]
+    of = hops.troupe.hoppers[0]
     assert any(h.kind == "body" for h in hops.happened[0])
     assert any(h.kind == "saturated" for h in hops.happened[0])
     sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in hops.seen[0]]
-    assert max(sizes) == pytest.approx(of.most, rel=1e-9)
+    assert max(sizes) == pytest.approx(of.max_leg_force, rel=1e-9)
 
 
 # --- events -----------------------------------------------------------------------------------
 
 
 def test_each_jump_is_heard_once_at_its_take_off_and_once_a_foot_at_its_landing(level_hops):
-    take, n = level_hops.take, len(level_hops.troupe.pronkers[0].hips)
+    take, n = level_hops.take, len(level_hops.troupe.hoppers[0].hips)
     jumps = level_hops.seen[0][-1].jumps
     lifts = [c for c in take.contacts if c.kind == "lift"]
     touches = [c for c in take.contacts if c.kind == "touch"]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.bodies.shapes import solid_of
+from pipeline.simulation.bodies.prop_shapes import prop_solid
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
@@ -145,7 +145,7 @@ def test_refuses(cast: list[str], message: str) -> None:
     ],
 )
 def test_solids_are_closed_and_face_outward(words: Shape) -> None:
-    solid = solid_of(words)
+    solid = prop_solid(words)
     edges = np.concatenate([solid.faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
     there = {(int(a), int(b)) for a, b in edges}
     assert len(there) == len(edges)

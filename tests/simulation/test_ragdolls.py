@@ -15,11 +15,10 @@ from pipeline.simulation.dynamics.bones import WORLD, Bone
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.dynamics.ragdoll import FRICTION, OUT, Attitude, Ragdoll
-from pipeline.simulation.figures.bones import bones_of
+from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.kinematics import Tree
-from pipeline.simulation.figures.reroot import displaced
+from pipeline.simulation.figures.figure_mass import FigureMass, build_bones
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix, quaternion, rotation
@@ -114,12 +113,12 @@ class Fallen:
 
     def points(self) -> Array:
         """Return all that is visible of it (n, 3) [m]."""
-        it, tree, found = self.ragdoll.attitude, Tree.of(self.figure.skeleton), []
+        it, tree, found = self.ragdoll.attitude, JointTree.of(self.figure.skeleton), []
         X_BJ = tree.pose(self.q)
         for piece in self.figure.pieces:
             joint, own = self.figure.skeleton.links[piece.link].joint, piece.solid.vertices
             if joint != BODY:
-                X = displaced(tree, X_BJ, joint)
+                X = displacement_at(tree, X_BJ, joint)
                 own = own @ X[:3, :3].T + X[:3, 3]
             found.append(it.p + own @ matrix(it.q).T)
         return np.concatenate(found)
@@ -140,7 +139,7 @@ def throw(name: str, terrain: str, seconds: float, scale: float = 1.0) -> Fallen
     leg = hopping.of.leg
     now = hopping.state.now(hopping.of)
     R = now.R @ rotation(np.array([1.0, 0.0, 0.0]), 0.6)
-    own = bones_of(figure)
+    own = build_bones(figure)
     begin = Attitude(
         now.origin + np.array([0.0, 0.4 * leg, 0.0]),
         quaternion(R),
@@ -161,9 +160,9 @@ def throw(name: str, terrain: str, seconds: float, scale: float = 1.0) -> Fallen
 
 def test_masses_and_joints_are_those_of_the_figure(shipped: Figure):
     """MuJoCo numbers bodies depth first, figures limb by limb."""
-    own, skeleton = bones_of(shipped), shipped.skeleton
+    own, skeleton = build_bones(shipped), shipped.skeleton
     assert sorted(own.joints.tolist()) == list(range(len(skeleton.joint_names)))
-    whole = Inertia(shipped).at_rest.mass
+    whole = FigureMass(shipped).at_rest.mass
     assert sum(bone.mass.mass for bone in own.bones) == pytest.approx(whole, rel=1e-12)
     chance = np.random.default_rng(1)
     q = skeleton.lower + chance.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
@@ -173,7 +172,7 @@ def test_masses_and_joints_are_those_of_the_figure(shipped: Figure):
     ragdoll = Ragdoll(own.bones, begin, LEVEL)
     np.testing.assert_array_equal(ragdoll.attitude.joints, q[own.joints])
     np.testing.assert_array_equal(ragdoll.attitude.speeds, q[own.joints])
-    X_BJ = Tree.of(skeleton).pose(q)
+    X_BJ = JointTree.of(skeleton).pose(q)
     for i, link in enumerate(skeleton.links[1:], start=1):
         body = ragdoll.data.body(f"bone {i}")
         X = X_BJ[link.joint]

@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SimulationError
+from pipeline.simulation.figures.base_change import (
+    base_pose,
+    displacement,
+    limb_between,
+    link_poses,
+    reroot,
+)
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.kinematics import LimbBatch, Tree
-from pipeline.simulation.figures.limb import limb_between
-from pipeline.simulation.figures.reroot import base_pose, displacement, link_poses, reroot
+from pipeline.simulation.figures.kinematics import JointTree, LimbBatch
 from pipeline.simulation.figures.skeleton import BODY, Skeleton
 from pipeline.simulation.spatial import Array, rotation
 
@@ -80,7 +85,7 @@ def test_a_limb_reaches_across_the_old_base(shipped: Figure) -> None:
     skeleton = shipped.skeleton
     ends = [limb.links[-1] for limb in skeleton.limbs]
     chance = np.random.default_rng(4)
-    tree = Tree.of(skeleton)
+    tree = JointTree.of(skeleton)
     for a, b in itertools.pairwise(ends):
         base, tip = skeleton.links[a], skeleton.links[b]
         rooted, limb = limb_between(skeleton, base.name, tip.name)

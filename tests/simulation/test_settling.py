@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures import settling
-from pipeline.simulation.figures.chains import chains_of
+from pipeline.simulation.figures import rest_ik
+from pipeline.simulation.figures.base_change import limb_between
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inverse import damping_of, iterate
+from pipeline.simulation.figures.inverse_kinematics import damped_step, damping_matrix
 from pipeline.simulation.figures.kinematics import LimbBatch
-from pipeline.simulation.figures.limb import limb_between
-from pipeline.simulation.figures.settling import GAINS, SEGMENT, settle
+from pipeline.simulation.figures.limb_chains import group_chains
+from pipeline.simulation.figures.rest_ik import REST_GAINS, SEGMENT, solve_near_rest
 from pipeline.simulation.figures.skeleton import Skeleton
 from pipeline.simulation.spatial import Array
 
@@ -39,13 +39,13 @@ def _goals(legs: LimbBatch, chance: np.random.Generator, wide: float = 1.0) -> A
 
 def _plainly(legs: LimbBatch, goals: Array) -> tuple[Array, Array]:
     """Return joint values (L, n) and distances (L,) after the same iterations, one way for all."""
-    pose, damping = legs.pose(legs.preferred), damping_of(legs)
-    for gain in GAINS:
+    pose, damping = legs.pose(legs.preferred), damping_matrix(legs)
+    for gain in REST_GAINS:
         error = goals - pose.tips
         distance = np.linalg.norm(error, axis=-1)
         part = np.minimum(1.0, SEGMENT * legs.lengths / np.maximum(distance, 1e-300))
         pull = np.full(len(goals), gain)
-        pose = legs.pose(iterate(legs, pose, error * part[:, None], pull, damping))
+        pose = legs.pose(damped_step(legs, pose, error * part[:, None], pull, damping))
     return pose.q, np.linalg.norm(goals - pose.tips, axis=-1)
 
 
@@ -55,7 +55,7 @@ def test_legs_come_to_the_same_values_as_by_the_plain_iterations(
     names = ("beetle", "horse", "person", "kangaroo", "centipede")
     legs, owner = _legs([library(name) for name in names])
     goals = _goals(legs, np.random.default_rng(5), wide=2.0)
-    settled = settle(legs, chains_of(legs, owner), goals)
+    settled = solve_near_rest(legs, group_chains(legs, owner), goals)
     for moment in range(MOMENTS):
         q, distance = _plainly(legs, goals[moment])
         near = distance < 1e-7 * legs.lengths  # the others are followed on by `solve`
@@ -68,7 +68,7 @@ def test_frames_and_distances_are_those_of_the_joint_values(shipped: Figure) -> 
     if not len(owner):
         return
     goals = _goals(legs, np.random.default_rng(6))
-    settled = settle(legs, chains_of(legs, owner), goals)
+    settled = solve_near_rest(legs, group_chains(legs, owner), goals)
     assert ((settled.q >= legs.lower) & (settled.q <= legs.upper)).all()
     for q, X, residual, goal in zip(settled.q, settled.X_BJ, settled.residual, goals, strict=True):
         pose = legs.pose(q)
@@ -91,7 +91,7 @@ def test_chains_nobody_drew_go_where_their_joints_take_them(
             like = chance.choice([0.0, 1.0, -1.0], p=[0.6, 0.2, 0.2])
             axes[0, j] = like * axes[0, j - 1] if like else axes[0, j]
         legs = replace(legs, axes=axes)
-        (chain,) = chains_of(legs, np.zeros(1, dtype=np.int64))
+        (chain,) = group_chains(legs, np.zeros(1, dtype=np.int64))
         q = chance.uniform(-1.4, 1.4, legs.is_joint.shape)
         pose, k = legs.pose(q), q.shape[1]
         for j, frame in enumerate(chain.along(q[0, :, None, None])):
@@ -109,13 +109,13 @@ def test_the_last_bit_does_not_hang_on_who_is_beside(
 ) -> None:
     legs, owner = _legs([library(name) for name in ("beetle", "antelope", "person", "beetle")])
     goals = _goals(legs, np.random.default_rng(8))
-    whole = settle(legs, chains_of(legs, owner), goals)
-    monkeypatch.setattr(settling, "BLOCK", block)
+    whole = solve_near_rest(legs, group_chains(legs, owner), goals)
+    monkeypatch.setattr(rest_ik, "BLOCK", block)
     for c in range(4):
         own = np.flatnonzero(owner == c)
         alone = legs.rows(own)
         for some in (slice(0, 1), slice(1, 4), slice(4, MOMENTS)):
-            part = settle(alone, chains_of(alone, owner[own]), goals[some][:, own])
+            part = solve_near_rest(alone, group_chains(alone, owner[own]), goals[some][:, own])
             assert np.array_equal(part.q, whole.q[some][:, own])
             assert np.array_equal(part.X_BJ, whole.X_BJ[some][:, own])
             assert np.array_equal(part.residual, whole.residual[some][:, own])

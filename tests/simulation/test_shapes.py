@@ -11,8 +11,8 @@ import trimesh
 
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.shapes import SHAPES, link_solid
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.link_shapes import SHAPE_MAKERS, link_solid
 from pipeline.simulation.figures.skeleton import Link
 from pipeline.simulation.spatial import UP, Array, normalized
 from pipeline.spec.figure import LinkShape
@@ -42,7 +42,7 @@ def along(one: Link) -> Array:
 
 
 def test_every_shape_of_the_language_is_made() -> None:
-    assert set(SHAPES) == set(NAMES)
+    assert set(SHAPE_MAKERS) == set(NAMES)
 
 
 @pytest.mark.parametrize("shape", NAMES)
@@ -175,7 +175,7 @@ def test_links_as_thin_as_can_be_have_a_mass_and_thinner_ones_are_refused(
     built = figure(words % (3.2e-6, 3.2e-6))
     number = next(i for i, one in enumerate(built.skeleton.links) if one.is_tip)
     solid = next(piece.solid for piece in built.pieces if piece.link == number)
-    mass = Inertia(built).of_link(number)
+    mass = FigureMass(built).of_link(number)
     assert 0 < mass.mass < 1e-6
     assert np.ptp(solid.vertices, axis=0).max() < 3.1
     with pytest.raises(SceneError) as caught:

@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.locomotion.body_motion.trunk_oscillation import (
     GRAVITY,
@@ -71,7 +71,7 @@ def rocking(figure: Figure, name: str) -> tuple[float, float]:
     legs = LimbBatch.of([(skeleton, limb) for limb in skeleton.legs])
     rows = LegRows.of([leg.side for leg in skeleton.legs], legs.places[:, 0, 0].tolist())
     trunk = TrunkOscillation.of(
-        available_gaits(rows)[name], legs.places[:, 0], Inertia(figure).at_rest, 0.6
+        available_gaits(rows)[name], legs.places[:, 0], FigureMass(figure).at_rest, 0.6
     )
     pitch, roll = (np.degrees(np.abs(angle)).max() for angle in trunk.at(PHASES))
     return float(pitch), float(roll)

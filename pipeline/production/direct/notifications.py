@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from pipeline.production.direct.numbers import number, numbers
-from pipeline.simulation.happenings import KINDS
+from pipeline.simulation.signals import SIGNAL_KINDS
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Note, SoundEvent
-from pipeline.spec.references import CAUSES
+from pipeline.spec.name_references import CAUSES
 
 NOTE, TOLD = "note", "told"
 
-ALL_KINDS = tuple(dict.fromkeys((*KINDS, *CAUSES, NOTE, TOLD)))
+ALL_KINDS = tuple(dict.fromkeys((*SIGNAL_KINDS, *CAUSES, NOTE, TOLD)))
 """What is told of: happenings, sounds, notes to the author, and instructions when given."""
 
 Item = dict[str, object]
@@ -32,14 +32,14 @@ class News:
 
     def _happenings(self) -> Iterator[Item]:
         at = self._moment(self._simulation.step_number)
-        for one in self._simulation.happened:
+        for one in self._simulation.signals:
             yield {"kind": one.kind, "who": one.who, "other": one.other, **at}
 
     def _new_sounds(self) -> Iterator[Item]:
         events = self._simulation.recorder.events
         new, self._sounds = events[self._sounds :], len(events)
         # Of what is a happening too that is told.
-        return (self._sound(event) for event in new if event.cause not in KINDS)
+        return (self._sound(event) for event in new if event.cause not in SIGNAL_KINDS)
 
     def _sound(self, event: SoundEvent) -> Item:
         return {

@@ -9,7 +9,7 @@ from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from audio.note_list import NoteOn
+from audio.midi_file import NoteOn
 from pipeline.errors import StoreError
 from pipeline.production.goldens.golden_card import AGAIN
 from pipeline.production.reports.stills import spread

@@ -18,7 +18,7 @@ from pipeline.errors import GoldenMissing, StoreError
 from pipeline.production.goldens.frame_limits import Limits
 from pipeline.production.goldens.verdict import Layer
 from render.errors import FrameFileError
-from render.pictures import read_png
+from render.image_files import read_png
 
 FORMAT: Final = 1
 _POINTER = b"version https://git-lfs"

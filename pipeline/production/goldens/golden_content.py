@@ -31,7 +31,7 @@ from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.outputs import PARTIAL, replace_folder
 from render.comparison import Spread
 from render.errors import RenderError
-from render.pictures import read_png, write_png
+from render.image_files import read_png, write_png
 
 Picture = NDArray[np.uint8]
 SMALLEST = 9

@@ -10,6 +10,7 @@ from pipeline.production.goldens.motion_deviations import deviations, ground
 from pipeline.production.goldens.motion_digest import facts_of, motion_digest
 from pipeline.production.goldens.motion_fingerprints import Fingerprints
 from pipeline.production.goldens.motion_golden import Land, MotionGolden, land_of
+from pipeline.production.goldens.motion_invariants import broken_invariants
 from pipeline.production.goldens.motion_marks import marks_of
 from pipeline.production.goldens.motion_matching import unmatched
 from pipeline.production.goldens.motion_verdict import WHOLE, Difference, Outcome, Verdict
@@ -35,6 +36,9 @@ def compare(golden: MotionGolden, take: Take) -> Verdict:
     class the verdict then says where the first bits differ. Rows between those that are
     kept are not judged by it, nor are words without numbers (materials, notes' texts).
 
+    A chaotic motion is compared elsewhere up to the golden's `predictable` step, and from there on
+    by its invariants: energy, extent, rest and counts.
+
     Anything else is changed. Of differences at one step the node named first is the one
     nearest to the root, for nodes stand after their parents.
     """
@@ -43,6 +47,11 @@ def compare(golden: MotionGolden, take: Take) -> Verdict:
         return Verdict(golden.scene, Outcome.IDENTICAL, elsewhere)
     other = list(_structure(golden, take))
     found = other or list(_motion(golden, take))
+    horizon = golden.predictable if elsewhere and not other else None
+    if horizon is not None:
+        found = [difference for difference in found if difference.step < horizon]
+        found += broken_invariants(golden, take, horizon)
+        elsewhere += f"; chaotic, so poses up to step {horizon}, then energy, rest and counts"
     order = {who: n for n, who in enumerate(golden.nodes)}
     found.sort(key=lambda d: (d.step, order.get(d.who, len(order)), _rank(d.kind)))
     return Verdict(

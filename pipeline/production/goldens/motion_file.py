@@ -79,6 +79,8 @@ def encoded(golden: MotionGolden) -> str:
         "marks": [[getattr(mark, f.name) for f in fields(Mark)] for mark in golden.marks],
         "land": asdict(golden.land),
     }
+    if golden.predictable is None:
+        del words["predictable"]
     body = ",\n".join(f"{_line(key)}: {_block(value)}" for key, value in words.items())
     return f"{{\n{body}\n}}\n"
 
@@ -100,12 +102,13 @@ def _line(value: Any) -> str:
 def _decoded(words: dict[str, Any]) -> MotionGolden:
     golden = MotionGolden(
         **{
-            **{f.name: words[f.name] for f in fields(MotionGolden)},
+            **{f.name: words[f.name] for f in fields(MotionGolden) if f.name != "predictable"},
             "nodes": tuple(words["nodes"]),
             "series": {name: Series.unpacked(s) for name, s in words["series"].items()},
             "fingerprints": Fingerprints.unpacked(words["fingerprints"]),
             "marks": tuple(_mark(*values) for values in words["marks"]),
             "land": Land(**{**words["land"], "cells": tuple(words["land"]["cells"])}),
+            "predictable": words.get("predictable"),
         }
     )
     _check(golden)

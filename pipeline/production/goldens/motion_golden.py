@@ -54,6 +54,8 @@ class MotionGolden:
         fingerprints: of the exact bits.
         marks: contacts, sound events and notes.
         land: the ground.
+        predictable: step up to which poses agree on every class of processor; None for the whole
+            film, which holds unless the motion is chaotic.
     """
 
     scene: str
@@ -68,9 +70,10 @@ class MotionGolden:
     fingerprints: Fingerprints
     marks: tuple[Mark, ...]
     land: Land
+    predictable: int | None = None
 
 
-def golden_of(take: Take, scene: str) -> MotionGolden:
+def golden_of(take: Take, scene: str, predictable: int | None = None) -> MotionGolden:
     """Return the golden of a take of the scene called `scene`."""
     nodes = tuple(node.name for node in take.nodes)
     channels = {channel.name: channel.unit for channel in take.channels}
@@ -93,6 +96,7 @@ def golden_of(take: Take, scene: str) -> MotionGolden:
         fingerprints=Fingerprints.of(take),
         marks=marks_of(take),
         land=land_of(take),
+        predictable=predictable,
     )
 
 

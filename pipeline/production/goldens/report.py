@@ -27,7 +27,7 @@ from pipeline.production.goldens.verdict import (
 )
 from render.comparison import flip
 from render.errors import RenderError
-from render.pictures import read_png
+from render.image_files import read_png
 
 SHOWN = (Outcome.CHANGED, Outcome.UNJUDGED, Outcome.WITHIN)
 """Outcomes of frames that are shown."""

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from audio.errors import AudioError
-from audio.grid import grid_of
-from audio.midi import midi_bytes
-from audio.modal import write_wav
-from audio.note_list import note_list
+from audio.midi_file import midi_bytes, read_note_list
 from audio.score import Score
+from audio.time_grid import tick_grid
+from audio.wav_file import write_wav
 from pipeline.errors import FilmingError, ScoringError
 from pipeline.production.goldens.cue_files import Cues, cues_of
 from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film
@@ -25,14 +24,14 @@ from pipeline.production.goldens.frame_slates import slate
 from pipeline.production.goldens.golden_card import Framing
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.shooting import Shooting
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from render.codecs import CODECS
 from render.errors import RenderError
-from render.film import Picture, write_film
+from render.film_encoder import Picture, write_film
 from render.renderer import Renderer
 from render.shot import Shot
 
@@ -94,8 +93,8 @@ class Proof:
     def cues(self) -> Cues:
         """The camera's way and the notes of the score."""
         with _told():
-            notes = note_list(midi_bytes(self.score))
-            ticks = str(grid_of(self.score.rate).tick(2) - grid_of(self.score.rate).tick(1))
+            notes = read_note_list(midi_bytes(self.score))
+            ticks = str(tick_grid(self.score.rate).tick(2) - tick_grid(self.score.rate).tick(1))
         return cues_of(self._shooting.poses, ticks, notes, self.take.parts)
 
     @cached_property

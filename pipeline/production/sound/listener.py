@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from audio.score import Bearing
-from pipeline.production.camera import first_frames
+from pipeline.production.camera.cuts import first_frames
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.spatial import UP, Array, normalized
 from pipeline.simulation.take import Place
+from render.config import Camera
 from render.shot import CameraPose
-from render.words import Camera
 
 
 class Listener:

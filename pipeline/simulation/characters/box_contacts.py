@@ -5,15 +5,15 @@ from __future__ import annotations
 from pipeline.simulation.characters.contact_response import (
     ABOVE,
     PAUSE,
-    Log,
+    TouchLog,
     borne,
+    log_touch,
     move_node,
-    note,
     rub,
     rubbed,
     sense,
 )
-from pipeline.simulation.characters.sleep_states import WAKES, rouse
+from pipeline.simulation.characters.sleep_states import WAKE_SPEED, wake_touching
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import Vector, dot, length, minus, plus, times, triple
 
@@ -46,25 +46,25 @@ def meet_box(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move the links of one character out of a box, the other."""
     box, whose = box_of(nodes, other), nodes[other.nodes[0]].owner
     for n in range(one.links[0], one.links[0] + one.links[1]):
         link = links[n]
-        if link.girth == 0.0 or not _may_touch(nodes, link, other):
+        if link.radius == 0.0 or not _may_touch(nodes, link, other):
             continue
         # A hand that holds it does not push it off.
-        if nodes[link.ends[0]].holds == whose or nodes[link.ends[1]].holds == whose:
+        if nodes[link.ends[0]].grip_partner == whose or nodes[link.ends[1]].grip_partner == whose:
             continue
         # Of another box its corners: edges meet edges as links do.
-        parts = 1 if one.edge > 0.0 else min(int(link.reach[0] / APART) + 1, MOST)
+        parts = 1 if one.edge_radius > 0.0 else min(int(link.length_limits[0] / APART) + 1, MOST)
         if link.ends[0] == link.ends[1]:
             _meet(nodes, links, one, other, box, (n, 0.0), h, slack, moment, log)
             continue
         for k in range(parts + 1):
             _meet(nodes, links, one, other, box, (n, k / parts), h, slack, moment, log)
-        if one.edge == 0.0:
+        if one.edge_radius == 0.0:
             # An edge between two balls is met where the link is nearest to it.
             t = _nearest(nodes, link, box)
             _meet(nodes, links, one, other, box, (n, t), h, slack, moment, log)
@@ -118,7 +118,7 @@ def part(nodes: Records, one: Record, other: Record, slack: float) -> None:
         if k >= 3:
             axis = b[1] if k == 3 else b[2] if k == 4 else b[3]
         along = dot(off, axis)
-        overlap = _half(a, axis) + _half(b, axis) + one.edge + other.edge - abs(along)
+        overlap = _half(a, axis) + _half(b, axis) + one.edge_radius + other.edge_radius - abs(along)
         if overlap < least:
             least, way = overlap, axis if along >= 0.0 else times(-1.0, axis)
     if least < DEEP:
@@ -165,9 +165,9 @@ def box_of(nodes: Records, owner: Record) -> Box:
 def _may_touch(nodes: Records, link: Record, owner: Record) -> bool:
     p, q = nodes[link.ends[0]].p, nodes[link.ends[1]].p
     for k in range(3):
-        if min(p[k], q[k]) - link.girth > owner.high[k]:
+        if min(p[k], q[k]) - link.radius > owner.high[k]:
             return False
-        if max(p[k], q[k]) + link.girth < owner.low[k]:
+        if max(p[k], q[k]) + link.radius < owner.low[k]:
             return False
     return True
 
@@ -239,7 +239,7 @@ def _meet(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move a ball, at a place from 0 to 1 on a link, out of a box.
 
@@ -251,28 +251,30 @@ def _meet(
     i, j = nodes[link.ends[0]], nodes[link.ends[1]]
     at = plus(times(1.0 - t, triple(i.p)), times(t, triple(j.p)))
     place, normal, gap = nearest_of_box(box, at)
-    depth = link.girth + other.edge - gap
-    if depth <= 0.0 or (one.edge > 0.0 and depth > DEEP + one.edge + other.edge):
+    depth = link.radius + other.edge_radius - gap
+    if depth <= 0.0 or (
+        one.edge_radius > 0.0 and depth > DEEP + one.edge_radius + other.edge_radius
+    ):
         return
-    one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
+    one.penetration, other.penetration = max(one.penetration, depth), max(other.penetration, depth)
     weights = weights_of(place)
     first = other.nodes[0]
     went = plus(
-        times(1.0 - t, minus(triple(i.p), triple(i.before))),
-        times(t, minus(triple(j.p), triple(j.before))),
+        times(1.0 - t, minus(triple(i.p), triple(i.previous))),
+        times(t, minus(triple(j.p), triple(j.previous))),
     )
     for k in range(8):
         corner = nodes[first + k]
-        went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.before))))
+        went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.previous))))
     nearer = -dot(went, normal)
-    rouse(nodes, one, other, depth, nearer / h)
+    wake_touching(nodes, one, other, depth, nearer / h)
     rub(i, one, nearer / h)
     rub(j, one, nearer / h)
     near, far = (i, i) if t == 0.0 else (i, j)
-    own = (1.0 - t) ** 2 * i.give + t * t * j.give if t > 0.0 else i.give
+    own = (1.0 - t) ** 2 * i.mobility + t * t * j.mobility if t > 0.0 else i.mobility
     others = 0.0
     for k in range(8):
-        others += weights[k] ** 2 * nodes[first + k].give
+        others += weights[k] ** 2 * nodes[first + k].mobility
         if weights[k] > 0.1:
             rub(nodes[first + k], other, nearer / h)
     most = nodes[first + heaviest(weights)]
@@ -290,14 +292,14 @@ def _meet(
     )
     part = times(parted / weight, normal)
     back = (0.0, 0.0, 0.0)
-    if one.bounciness > 0.0 and nearer > 2.0 * WAKES * h:
+    if one.bounciness > 0.0 and nearer > 2.0 * WAKE_SPEED * h:
         back = times((one.bounciness * nearer + nearer - stopped) / weight, normal)
-    move_node(i, light * i.give * (1.0 - t if t > 0.0 else 1.0), move, part, back)
+    move_node(i, light * i.mobility * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:
-        move_node(j, light * j.give * t, move, part, back)
+        move_node(j, light * j.mobility * t, move, part, back)
     for k in range(8):
         corner = nodes[first + k]
-        move_node(corner, -firm * corner.give * weights[k], move, part, back)
+        move_node(corner, -firm * corner.mobility * weights[k], move, part, back)
 
 
 @inlined
@@ -309,12 +311,12 @@ def _feel(
     weight: float,
     where: tuple[Vector, Vector],
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Let a link and the box's first edge know of one another."""
     link, edge = links[n], links[box.links[0]]
     energy = 0.5 * speed * speed / weight
     if (link.touched_owner != edge.owner or link.age[0] > PAUSE) and speed > ABOVE:
-        note(log, moment, (n, box.links[0]), where[0], where[1], (speed, energy))
+        log_touch(log, moment, (n, box.links[0]), where[0], where[1], (speed, energy))
     sense(link, box.links[0], edge.owner, energy)
     sense(edge, n, link.owner, energy)

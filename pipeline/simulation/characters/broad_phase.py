@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import Crowd, Numbers
-from pipeline.simulation.characters.constraint_projection import are_held
+from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
+from pipeline.simulation.characters.constraint_projection import is_gripped
 from pipeline.simulation.characters.solid_arrays import Solids, no_solids
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 
@@ -15,7 +15,7 @@ MARGIN = 0.005
 """Gap at which two are looked at: what comes on within the sub-step [m]."""
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Room for what is found.
 
     Attributes:
@@ -25,16 +25,16 @@ class Room(NamedTuple):
         solids: of other rooms, and room for those who are near them.
     """
 
-    order: Numbers
-    near: Numbers
-    pairs: Numbers
+    order: IntArray
+    near: IntArray
+    pairs: IntArray
     solids: Solids
 
 
-def room_for(crowd: Crowd, solids: Solids | None = None) -> Room:
+def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Workspace:
     """Return room: each character may be near twenty others, each link near twelve."""
-    count, links = len(crowd.owners), len(crowd.links)
-    return Room(
+    count, links = len(arrays.owners), len(arrays.links)
+    return Workspace(
         np.arange(count),
         np.zeros((20 * count, 2), dtype=np.int64),
         np.zeros((64 + 12 * links, 2), dtype=np.int64),
@@ -58,7 +58,7 @@ def enclose(nodes: Records, owners: Records) -> None:
 
 
 @inlined
-def find_near(owners: Records, order: Numbers, near: Numbers) -> int:
+def find_near(owners: Records, order: IntArray, near: IntArray) -> int:
     """Find characters whose boxes overlap; return how many pairs there are."""
     for n in range(1, len(order)):
         c, x = order[n], owners[order[n]].low[0]
@@ -84,7 +84,7 @@ def find_near(owners: Records, order: Numbers, near: Numbers) -> int:
 
 @inlined
 def find_pairs(
-    nodes: Records, links: Records, owners: Records, own: Numbers, near: Numbers, pairs: Numbers
+    nodes: Records, links: Records, owners: Records, own: IntArray, near: IntArray, pairs: IntArray
 ) -> int:
     """Find links that may touch, those of one character first; boxes are met as wholes.
 
@@ -109,26 +109,26 @@ def find_pairs(
             found = _keep_if_near(nodes, links, (a, b), pairs, found)
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
-        if (one.asleep and other.asleep) or (one.edge > 0.0) != (other.edge > 0.0):
+        if (one.asleep and other.asleep) or (one.edge_radius > 0.0) != (other.edge_radius > 0.0):
             continue
         hug = one.embraces == near[n, 1] or other.embraces == near[n, 0]
         for a in range(one.links[0], one.links[0] + one.links[1]):
-            if links[a].girth == 0.0 or not _in_box(nodes, links[a], other):
+            if links[a].radius == 0.0 or not _in_box(nodes, links[a], other):
                 continue
             for b in range(other.links[0], other.links[0] + other.links[1]):
-                if links[b].girth > 0.0 and not (hug and links[a].arm and links[b].arm):
+                if links[b].radius > 0.0 and not (hug and links[a].is_arm and links[b].is_arm):
                     found = _keep_if_near(nodes, links, (a, b), pairs, found)
     return found
 
 
 @inlined
 def _keep_if_near(
-    nodes: Records, links: Records, pair: tuple[int, int], pairs: Numbers, found: int
+    nodes: Records, links: Records, pair: tuple[int, int], pairs: IntArray, found: int
 ) -> int:
     """Keep a pair of links if it may touch; return how many are kept now."""
     if found == len(pairs) or not _side_by_side(nodes, links[pair[0]], links[pair[1]]):
         return found
-    if are_held(nodes, links[pair[0]], links[pair[1]]):
+    if is_gripped(nodes, links[pair[0]], links[pair[1]]):
         return found
     pairs[found, 0], pairs[found, 1] = pair[0], pair[1]
     return found + 1
@@ -144,7 +144,7 @@ def _overlap(one: Record, other: Record) -> bool:
 
 @inlined
 def _in_box(nodes: Records, link: Record, box: Record) -> bool:
-    p, q, girth = nodes[link.ends[0]].p, nodes[link.ends[1]].p, link.girth + MARGIN
+    p, q, girth = nodes[link.ends[0]].p, nodes[link.ends[1]].p, link.radius + MARGIN
     for k in range(3):
         if min(p[k], q[k]) - girth > box.high[k] or max(p[k], q[k]) + girth < box.low[k]:
             return False
@@ -155,7 +155,7 @@ def _in_box(nodes: Records, link: Record, box: Record) -> bool:
 def _side_by_side(nodes: Records, one: Record, other: Record) -> bool:
     p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
     r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
-    girth = one.girth + other.girth + MARGIN
+    girth = one.radius + other.radius + MARGIN
     for k in range(3):
         if min(p[k], q[k]) - girth > max(r[k], s[k]):
             return False
@@ -165,7 +165,7 @@ def _side_by_side(nodes: Records, one: Record, other: Record) -> bool:
 
 
 @inlined
-def _sort(near: Numbers, count: int) -> None:
+def _sort(near: IntArray, count: int) -> None:
     """Sort pairs, of which most are in order already."""
     for n in range(1, count):
         a, b = near[n, 0], near[n, 1]

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import LIMB, PERSON_NODES, Structures
-from pipeline.simulation.characters.body_plan import Link, Plan
-from pipeline.simulation.characters.person_record import standing
+from pipeline.simulation.characters.body_arrays import LIMB, PERSON_NODES, RecordArray
+from pipeline.simulation.characters.body_plan import BodyPlan, Link
+from pipeline.simulation.characters.person_record import standing_nodes
 from pipeline.simulation.characters.playthings import (
     BALL,
     BALL_MASS,
@@ -21,6 +21,7 @@ from pipeline.simulation.characters.playthings import (
     merry_go_round_plan,
     size_of,
 )
+from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.people.proportions import (
     ADULT,
     CHILD,
@@ -31,8 +32,7 @@ from pipeline.simulation.people.proportions import (
 )
 from pipeline.simulation.spatial import Array, heading, normalized
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.tracks import turned
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 TRUNK = {
     "pelvis": 0.16,
@@ -106,7 +106,7 @@ LINK_NAMES = (*SEGMENTS, "skull")
 """Of a person's first links."""
 
 
-def person_plan(proportions: Proportions, led: bool = False) -> Plan:
+def person_plan(proportions: Proportions, led: bool = False) -> BodyPlan:
     """Return a person of these measures, whose legs are led or limp.
 
     Source: Horswill 2008, "Geometric and kinematic modeling": 13 links and 16 nodes. The
@@ -118,7 +118,7 @@ def person_plan(proportions: Proportions, led: bool = False) -> Plan:
             _ends(*ends),
             _girth(name) * proportions.height,
             damping=_damping(name),
-            arm=name.startswith(("upper_arm", "forearm")),
+            is_arm=name.startswith(("upper_arm", "forearm")),
         )
         for name, ends in SEGMENTS.items()
     ]
@@ -127,7 +127,7 @@ def person_plan(proportions: Proportions, led: bool = False) -> Plan:
     links += _limits(rest)
     numbers = {name: k for k, name in enumerate(LINK_NAMES)}
     meetings = MEETINGS if led else MEETINGS + LEGS_MEET
-    return Plan(
+    return BodyPlan(
         rest=rest,
         mass=_masses(proportions.mass),
         radius=_radii(proportions, skull),
@@ -138,7 +138,7 @@ def person_plan(proportions: Proportions, led: bool = False) -> Plan:
         ),
         limbs=_limbs(rest),
         pairs=tuple((numbers[a], numbers[b]) for a, b in meetings),
-        threshold=HURTS * proportions.mass,
+        pain_threshold=HURTS * proportions.mass,
         grips=3,
     )
 
@@ -211,24 +211,24 @@ def _bent(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
     """Keep two links in a row from bending more than so far."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(angle))
-    return Link(_ends(a, c), least=least, most=math.inf)
+    return Link(_ends(a, c), shortest=least, longest=math.inf)
 
 
 def _tilted(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
     """Keep two links that stand on one another from tilting more than so far."""
     x, y = _sides(a, b, c, rest)
     least, most = (math.sqrt(x * x + y * y + s * 2 * x * y * math.sin(angle)) for s in (-1, 1))
-    return Link(_ends(a, c), least=least, most=most)
+    return Link(_ends(a, c), shortest=least, longest=most)
 
 
 def _folded(a: str, b: str, c: str, rest: Array) -> Link:
     """Keep a limb from folding too far, and from becoming quite straight."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(FOLDED))
-    return Link(_ends(a, c), least=least, most=x + y)
+    return Link(_ends(a, c), shortest=least, longest=x + y)
 
 
-def _limbs(rest: Array) -> Structures:
+def _limbs(rest: Array) -> RecordArray:
     """Return the legs and arms."""
     limbs = np.zeros(4, LIMB)
     for k, (side, stems) in enumerate(
@@ -276,7 +276,7 @@ def proportions_of(member: Character) -> Proportions | None:
     return replace(like, height=like.height * member.scale, mass=like.mass * member.scale**3)
 
 
-def plan_of(member: Character) -> Plan:
+def plan_of(member: Character) -> BodyPlan:
     """Return what a character is made of."""
     proportions = proportions_of(member)
     if proportions is not None:
@@ -289,18 +289,20 @@ def plan_of(member: Character) -> Plan:
     return box_plan(size_of(member), BOXES[member.character][1] * scale**3)
 
 
-def start_of(member: Character, plan: Plan, ground: Ground) -> Array:
+def start_of(member: Character, plan: BodyPlan, ground: Ground) -> Array:
     """Return where the nodes (n, 3) of a character begin [m]."""
     x, z = member.at[0], member.at[-1]
     proportions = proportions_of(member)
     if proportions is not None and member.acts:
         height = float(ground.height(np.array(x), np.array(z)))
-        return standing(proportions, np.array([x, z]), math.radians(member.heading_deg), height)
+        return standing_nodes(
+            proportions, np.array([x, z]), math.radians(member.heading_deg), height
+        )
     p = _turned(member, plan)
     p += [x, 0.0, z]
     floor = float((p[:, 1] - plan.radius).min())
     over = float((p[:, 1] - plan.radius - ground.height(p[:, 0], p[:, 2])).min())
-    if plan.gliding:
+    if plan.bearing_nodes:
         # What runs on a bearing stands on a base of that height: it would drag over the ground.
         floor, over = 0.0, min(over, -float(ground.height(np.array(x), np.array(z))))
     if len(member.at) == 3:
@@ -319,10 +321,10 @@ def before_of(member: Character, p: Array, mass: Array, h: float) -> Array:
     return np.where(free[:, None], p - h * v, p)
 
 
-def _turned(member: Character, plan: Plan) -> Array:
+def _turned(member: Character, plan: BodyPlan) -> Array:
     """Return the nodes (n, 3) about the origin, turned as they begin [m]."""
     R = heading(math.radians(member.heading_deg))
     if any(member.rotation_deg):
-        R = R @ turned(np.radians(np.array([member.rotation_deg])))[0]
+        R = R @ rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
     result: Array = plan.rest @ R.T
     return result

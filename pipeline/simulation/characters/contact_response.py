@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, Numbers, Structures
+from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, IntArray, RecordArray
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.dynamics.vectors import Vector, dot, length, minus, set_triple, times
 
 ROOM = 256
@@ -35,7 +35,7 @@ EVENT = np.dtype(
 """A touch that begins: when, as a part of the step; who, and what; the normal points to who."""
 
 
-class Log(NamedTuple):
+class TouchLog(NamedTuple):
     """Events of a step.
 
     Attributes:
@@ -43,18 +43,18 @@ class Log(NamedTuple):
         filled: (1,) how many there are.
     """
 
-    events: Structures
-    filled: Numbers
+    events: RecordArray
+    filled: IntArray
 
 
-def new_log() -> Log:
+def new_touch_log() -> TouchLog:
     """Return an empty log."""
-    return Log(zeros(ROOM, EVENT), np.zeros(1, dtype=np.int64))
+    return TouchLog(zero_records(ROOM, EVENT), np.zeros(1, dtype=np.int64))
 
 
 @inlined
-def note(
-    log: Log,
+def log_touch(
+    log: TouchLog,
     moment: float,
     pair: tuple[int, int],
     place: Vector,
@@ -101,7 +101,7 @@ TINY = 1e-9
 def rub(node: Record, owner: Record, speed: float) -> None:
     """Let a node that touches gently be damped as on the ground; who acts damps itself."""
     if speed < GENTLE and not owner.acts and owner.bounciness == 0.0:
-        node.rubbed = owner.ground
+        node.contact_damping = owner.ground_damping
 
 
 @inlined
@@ -126,7 +126,7 @@ def borne(one: Record, other: Record, up: float, own: float, against: float) -> 
         own: inverse mass of what is pushed [1/kg].
         against: that of what pushes, 0 of what nothing moves [1/kg].
     """
-    if up >= -STEEP or one.grounded + other.grounded == 0.0:
+    if up >= -STEEP or one.ground_damping + other.ground_damping == 0.0:
         return 1.0
     return BORNE * against / own if 0.0 < against < own else BORNE
 
@@ -156,4 +156,4 @@ def move_node(node: Record, share: float, move: Vector, part: Vector, back: Vect
     """Move a node by its share of what changes position and velocity, position, velocity."""
     for k in range(3):
         node.p[k] += share * (move[k] + part[k])
-        node.before[k] += share * (part[k] - back[k])
+        node.previous[k] += share * (part[k] - back[k])

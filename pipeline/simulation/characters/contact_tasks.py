@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.characters.person_controller import Actor
+from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, REACHING, SHOULDERS, SPINE
 from pipeline.simulation.spatial import Array
 
@@ -49,14 +49,14 @@ class Reach:
     owner: int = -1
     time: float = 0.0
 
-    def go_on(self, actor: Actor, dt: float) -> bool:
+    def go_on(self, controller: PersonController, dt: float) -> bool:
         """See `Errand`."""
-        place = actor.stage.middle(self.owner) if self.place is None else self.place
+        place = controller.view.middle(self.owner) if self.place is None else self.place
         self.time += dt
         near = True
         for k in self.hands:
-            actor.put_hand(k, place)
-            near = near and math.dist(actor.hand(k), place) < 0.04 * actor.me.height
+            controller.put_hand(k, place)
+            near = near and math.dist(controller.hand(k), place) < 0.04 * controller.record.height
         return near or self.time > PATIENCE
 
 
@@ -78,31 +78,31 @@ class Grab:
     taken: dict[int, int] = field(default_factory=dict)
     time: float = 0.0
 
-    def go_on(self, actor: Actor, dt: float) -> bool:
+    def go_on(self, controller: PersonController, dt: float) -> bool:
         """See `Errand`."""
-        me, crowd = actor.me, actor.stage.crowd
+        me, arrays = controller.record, controller.view.arrays
         for k in self.hands:
-            self.taken.setdefault(k, actor.part(self.owner, self.part, k))
-        if all(actor.held(k) >= 0 for k in self.hands):
+            self.taken.setdefault(k, controller.part(self.owner, self.part, k))
+        if all(controller.held(k) >= 0 for k in self.hands):
             return True
-        first = crowd.p[self.taken[self.hands[0]]]
+        first = arrays.p[self.taken[self.hands[0]]]
         # Bowing and crouching bring shoulders forward over what is low.
-        near = (0.8 if first[1] > 0.4 * me.height else 0.62) * actor.arm
-        if actor.away(first) > near + 0.12 * actor.arm:
-            actor.go(first[0], first[2], near, self.owner)
+        near = (0.8 if first[1] > 0.4 * me.height else 0.62) * controller.arm
+        if controller.away(first) > near + 0.12 * controller.arm:
+            controller.go(first[0], first[2], near, self.owner)
             if self.part is None:
                 self.taken.clear()
             return False
-        if me.goes:
-            actor.face_to(first)
+        if me.has_goal:
+            controller.face_to(first)
         self.time += dt
         close = (0.05 if self.time < PATIENCE else 0.09) * me.height
         for k in self.hands:
             node = self.taken[k]
-            actor.put_hand(k, crowd.p[node])
-            if math.dist(actor.hand(k), crowd.p[node]) < close:
-                actor.hold(k, node)
-                me.faces = False
+            controller.put_hand(k, arrays.p[node])
+            if math.dist(controller.hand(k), arrays.p[node]) < close:
+                controller.hold(k, node)
+                me.has_facing = False
         return False
 
 
@@ -122,46 +122,49 @@ class Hug:
     size: float
     touched: float = 0.0
 
-    def go_on(self, actor: Actor, dt: float) -> bool:
+    def go_on(self, controller: PersonController, dt: float) -> bool:
         """See `Errand`."""
-        me = actor.me
-        other = actor.stage.pelvis(self.owner)
+        me = controller.record
+        other = controller.view.pelvis(self.owner)
         close = CHEST * (me.height + self.size)
-        away = actor.away(other)
+        away = controller.away(other)
         if self.touched == 0.0 and away > close + 0.06:
-            actor.go(other[0], other[2], close - 0.06, self.owner)
-            if away < close + 1.1 * actor.arm:
+            controller.go(other[0], other[2], close - 0.06, self.owner)
+            if away < close + 1.1 * controller.arm:
                 # Who bows only once the other is there knocks heads.
-                self._bow(actor)
-                self._open(actor)
+                self._bow(controller)
+                self._open(controller)
             return False
         if self.touched == 0.0:
-            actor.face_to(other)
+            controller.face_to(other)
         self.touched += dt
-        self._bow(actor)
-        self._close(actor, other)
-        if self.touched > CLOSES and math.dist(actor.hand(0), actor.hand(1)) < JOINS * me.height:
-            actor.join_hands()
+        self._bow(controller)
+        self._close(controller, other)
+        if (
+            self.touched > CLOSES
+            and math.dist(controller.hand(0), controller.hand(1)) < JOINS * me.height
+        ):
+            controller.join_hands()
         return self.touched > PATIENCE
 
-    def _bow(self, actor: Actor) -> None:
+    def _bow(self, controller: PersonController) -> None:
         """Come down to one who is smaller."""
-        me = actor.me
+        me = controller.record
         stands = float(me.floor + me.hip_height + me.belly + me.chest)
-        me.down = max(stands - self._level(actor, 0) - 0.3 * actor.arm, 0.0)
+        me.stoop_depth = max(stands - self._level(controller, 0) - 0.3 * controller.arm, 0.0)
 
-    def loosen(self, actor: Actor, dt: float) -> bool:
+    def loosen(self, controller: PersonController, dt: float) -> bool:
         """Open the arms again as they were closed; tell whether they are open."""
-        actor.part_hands()
+        controller.part_hands()
         self.touched = max(min(self.touched, CLOSES) - dt, 1e-6)
-        self._close(actor, actor.stage.pelvis(self.owner))
+        self._close(controller, controller.view.pelvis(self.owner))
         return self.touched <= dt
 
-    def _level(self, actor: Actor, k: int) -> float:
+    def _level(self, controller: PersonController, k: int) -> float:
         """Return the height at which an arm goes round: one under, one over the other's."""
-        nodes = actor.stage.nodes(self.owner)
+        nodes = controller.view.nodes(self.owner)
         low, high = float(nodes[PELVIS, 1]), float(nodes[SHOULDERS, 1])
-        me = actor.me
+        me = controller.record
         own = float(me.floor + me.hip_height + me.belly + me.chest)
         # The taller one's arms go over, the smaller one's under.
         taller = me.height > 1.05 * self.size
@@ -171,49 +174,51 @@ class Hug:
         apart = (0.01 if taller else 0.03) * me.height
         return float(level + (apart if k == 0 else -apart))
 
-    def _open(self, actor: Actor) -> None:
+    def _open(self, controller: PersonController) -> None:
         """Hold both arms out, wide enough for the other's shoulders."""
-        me = actor.me
-        actor.embrace(self.owner)
-        other = actor.stage.pelvis(self.owner)
-        ahead = _towards(actor, other)
+        me = controller.record
+        controller.embrace(self.owner)
+        other = controller.view.pelvis(self.owner)
+        ahead = _towards(controller, other)
         right = np.array([-ahead[2], 0.0, ahead[0]])
         start = np.array([me.at[0], 0.0, me.at[1]])
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * (0.15 * self.size + 0.03)
-            place = start + 0.85 * actor.arm * ahead + side * right
-            place[1] = self._level(actor, k)
-            actor.put_round(k, place)
+            place = start + 0.85 * controller.arm * ahead + side * right
+            place[1] = self._level(controller, k)
+            controller.put_round(k, place)
 
-    def _close(self, actor: Actor, other: Array) -> None:
+    def _close(self, controller: PersonController, other: Array) -> None:
         """Bring the hands together behind the other's back."""
-        actor.embrace(self.owner)
-        ahead = _towards(actor, other)
+        controller.embrace(self.owner)
+        ahead = _towards(controller, other)
         right = np.array([-ahead[2], 0.0, ahead[0]])
-        full = CHEST * self.size + 0.035 * actor.me.height
-        reach = math.sqrt(max(actor.arm**2 - float(actor.me.shoulders) ** 2, 0.0))
+        full = CHEST * self.size + 0.035 * controller.record.height
+        reach = math.sqrt(max(controller.arm**2 - float(controller.record.shoulders) ** 2, 0.0))
         # First past the other's sides, then together.
         shut = min(self.touched / CLOSES, 1.0)
         wide = (1.0 - shut) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * wide
-            middle = self._middle(actor, self._level(actor, k))
-            behind = min(full, max(LONGEST * reach - actor.away(middle), FLAT * self.size))
-            actor.put_round(k, middle + behind * ahead + side * right)
+            middle = self._middle(controller, self._level(controller, k))
+            behind = min(full, max(LONGEST * reach - controller.away(middle), FLAT * self.size))
+            controller.put_round(k, middle + behind * ahead + side * right)
 
-    def _middle(self, actor: Actor, level: float) -> Array:
+    def _middle(self, controller: PersonController, level: float) -> Array:
         """Return the middle (3,) of the other's trunk at a height, however it leans [m]."""
-        spine = actor.stage.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
+        spine = controller.view.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
         x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
         return np.array([x, level, z])
 
 
-def _towards(actor: Actor, place: Array) -> Array:
+def _towards(controller: PersonController, place: Array) -> Array:
     """Return the level direction (3,) to a place."""
-    way = np.array([place[0] - actor.me.at[0], 0.0, place[2] - actor.me.at[1]])
+    way = np.array([place[0] - controller.record.at[0], 0.0, place[2] - controller.record.at[1]])
     size = math.hypot(way[0], way[2])
     if size < 1e-9:
-        return np.array([math.cos(actor.me.heading), 0.0, -math.sin(actor.me.heading)])
+        return np.array(
+            [math.cos(controller.record.heading), 0.0, -math.sin(controller.record.heading)]
+        )
     result: Array = way / size
     return result
 
@@ -232,17 +237,17 @@ class Grapple:
     owner: int
     time: float = 0.0
 
-    def go_on(self, actor: Actor, dt: float) -> bool:
+    def go_on(self, controller: PersonController, dt: float) -> bool:
         """See `Errand`."""
-        other = actor.stage.pelvis(self.owner)
-        actor.go(other[0], other[2], 0.25 * actor.arm, self.owner)
-        if actor.away(other) < 1.3 * actor.arm:
+        other = controller.view.pelvis(self.owner)
+        controller.go(other[0], other[2], 0.25 * controller.arm, self.owner)
+        if controller.away(other) < 1.3 * controller.arm:
             for k in range(2):
-                actor.me.arm[k] = REACHING
+                controller.record.arm_mode[k] = REACHING
             self.time += dt
         done = self.time > PATIENCE
         if done:
-            actor.stop()
+            controller.stop()
         return done
 
 
@@ -268,15 +273,17 @@ class Loosen:
     back: float = 0.0
     time: float = 0.0
 
-    def go_on(self, actor: Actor, dt: float) -> bool:
+    def go_on(self, controller: PersonController, dt: float) -> bool:
         """See `Errand`."""
-        if self.hug.loosen(actor, dt):
+        if self.hug.loosen(controller, dt):
             if self.time == 0.0 and self.back > 0.0:
-                other = actor.stage.pelvis(self.hug.owner)
-                x, z = actor.me.at[0] - other[0], actor.me.at[1] - other[2]
+                other = controller.view.pelvis(self.hug.owner)
+                x, z = controller.record.at[0] - other[0], controller.record.at[1] - other[2]
                 share = self.back / max(math.hypot(x, z), 0.1)
-                actor.go(actor.me.at[0] + share * x, actor.me.at[1] + share * z)
-                actor.me.faces, actor.me.facing = True, math.atan2(z, -x)
+                controller.go(
+                    controller.record.at[0] + share * x, controller.record.at[1] + share * z
+                )
+                controller.record.has_facing, controller.record.facing = True, math.atan2(z, -x)
             self.time += dt
         return self.time > OPEN
 
@@ -297,24 +304,24 @@ class Embrace:
     opens: bool = False
     time: float = 0.0
 
-    def go_on(self, actor: Actor, dt: float) -> bool:
+    def go_on(self, controller: PersonController, dt: float) -> bool:
         """See `Errand`."""
-        me = actor.me
+        me = controller.record
         if self.time == 0.0:
-            actor.stop()
-            me.faces = False
-        actor.embrace(self.owner)
+            controller.stop()
+            me.has_facing = False
+        controller.embrace(self.owner)
         self.time += dt
-        other = actor.stage.middle(self.owner)
+        other = controller.view.middle(self.owner)
         ahead = np.array([other[0] - me.at[0], other[2] - me.at[1]])
         ahead /= max(math.hypot(ahead[0], ahead[1]), 1e-6)
         share = min(self.time / CLOSES, 1.0)
         wide = self.size * (0.2 - 0.14 * (1.0 - share if self.opens else share))
         standing = float(me.floor + me.hip_height + me.belly + me.chest)
-        high = max(float(other[1]) - 0.03 * self.size, standing - UPRIGHT * actor.arm)
+        high = max(float(other[1]) - 0.03 * self.size, standing - UPRIGHT * controller.arm)
         for k in range(2):
             side = wide if k == 1 else -wide
             x = other[0] + 0.11 * self.size * ahead[0] - side * ahead[1]
             z = other[2] + 0.11 * self.size * ahead[1] + side * ahead[0]
-            actor.put_hand(k, np.array([x, high, z]))
+            controller.put_hand(k, np.array([x, high, z]))
         return self.time > CLOSES

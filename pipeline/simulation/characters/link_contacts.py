@@ -10,14 +10,14 @@ from pipeline.simulation.characters.contact_response import (
     LEAST_BOUNCE,
     PAUSE,
     TINY,
-    Log,
+    TouchLog,
     borne,
-    note,
+    log_touch,
     rub,
     rubbed,
     sense,
 )
-from pipeline.simulation.characters.sleep_states import UNTANGLES, rouse
+from pipeline.simulation.characters.sleep_states import UNTANGLE_TIME, wake_touching
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
@@ -99,7 +99,11 @@ def are_near(nodes: Records, one: Record, other: Record) -> bool:
     for k in range(3):
         away = 0.5 * (p[k] + q[k] - r[k] - s[k])
         squared += away * away
-    reach = one.girth + other.girth + 0.5 * (one.reach[0] + other.reach[0]) * (1.0 + SPARE)
+    reach = (
+        one.radius
+        + other.radius
+        + 0.5 * (one.length_limits[0] + other.length_limits[0]) * (1.0 + SPARE)
+    )
     near: bool = squared < reach * reach
     return near
 
@@ -113,7 +117,7 @@ def meet(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move two links apart if they are in one another.
 
@@ -134,13 +138,13 @@ def meet(
     place = plus(q, times(t, v))
     away = minus(plus(p, times(s, u)), place)
     squared = dot(away, away)
-    reach = a.girth + b.girth
+    reach = a.radius + b.radius
     if squared >= reach * reach:
         return
     one, other = owners[a.owner], owners[b.owner]
     apart = math.sqrt(squared)
     n = times(1.0 / apart, away) if apart > TINY else _aside(one, other, u, v)
-    boxes = one.edge > 0.0 and other.edge > 0.0
+    boxes = one.edge_radius > 0.0 and other.edge_radius > 0.0
     if boxes and _points_in(one, other, n):
         # Edges that have gone through one another are moved back through.
         apart, n = -apart, times(-1.0, n)
@@ -149,7 +153,7 @@ def meet(
     slip = minus(_moved(nodes, a, s), _moved(nodes, b, t))
     nearer = -dot(slip, n)
     depth = reach - apart
-    rouse(nodes, one, other, depth, nearer / h)
+    wake_touching(nodes, one, other, depth, nearer / h)
     turns_a, turns_b = boxes or _is_hinged(nodes, a), boxes or _is_hinged(nodes, b)
     w_a, w_b = _lightness(nodes, a, s, turns_a), _lightness(nodes, b, t, turns_b)
     light_a = borne(nodes[a.ends[0]], nodes[a.ends[1]], n[1], w_a, w_b)
@@ -160,7 +164,7 @@ def meet(
     share = 1.0 / (w_a + w_b)
     if a.owner != b.owner:
         _feel(links, pair, (place, n), max(nearer, 0.0) / h, share, moment, log)
-    one.deep, other.deep = max(one.deep, depth), max(other.deep, depth)
+    one.penetration, other.penetration = max(one.penetration, depth), max(other.penetration, depth)
     stopped = min(depth, max(nearer, 0.0))
     if a.owner == b.owner:
         slack = _untangled(one, depth, slack)
@@ -193,14 +197,14 @@ def _press(nodes: Records, link: Record, depth: float, n: Vector) -> None:
         node = nodes[link.ends[end]]
         if node.lock == LOCKED:
             for k in range(3):
-                node.pressed[k] = 0.5 * depth * n[k]
+                node.contact_push[k] = 0.5 * depth * n[k]
 
 
 @inlined
 def _untangled(owner: Record, depth: float, slack: float) -> float:
     """Return how far two links of one character may part that are so deep in one another [m]."""
-    owner.knotted = owner.knotted or depth > KNOT
-    left: float = slack * max(1.0 - owner.tangled / UNTANGLES, 0.0)
+    owner.self_penetrating = owner.self_penetrating or depth > KNOT
+    left: float = slack * max(1.0 - owner.tangled_time / UNTANGLE_TIME, 0.0)
     return left
 
 
@@ -212,7 +216,7 @@ def _feel(
     speed: float,
     mass: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Let two links of two characters know of one another."""
     a, b = links[pair[0]], links[pair[1]]
@@ -220,7 +224,7 @@ def _feel(
     # Both have been apart for a while, or it is another that is touched now.
     new = a.touched_owner != b.owner or a.age[0] > PAUSE
     if new and speed > ABOVE:
-        note(log, moment, pair, where[0], where[1], (speed, energy))
+        log_touch(log, moment, pair, where[0], where[1], (speed, energy))
     sense(a, pair[1], b.owner, energy)
     sense(b, pair[0], a.owner, energy)
 
@@ -235,7 +239,7 @@ def _rub(nodes: Records, link: Record, owner: Record, speed: float) -> None:
 @inlined
 def _is_hinged(nodes: Records, link: Record) -> bool:
     """Tell whether one end of a link is held, and not the other."""
-    hinged: bool = (nodes[link.ends[0]].give == 0.0) != (nodes[link.ends[1]].give == 0.0)
+    hinged: bool = (nodes[link.ends[0]].mobility == 0.0) != (nodes[link.ends[1]].mobility == 0.0)
     return hinged
 
 
@@ -249,8 +253,8 @@ def _lightness(nodes: Records, link: Record, s: float, there: bool) -> float:
         s: where on it.
         there: whether it is moved there, and not as a whole.
     """
-    one: float = nodes[link.ends[0]].give
-    other: float = nodes[link.ends[1]].give
+    one: float = nodes[link.ends[0]].mobility
+    other: float = nodes[link.ends[1]].mobility
     if there:
         return max((1.0 - s) ** 2 * one + s * s * other, LEVER * LEVER * max(one, other))
     if link.ends[0] == link.ends[1] or one + other == 0.0:
@@ -262,8 +266,8 @@ def _lightness(nodes: Records, link: Record, s: float, there: bool) -> float:
 def _moved(nodes: Records, link: Record, s: float) -> Vector:
     """Return how far a place on a link went in this sub-step."""
     one, other = nodes[link.ends[0]], nodes[link.ends[1]]
-    a = minus(triple(one.p), triple(one.before))
-    b = minus(triple(other.p), triple(other.before))
+    a = minus(triple(one.p), triple(one.previous))
+    b = minus(triple(other.p), triple(other.previous))
     return plus(times(1.0 - s, a), times(s, b))
 
 
@@ -310,7 +314,7 @@ def _shift(nodes: Records, link: Record, share: float, moves: Moves) -> None:
         node = nodes[link.ends[end]]
         for k in range(3):
             node.p[k] += share * (moves[0][k] + moves[1][k])
-            node.before[k] += share * (moves[1][k] - moves[2][k])
+            node.previous[k] += share * (moves[1][k] - moves[2][k])
 
 
 @inlined
@@ -323,7 +327,7 @@ def _turn(nodes: Records, link: Record, s: float, share: float, moves: Moves) ->
     """
     for end in range(2):
         node = nodes[link.ends[end]]
-        some = share * node.give * (s if end == 1 else 1.0 - s)
+        some = share * node.mobility * (s if end == 1 else 1.0 - s)
         for k in range(3):
             node.p[k] += some * (moves[0][k] + moves[1][k])
-            node.before[k] += some * (moves[1][k] - moves[2][k])
+            node.previous[k] += some * (moves[1][k] - moves[2][k])

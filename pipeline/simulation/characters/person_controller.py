@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import NOBODY, Crowd
+from pipeline.simulation.characters.body_arrays import NOBODY, CharacterArrays
 from pipeline.simulation.characters.person_record import (
     HAND,
     HEAD,
@@ -20,7 +20,7 @@ from pipeline.simulation.characters.person_record import (
     STANDING,
     SWINGING,
 )
-from pipeline.simulation.characters.visibility_route import LIGHT, Barriers
+from pipeline.simulation.characters.visibility_route import LIGHT, ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array
@@ -46,27 +46,27 @@ NOTHING = np.zeros((0, 2)), np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
-    """Where actors are.
+class CharacterView:
+    """Where controllers are.
 
     Attributes:
-        names: of all characters, in the order of the crowd's owners.
-        crowd: the characters.
+        names: of all characters, in the order of the arrays's owners.
+        arrays: the characters.
         ground: the terrain.
         people: numbers of those owners who have the joints of people.
-        barriers: what of other rooms they go round.
+        obstacle_circles: what of other rooms they go round.
     """
 
     names: Sequence[str]
-    crowd: Crowd
+    arrays: CharacterArrays
     ground: Ground
     people: frozenset[int]
-    barriers: Barriers
+    obstacle_circles: ObstacleCircles
 
     @cached_property
     def p(self) -> Array:
         """(N, 3) all nodes, as they are at any time [m]."""
-        return self.crowd.p
+        return self.arrays.p
 
     @cached_property
     def edges(self) -> tuple[Array, Array]:
@@ -78,7 +78,7 @@ class Stage:
     @cached_property
     def _spans(self) -> list[list[int]]:
         """First node of each character, and how many it has."""
-        spans: list[list[int]] = self.crowd.owners["nodes"].tolist()
+        spans: list[list[int]] = self.arrays.owners["nodes"].tolist()
         return spans
 
     def number(self, name: str) -> int:
@@ -105,8 +105,8 @@ class Stage:
 
     @cached_property
     def things(self) -> tuple[int, ...]:
-        """Numbers of what stands on the ground and is too heavy to be kicked away."""
-        owners = self.crowd.owners
+        """IntArray of what stands on the ground and is too heavy to be kicked away."""
+        owners = self.arrays.owners
         count = range(len(owners))
         stand = (k for k in count if k not in self.people and owners["nodes"][k, 1] > 1)
         return tuple(k for k in stand if owners["mass"][k] > LIGHT)
@@ -115,7 +115,7 @@ class Stage:
         """Return the middle (2,) and the radius of a circle around a character [m]."""
         flat = self.nodes(owner)[:, [0, 2]]
         middle = flat.mean(axis=0)
-        girth = float(self.crowd.nodes["radius"][self._spans[owner][0]])
+        girth = float(self.arrays.nodes["radius"][self._spans[owner][0]])
         off = flat - middle
         return middle, float(np.sqrt((off * off).sum(axis=1)).max()) + girth
 
@@ -135,152 +135,155 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class Actor:
+class PersonController:
     """One person.
 
     Attributes:
         name: of it.
         me: its record.
-        stage: where it is.
+        view: where it is.
     """
 
     name: str
-    me: Record
-    stage: Stage
+    record: Record
+    view: CharacterView
 
     @property
     def arm(self) -> float:
         """Length of an arm [m]."""
-        return float(self.me.upper_arm + self.me.forearm)
+        return float(self.record.upper_arm + self.record.forearm)
 
     @property
     def stands(self) -> bool:
         """Whether it neither steps nor sits."""
-        return not self.me.stepping and float(self.me.seated) == 0.0
+        return not self.record.stepping and float(self.record.sit_blend) == 0.0
 
     def hand(self, k: int) -> Array:
         """Return (3,) where a hand is [m]."""
-        place: Array = self.stage.p[self.me.node + HAND + k]
+        place: Array = self.view.p[self.record.node + HAND + k]
         return place
 
     def away(self, place: Array) -> float:
         """Return how far over the ground a place is [m]."""
-        return math.hypot(place[0] - self.me.at[0], place[2] - self.me.at[1])
+        return math.hypot(place[0] - self.record.at[0], place[2] - self.record.at[1])
 
     def in_the_way(self) -> tuple[Array, Array]:
         """Return circles that it goes round: middles (n, 2) and radii (n,) [m].
 
         They are what stands there of other rooms, and things too heavy to be kicked away.
         """
-        barriers = self.stage.barriers
+        barriers = self.view.obstacle_circles
         found = (barriers.middles, barriers.radii) if barriers.look() else NOTHING
-        owners = self.stage.crowd.nodes["owner"]
+        owners = self.view.arrays.nodes["owner"]
         held = {int(owners[node]) for k in range(2) if (node := self.held(k)) >= 0}
-        things = [one for one in self.stage.things if one not in held]
+        things = [one for one in self.view.things if one not in held]
         if not things:
             return found
-        around = [self.stage.circle(one) for one in things]
+        around = [self.view.circle(one) for one in things]
         middles = np.concatenate([found[0], [middle for middle, _ in around]])
         return middles, np.concatenate([found[1], [radius for _, radius in around]])
 
     def go(self, x: float, z: float, near: float = 0.0, whom: int = NOBODY) -> None:
         """Walk somewhere, up to so near."""
-        me = self.me
-        me.posture, me.goes, me.faces = STANDING, True, False
+        me = self.record
+        me.posture, me.has_goal, me.has_facing = STANDING, True, False
         me.goal[0], me.goal[1] = x, z
-        me.near, me.partner = near, whom
+        me.stop_distance, me.partner = near, whom
 
     def stop(self) -> None:
         """Stop and stand there."""
-        self.me.goes = False
+        self.record.has_goal = False
 
     def turn_to(self, heading: float) -> None:
         """Turn on the spot."""
-        self.me.goes, self.me.faces, self.me.facing = False, True, heading
+        self.record.has_goal, self.record.has_facing, self.record.facing = False, True, heading
 
     def face_to(self, place: Array) -> None:
         """Turn to a place."""
-        x, z = place[0] - self.me.at[0], place[2] - self.me.at[1]
+        x, z = place[0] - self.record.at[0], place[2] - self.record.at[1]
         self.turn_to(math.atan2(-z, x))
 
     def faces(self, tolerance: float) -> bool:
         """Tell whether it has turned to where it was to."""
-        off = math.remainder(float(self.me.facing - self.me.heading), 2.0 * math.pi)
+        off = math.remainder(float(self.record.facing - self.record.heading), 2.0 * math.pi)
         return abs(off) < tolerance
 
     def look(self, place: Array) -> None:
         """Look at a place."""
-        self.me.looks = True
-        self.me.look_at[:] = place
+        self.record.has_look_target = True
+        self.record.look_at[:] = place
 
     def put_hand(self, k: int, place: Array) -> None:
         """Send a hand to a place."""
-        self.me.arm[k] = PLACED
-        self.me.arm_at[k] = place
+        self.record.arm_mode[k] = PLACED
+        self.record.arm_target[k] = place
 
     def put_round(self, k: int, place: Array) -> None:
         """Send a hand to a place behind somebody."""
-        self.me.arm[k] = HUGGING
-        self.me.arm_at[k] = place
+        self.record.arm_mode[k] = HUGGING
+        self.record.arm_target[k] = place
 
     def hold(self, k: int, node: int) -> None:
         """Close a hand around a node; the left one for both."""
-        hand, nodes = int(self.me.node) + HAND + k % BOTH, self.stage.crowd.nodes
-        self.stage.crowd.grips[self.me.grip + k] = hand, node
-        nodes["holds"][hand], nodes["holds"][node] = nodes["owner"][node], self.me.owner
-        nodes["gap"][hand] = math.dist(nodes["p"][hand], nodes["p"][node])
+        hand, nodes = int(self.record.node) + HAND + k % BOTH, self.view.arrays.nodes
+        self.view.arrays.grips[self.record.grip + k] = hand, node
+        nodes["grip_partner"][hand], nodes["grip_partner"][node] = (
+            nodes["owner"][node],
+            self.record.owner,
+        )
+        nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], nodes["p"][node])
 
     @cached_property
     def _grip(self) -> int:
-        return int(self.me.grip)
+        return int(self.record.grip)
 
     def held(self, k: int) -> int:
         """Return the node that a hand holds, -1 for none."""
-        return int(self.stage.crowd.grips[self._grip + k, 1])
+        return int(self.view.arrays.grips[self._grip + k, 1])
 
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""
         self._open(k)
-        self.me.arm[k] = SWINGING
+        self.record.arm_mode[k] = SWINGING
 
     def embrace(self, owner: int) -> None:
         """Put the arms around a character: they pass through its arms until both are apart."""
-        self.stage.crowd.owners["embraces"][self.me.owner] = owner
+        self.view.arrays.owners["embraces"][self.record.owner] = owner
 
     def forget_embrace(self) -> None:
         """Have nobody in the arms any more who is out of their reach."""
-        whom = int(self.stage.crowd.owners["embraces"][self.me.owner])
-        if whom >= 0 and self.away(self.stage.pelvis(whom)) > EMBRACES * self.arm:
+        whom = int(self.view.arrays.owners["embraces"][self.record.owner])
+        if whom >= 0 and self.away(self.view.pelvis(whom)) > EMBRACES * self.arm:
             self.embrace(NOBODY)
 
     def join_hands(self) -> None:
         """Hold one hand with the other, unless one holds something else."""
         if self.held(0) < 0 and self.held(1) < 0:
-            self.hold(BOTH, int(self.me.node) + HAND + 1)
+            self.hold(BOTH, int(self.record.node) + HAND + 1)
 
     def part_hands(self) -> None:
         """Let the hands go of one another."""
         self._open(BOTH)
 
     def _open(self, k: int) -> None:
-        grip = self.stage.crowd.grips[self.me.grip + k]
+        grip = self.view.arrays.grips[self.record.grip + k]
         if grip[0] >= 0:
-            self.stage.crowd.nodes["holds"][grip] = NOBODY
+            self.view.arrays.nodes["grip_partner"][grip] = NOBODY
         grip[:] = NOBODY
 
     def nearest(self, owner: int, place: Array) -> int:
         """Return the node of a character that is nearest to a place."""
-        apart = self.stage.nodes(owner) - place
-        return int(self.stage.crowd.owners[owner].nodes[0] + np.argmin((apart * apart).sum(axis=1)))
+        apart = self.view.nodes(owner) - place
+        return int(self.view.arrays.owners[owner].nodes[0] + np.argmin((apart * apart).sum(axis=1)))
 
     def part(self, owner: int, part: str | None, k: int) -> int:
         """Return the node of a character that a hand takes: by name, or the nearest one."""
         if part is None:
             return self.nearest(owner, self.hand(k))
-        return int(self.stage.crowd.owners[owner].nodes[0]) + JOINTS.index(part)
+        return int(self.view.arrays.owners[owner].nodes[0]) + JOINTS.index(part)
 
 
-def is_heavy(actor: Actor, owner: int) -> bool:
+def is_heavy(controller: PersonController, owner: int) -> bool:
     """Tell whether a character is too heavy to hang from a hand."""
-    owners = actor.stage.crowd.owners
-    return bool(owners[owner].mass > HEAVY * owners[actor.me.owner].mass)
+    owners = controller.view.arrays.owners
+    return bool(owners[owner].mass > HEAVY * owners[controller.record.owner].mass)

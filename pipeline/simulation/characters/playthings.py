@@ -7,11 +7,11 @@ from itertools import combinations
 
 import numpy as np
 
-from pipeline.simulation.characters.body_plan import Link, Plan
+from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.dynamics.hull import hull_of
-from pipeline.simulation.figures.solids import Solid, ball, lofted
+from pipeline.simulation.figures.solids import Solid, ball_solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 BALL, BALL_MASS = 0.12, 0.4
 """Radius [m] and mass of a playground's ball [kg]."""
@@ -45,24 +45,24 @@ BALL_ROLLS = 0.03
 """Coulomb's coefficient of what rolls; a single node slides instead."""
 
 
-def ball_plan(radius: float, mass: float) -> Plan:
+def ball_plan(radius: float, mass: float) -> BodyPlan:
     """Return a ball: one node, and a link from it to itself, which can be touched.
 
     Source: Horswill 2008, "Geometric and kinematic modeling".
     """
-    return Plan(
+    return BodyPlan(
         rest=np.array([[0.0, radius, 0.0]]),
         mass=np.array([mass]),
         radius=np.array([radius]),
         links=(Link((0, 0), radius),),
-        air=0.1,
-        ground=0.15,
+        air_damping=0.1,
+        ground_damping=0.15,
         friction=BALL_ROLLS,
         bounciness=0.55,
     )
 
 
-def box_plan(size: tuple[float, float, float], mass: float) -> Plan:
+def box_plan(size: tuple[float, float, float], mass: float) -> BodyPlan:
     """Return a box of eight nodes that every two of are a link apart; its edges can be touched."""
     girth = EDGE * min(size)
     inner = np.array(size) - 2.0 * girth
@@ -70,14 +70,14 @@ def box_plan(size: tuple[float, float, float], mass: float) -> Plan:
     links = tuple(
         Link(pair, girth if _is_edge(*pair) else 0.0) for pair in combinations(range(8), 2)
     )
-    return Plan(
+    return BodyPlan(
         rest=rest,
         mass=np.full(8, mass / 8.0),
         radius=np.full(8, girth),
         links=links,
-        ground=10.0,
+        ground_damping=10.0,
         friction=0.6,
-        edge=girth,
+        edge_radius=girth,
     )
 
 
@@ -85,7 +85,7 @@ def _is_edge(a: int, b: int) -> bool:
     return bool(np.count_nonzero(CORNERS[a] != CORNERS[b]) == 1)
 
 
-def merry_go_round_plan(radius: float, mass: float) -> Plan:
+def merry_go_round_plan(radius: float, mass: float) -> BodyPlan:
     """Return a merry-go-round: 18 nodes and 41 links, of which 25 are bars that can be touched.
 
     An axis that stays, a rim of eight on spokes, and a post on each. The other links only keep
@@ -117,14 +117,14 @@ def merry_go_round_plan(radius: float, mass: float) -> Plan:
     ]
     masses = np.full(len(rest), mass / (2 * SPOKES))
     masses[:2] = np.inf
-    return Plan(
+    return BodyPlan(
         rest=rest,
         mass=masses,
         radius=np.full(len(rest), girth),
         links=(*(Link(bar, girth) for bar in bars), *(Link(brace) for brace in braces)),
-        air=0.12,
+        air_damping=0.12,
         friction=0.5,
-        gliding=tuple(rim),
+        bearing_nodes=tuple(rim),
     )
 
 
@@ -177,7 +177,7 @@ AROUND = 64
 """Sides of a deck."""
 
 
-def looks_of(member: Character, plan: Plan) -> Seen:
+def looks_of(member: Character, plan: BodyPlan) -> Seen:
     """Return what is seen of a thing, standing at the origin as at rest."""
     material = member.material or MATERIALS[member.character]
     if member.character == "ball":
@@ -192,7 +192,7 @@ def looks_of(member: Character, plan: Plan) -> Seen:
 
 def _ball(radius: float, material: str) -> Seen:
     """Return a ball of two colours, by which one sees it turn."""
-    whole = ball(np.zeros(3), radius)
+    whole = ball_solid(np.zeros(3), radius)
     middles = whole.vertices[whole.faces].mean(axis=1)
     light = np.arctan2(middles[:, 1], middles[:, 2]) // (np.pi / 3.0) % 2.0 == 1.0
     return [
@@ -214,10 +214,10 @@ def _bench(size: tuple[float, float, float], material: str) -> Seen:
     return [("", _joined([seat, *legs, rail]), material)]
 
 
-def _merry_go_round(plan: Plan, radius: float, material: str) -> Seen:
+def _merry_go_round(plan: BodyPlan, radius: float, material: str) -> Seen:
     rest, girth = plan.rest, float(plan.radius[0])
     deck = float(rest[0, 1])
-    shown = [link for link in plan.links if link.girth > 0.0]
+    shown = [link for link in plan.links if link.radius > 0.0]
     bars = [_bar(rest[link.ends[0]], rest[link.ends[1]], girth) for link in shown[1 + SPOKES :]]
     post = _bar(rest[0] * [0.0, 0.1, 0.0], rest[1], 2.0 * girth)
     profile = [(0.0, deck + girth), (radius, deck + girth), (radius, deck - girth)]
@@ -235,7 +235,7 @@ def _bar(a: Array, b: Array, radius: float) -> Solid:
     ring = np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * other
     steps = [(a, s) for s in (-0.9, -0.5, 0.0)] + [(b, s) for s in (0.0, 0.5, 0.9)]
     rings = [end + radius * (s * along + np.sqrt(1.0 - s * s) * ring) for end, s in steps]
-    return lofted(np.stack(rings), np.stack([a - radius * along, b + radius * along]))
+    return loft(np.stack(rings), np.stack([a - radius * along, b + radius * along]))
 
 
 def _turned(profile: list[tuple[float, float]]) -> Solid:
@@ -244,7 +244,7 @@ def _turned(profile: list[tuple[float, float]]) -> Solid:
     ring = np.stack([np.cos(angle), np.zeros(AROUND), -np.sin(angle)], axis=1)
     rings = [max(r, 1e-4) * ring + [0.0, y, 0.0] for r, y in reversed(profile)]
     ends = np.array([[0.0, profile[-1][1], 0.0], [0.0, profile[0][1], 0.0]])
-    return lofted(np.stack(rings), ends)
+    return loft(np.stack(rings), ends)
 
 
 def _slab(size: tuple[float, float, float], middle: tuple[float, float, float]) -> Solid:

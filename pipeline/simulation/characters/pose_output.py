@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.characters.body_arrays import Numbers
-from pipeline.simulation.characters.body_plan import Plan
+from pipeline.simulation.characters.body_arrays import IntArray
+from pipeline.simulation.characters.body_plan import BodyPlan
 from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
 from pipeline.simulation.characters.playthings import axes_of, directions_of, looks_of
@@ -21,7 +21,7 @@ from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Inventory
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 
 def gaze_of(persons: Records) -> Array:
@@ -36,11 +36,11 @@ def feet_of(persons: Records, ground: Ground) -> Array:
 
     A foot that swings goes from the slope that it left to the one that it will stand on.
     """
-    stood, left, land = persons["stood"], persons["left"], persons["land"]
+    stood, left, land = persons["stance_place"], persons["liftoff_place"], persons["landing_place"]
     way, gone = land - left, persons["ankles"] - left
     far = np.maximum(way[..., 0] ** 2 + way[..., 2] ** 2, 1e-12)
     share = (gone[..., 0] * way[..., 0] + gone[..., 2] * way[..., 2]) / far
-    share = np.where(persons["doing"] == STANCE, 0.0, np.clip(share, 0.0, 1.0))[..., None]
+    share = np.where(persons["foot_state"] == STANCE, 0.0, np.clip(share, 0.0, 1.0))[..., None]
     below = (1.0 - share) * _normals(stood, ground) + share * _normals(land, ground)
     yaw, pitch = persons["yaw"], persons["pitch"][..., None]
     ahead = np.stack([np.cos(yaw), np.zeros_like(yaw), -np.sin(yaw)], axis=-1)
@@ -61,7 +61,7 @@ DEEP = 0.02
 """Height over the ground up to which a ball rolls on it, in radii."""
 
 
-class Rolling:
+class BallRotations:
     """Rotations of balls: on the ground they roll, in the air they go on as they turned.
 
     Attributes:
@@ -94,7 +94,7 @@ CHEST = FRAMES.index("chest")
 
 
 @dataclass(frozen=True, eq=False)
-class Thing:
+class ThingFrame:
     """How a thing follows its nodes.
 
     Attributes:
@@ -111,7 +111,7 @@ class Thing:
 
 
 @dataclass(frozen=True, eq=False)
-class Appearance:
+class FramePoser:
     """What is seen, and what it hangs on.
 
     Attributes:
@@ -123,10 +123,10 @@ class Appearance:
     """
 
     inventory: Inventory
-    people: Numbers
-    acting: Numbers
-    joints: Numbers
-    things: tuple[Thing, ...]
+    people: IntArray
+    acting: IntArray
+    joints: IntArray
+    things: tuple[ThingFrame, ...]
 
     def pose(
         self, p: Array, spins: Array, gaze: Array, feet: Array, clasp: Array
@@ -168,12 +168,12 @@ class Appearance:
         return R, places
 
 
-def appearance(
-    cast: Sequence[Character], plans: Sequence[Plan], seed: int, rows: int
-) -> Appearance:
+def frame_poser(
+    cast: Sequence[Character], plans: Sequence[BodyPlan], seed: int, rows: int
+) -> FramePoser:
     """Return what is seen of characters."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
-    people, joints, things = list[int](), list[Numbers](), list[Thing]()
+    people, joints, things = list[int](), list[IntArray](), list[ThingFrame]()
     acting = list[int]()
     first = 0
     for member, plan in zip(cast, plans, strict=True):
@@ -185,13 +185,13 @@ def appearance(
             seen = _person(member, frame, len(meshes), seed, rows)
         else:
             span = first, first + len(plan.rest)
-            things.append(Thing(frame, span, plan.rest, directions_of(member.character)))
+            things.append(ThingFrame(frame, span, plan.rest, directions_of(member.character)))
             seen = _thing(member, plan, frame, len(meshes), rows)
         nodes += seen[0]
         meshes += seen[1]
         parts += seen[2]
         first += len(plan.rest)
-    return Appearance(
+    return FramePoser(
         Inventory(tuple(nodes), (), tuple(meshes), tuple(parts)),
         np.array(people, dtype=np.int64),
         np.array(acting, dtype=np.int64),
@@ -223,7 +223,7 @@ def _person(
 
 
 def _thing(
-    member: Character, plan: Plan, frame: int, mesh: int, rows: int
+    member: Character, plan: BodyPlan, frame: int, mesh: int, rows: int
 ) -> tuple[list[Node], list[Mesh], list[Part]]:
     meshes, parts = list[Mesh](), list[Part]()
     for suffix, solid, material in looks_of(member, plan):

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import MassError
-from pipeline.simulation.characters.body_arrays import Numbers, Structures
+from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.obstacles import directions, outermost
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
@@ -54,13 +54,13 @@ SOLID = np.dtype(
         ("R", "f8", (3, 3)),
         ("v", "f8", 3),
         ("w", "f8", 3),
-        ("fall", "f8"),
+        ("fall_acceleration", "f8"),
         # What it was pushed by since it was seen [N s, N m s].
-        ("push", "f8", 3),
-        ("twist", "f8", 3),
+        ("impulse", "f8", 3),
+        ("angular_impulse", "f8", 3),
         # Number of the thing that it is a part of; whether it is there.
-        ("whole", "i8"),
-        ("here", "?"),
+        ("thing", "i8"),
+        ("is_present", "?"),
         # The box around it in the world [m].
         ("low", "f8", 3),
         ("high", "f8", 3),
@@ -81,11 +81,11 @@ class Solids(NamedTuple):
         near: (n, 2) room for characters and solids whose boxes overlap.
     """
 
-    bodies: Structures
+    bodies: RecordArray
     planes: Array
-    triangles: Numbers
+    triangles: IntArray
     corners: Array
-    near: Numbers
+    near: IntArray
 
 
 def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, list[int]]:
@@ -94,14 +94,14 @@ def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, l
     Those in whose corners there is no solid are left out.
     """
     shapes = [(k, shape) for k, one in enumerate(obstacles) if (shape := _shape(one)) is not None]
-    bodies = zeros(len(shapes), SOLID)
+    bodies = zero_records(len(shapes), SOLID)
     # Limbs of one creature are one thing; bricks of one wall are not.
     wholes = [one.performer if one.weight is None else one.name for one in obstacles]
     numbers = {name: n for n, name in enumerate(dict.fromkeys(wholes))}
     planes, triangles, corners = np.zeros((0, 4)), np.zeros((0, 4), np.int64), np.zeros((0, 3))
     for solid, (k, shape) in zip(bodies, shapes, strict=True):
         _describe(solid, obstacles[k], shape)
-        solid["whole"] = numbers[wholes[k]]
+        solid["thing"] = numbers[wholes[k]]
         if isinstance(shape, Hull):
             solid["planes"] = len(planes), len(shape.normals)
             solid["triangles"] = len(triangles), len(shape.faces)
@@ -173,7 +173,7 @@ def _facets(hull: Hull) -> NDArray[np.int64]:
     return result
 
 
-class Around:
+class SolidTracker:
     """What so many characters may run into.
 
     Attributes:
@@ -206,17 +206,17 @@ class Around:
             # A room, or a sky: nobody who begins all in something is thrown out of it.
             inside = [any(self._encloses(solid, p) for p in characters) for solid in bodies]
             self._hollow = np.array(inside, dtype=bool)
-        bodies["here"] = motion.here & np.logical_not(self._hollow)
+        bodies["is_present"] = motion.here & np.logical_not(self._hollow)
         bodies["v"], bodies["w"] = motion.v, motion.w
         R = motion.R
         bodies["inverse_inertia"] = R @ self._inverse @ np.swapaxes(R, -1, -2)
-        bodies["fall"] = np.where(self._yields & ~motion.borne, GRAVITY, 0.0)
-        bodies["push"] = bodies["twist"] = 0.0
+        bodies["fall_acceleration"] = np.where(self._yields & ~motion.borne, GRAVITY, 0.0)
+        bodies["impulse"] = bodies["angular_impulse"] = 0.0
 
     def pushed(self) -> tuple[Array, Array]:
         """Return what they were pushed by since: (S, 3) [N s], (S, 3) about their nodes [N m s]."""
         bodies = self.solids.bodies
-        return bodies["push"].copy(), bodies["twist"].copy()
+        return bodies["impulse"].copy(), bodies["angular_impulse"].copy()
 
     def _encloses(self, solid: Record, p: Array) -> bool:
         """Tell whether all of p (n, 3) lie in a solid."""

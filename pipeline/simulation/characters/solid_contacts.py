@@ -17,14 +17,14 @@ from pipeline.simulation.characters.contact_response import (
     ABOVE,
     LEAST_BOUNCE,
     PAUSE,
-    Log,
+    TouchLog,
     borne,
+    log_touch,
     move_node,
-    note,
     rub,
     rubbed,
 )
-from pipeline.simulation.characters.sleep_states import WAKES, wake
+from pipeline.simulation.characters.sleep_states import WAKE_SPEED, wake
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.solid_kinematics import gap_of, gives, go_on, shove, velocity_at
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
@@ -62,7 +62,7 @@ CREEPS = 0.05
 """Speed below which what lies on somebody does not slide [m/s]."""
 
 
-class Pace(NamedTuple):
+class SubStep(NamedTuple):
     """How a sub-step is gone through.
 
     Attributes:
@@ -88,7 +88,7 @@ def find_solids(nodes: Records, owners: Records, solids: Solids, h: float) -> in
         go_on(bodies[s], h)
     for c in range(len(owners)):
         for s in range(len(bodies)):
-            if bodies[s].here and _overlap(owners[c], bodies[s]):
+            if bodies[s].is_present and _overlap(owners[c], bodies[s]):
                 near[found, 0], near[found, 1] = c, s
                 found += 1
                 if owners[c].asleep and _speed(bodies[s]) > _stirs(bodies[s]):
@@ -103,9 +103,9 @@ def meet_solids(
     owners: Records,
     solids: Solids,
     count: int,
-    pace: Pace,
+    pace: SubStep,
     back: bool,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move characters out of the solids that they are near.
 
@@ -123,19 +123,19 @@ def meet_solids(
     for k in range(count):
         c, s = solids.near[k, 0], solids.near[k, 1]
         owner, solid = owners[c], solids.bodies[s]
-        if not owner.busy and (not owner.asleep or _speed(solid) == 0.0):
+        if not owner.active and (not owner.asleep or _speed(solid) == 0.0):
             continue
         for n in range(owner.links[0], owner.links[0] + owner.links[1]):
             link = links[n]
-            if link.girth == 0.0 or not _may_touch(nodes, link, solid):
+            if link.radius == 0.0 or not _may_touch(nodes, link, solid):
                 continue
             if link.ends[0] == link.ends[1]:
                 _meet(nodes, links, owner, solids, (n, s), 0.0, pace, log)
                 continue
-            parts = min(int(link.reach[0] / APART) + 1, PARTS)
+            parts = min(int(link.length_limits[0] / APART) + 1, PARTS)
             for i in range(parts + 1):
                 _meet(nodes, links, owner, solids, (n, s), i / parts, pace, log)
-        if owner.edge > 0.0:
+        if owner.edge_radius > 0.0:
             _meet_box(nodes, links, owner, solids, s, pace, back, log)
 
 
@@ -163,7 +163,7 @@ def _overlap(owner: Record, solid: Record) -> bool:
 @inlined
 def _may_touch(nodes: Records, link: Record, solid: Record) -> bool:
     one, other = nodes[link.ends[0]], nodes[link.ends[1]]
-    p, q, radius = one.p, other.p, max(link.girth, max(one.radius, other.radius))
+    p, q, radius = one.p, other.p, max(link.radius, max(one.radius, other.radius))
     for k in range(3):
         if min(p[k], q[k]) - radius > solid.high[k] or max(p[k], q[k]) + radius < solid.low[k]:
             return False
@@ -178,15 +178,15 @@ def _meet(
     solids: Solids,
     pair: tuple[int, int],
     t: float,
-    pace: Pace,
-    log: Log,
+    pace: SubStep,
+    log: TouchLog,
 ) -> None:
     """Move a ball, at a place from 0 to 1 on a link, out of a solid."""
     link, solid = links[pair[0]], solids.bodies[pair[1]]
     i, j = nodes[link.ends[0]], nodes[link.ends[1]]
     at = plus(times(1.0 - t, triple(i.p)), times(t, triple(j.p)))
     # At its ends a link is as thick as the nodes are, as on the ground.
-    radius: float = i.radius if t == 0.0 else j.radius if t == 1.0 else link.girth
+    radius: float = i.radius if t == 0.0 else j.radius if t == 1.0 else link.radius
     gap, normal = gap_of(solids, pair[1], at, radius)
     depth = radius - gap
     if depth <= 0.0:
@@ -194,21 +194,21 @@ def _meet(
     place = minus(at, times(gap, normal))
     arm = minus(place, triple(solid.p))
     went = plus(
-        times(1.0 - t, minus(triple(i.p), triple(i.before))),
-        times(t, minus(triple(j.p), triple(j.before))),
+        times(1.0 - t, minus(triple(i.p), triple(i.previous))),
+        times(t, minus(triple(j.p), triple(j.previous))),
     )
     went = minus(went, times(pace.h, velocity_at(solid, arm)))
     nearer = -dot(went, normal)
     if owner.asleep:
         _stir(nodes, owner, solid, depth, nearer / pace.h)
-    owner.deep = max(owner.deep, depth)
+    owner.penetration = max(owner.penetration, depth)
     if _speed(solid) < STIRS:
         rub(i, owner, nearer / pace.h)
         rub(j, owner, nearer / pace.h)
     near, far = (i, i) if t == 0.0 else (i, j)
-    own, against = i.give, gives(solid, arm, normal)
+    own, against = i.mobility, gives(solid, arm, normal)
     if t > 0.0:
-        own = (1.0 - t) ** 2 * own + t * t * j.give
+        own = (1.0 - t) ** 2 * own + t * t * j.mobility
     light = borne(near, far, normal[1], own, against)
     own *= light
     weight = own + against
@@ -219,9 +219,9 @@ def _meet(
     firm = own if light == 1.0 else 0.0
     moved = _apart(owner, solid, (depth, nearer), went, normal, (own, firm, weight), pace)
     move, part, back = moved
-    move_node(i, light * i.give * (1.0 - t if t > 0.0 else 1.0), move, part, back)
+    move_node(i, light * i.mobility * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:
-        move_node(j, light * j.give * t, move, part, back)
+        move_node(j, light * j.mobility * t, move, part, back)
     shove(solid, arm, times(-1.0 / pace.h, plus(move, back)), pace.h)
     if firm == 0.0:
         _drive(solid, arm, normal, (depth, nearer), weight, pace)
@@ -234,9 +234,9 @@ def _meet_box(
     owner: Record,
     solids: Solids,
     s: int,
-    pace: Pace,
+    pace: SubStep,
     back: bool,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move a box out of the corners of a solid, or out of a ball."""
     solid, box = solids.bodies[s], box_of(nodes, owner)
@@ -270,13 +270,13 @@ def _meet_corner(
     box: Box,
     s: int,
     ball: tuple[Vector, float],
-    pace: Pace,
-    log: Log,
+    pace: SubStep,
+    log: TouchLog,
 ) -> None:
     """Move a box out of a ball of a solid, whose radius may be 0."""
     solid = solids[s]
     place, outward, gap = nearest_of_box(box, ball[0])
-    depth = ball[1] + owner.edge - gap
+    depth = ball[1] + owner.edge_radius - gap
     if depth <= 0.0:
         return
     # From here on as above: the normal points to whom is moved.
@@ -287,15 +287,15 @@ def _meet_corner(
     went = times(-pace.h, velocity_at(solid, arm))
     for k in range(8):
         corner = nodes[first + k]
-        went = plus(went, times(weights[k], minus(triple(corner.p), triple(corner.before))))
+        went = plus(went, times(weights[k], minus(triple(corner.p), triple(corner.previous))))
     nearer = -dot(went, normal)
     if owner.asleep:
         _stir(nodes, owner, solid, depth, nearer / pace.h)
-    owner.deep = max(owner.deep, depth)
+    owner.penetration = max(owner.penetration, depth)
     most = nodes[first + heaviest(weights)]
     own, against = 0.0, gives(solid, arm, normal)
     for k in range(8):
-        own += weights[k] ** 2 * nodes[first + k].give
+        own += weights[k] ** 2 * nodes[first + k].mobility
         if weights[k] > 0.1 and _speed(solid) < STIRS:
             rub(nodes[first + k], owner, nearer / pace.h)
     light = borne(most, most, normal[1], own, against)
@@ -311,7 +311,7 @@ def _meet_corner(
     move, part, back = moved
     for k in range(8):
         corner = nodes[first + k]
-        move_node(corner, light * corner.give * weights[k], move, part, back)
+        move_node(corner, light * corner.mobility * weights[k], move, part, back)
     shove(solid, arm, times(-1.0 / pace.h, plus(move, back)), pace.h)
     if firm == 0.0:
         _drive(solid, arm, normal, (depth, nearer), weight, pace)
@@ -325,7 +325,7 @@ def _apart(
     went: Vector,
     normal: Vector,
     weights: tuple[float, float, float],
-    pace: Pace,
+    pace: SubStep,
 ) -> tuple[Vector, Vector, Vector]:
     """Return by what two are moved apart, in shares of the inverse masses [kg m].
 
@@ -347,9 +347,9 @@ def _apart(
     parted = min(into[0] - stopped, pace.slack)
     friction = 0.5 * (owner.friction + solid.friction)
     most = friction * stopped
-    if solid.fall > 0.0 and dot(went, went) < (CREEPS * pace.h) ** 2:
+    if solid.fall_acceleration > 0.0 and dot(went, went) < (CREEPS * pace.h) ** 2:
         # It weighs on all its corners in every round, not on the first in the first alone.
-        most += friction * solid.fall * pace.h * pace.h
+        most += friction * solid.fall_acceleration * pace.h * pace.h
     move = plus(times(stopped, normal), rubbed(went, normal, most))
     part, back = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     if own > 0.0:
@@ -368,7 +368,7 @@ def _drive(
     normal: Vector,
     into: tuple[float, float],
     weight: float,
-    pace: Pace,
+    pace: SubStep,
 ) -> None:
     """Drive a solid out of what cannot part from it, being held or lying on the ground."""
     deeper = min(DRIVEN * (into[0] - max(into[1], 0.0) - ALLOWED), pace.slack)
@@ -380,14 +380,14 @@ def _drive(
 @inlined
 def _stir(nodes: Records, owner: Record, solid: Record, depth: float, speed: float) -> None:
     """Wake somebody who is struck, or into whom something goes on."""
-    if speed > WAKES or (depth > DEEP and solid.inverse_mass == 0.0):
+    if speed > WAKE_SPEED or (depth > DEEP and solid.inverse_mass == 0.0):
         wake(nodes, owner)
 
 
 @inlined
 def _is_part(solids: Records, touched: int, s: int) -> bool:
     """Tell whether what a link touches is a part of the same thing as a solid."""
-    same: bool = touched <= SOLID and solids[SOLID - touched].whole == solids[s].whole
+    same: bool = touched <= SOLID and solids[SOLID - touched].thing == solids[s].thing
     return same
 
 
@@ -399,13 +399,13 @@ def _feel(
     where: tuple[Vector, Vector],
     hard: tuple[float, float],
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Let a link know of a solid that it meets at a speed [m/s], of both inverse masses [1/kg]."""
     speed, weight = hard
     energy, which = 0.5 * speed * speed / weight, SOLID - pair[1]
     if (link.age[0] > PAUSE or not _is_part(solids, link.touched, pair[1])) and speed > ABOVE:
-        note(log, moment, (pair[0], which), where[0], where[1], (speed, energy))
+        log_touch(log, moment, (pair[0], which), where[0], where[1], (speed, energy))
     if link.age[0] > 0.0 or energy > link.energy:
         link.touched, link.touched_owner = which, NOBODY
     link.energy = max(link.energy, energy)

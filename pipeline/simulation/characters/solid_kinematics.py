@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.body_arrays import Numbers
+from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
-from pipeline.simulation.dynamics.rounding import nearest
+from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -28,9 +28,9 @@ from pipeline.simulation.dynamics.vectors import (
 @inlined
 def go_on(solid: Record, h: float) -> None:
     """Let a solid go on by a sub-step `h` [s] as fast as it goes."""
-    if not solid.here:
+    if not solid.is_present:
         return
-    solid.v[1] -= solid.fall * h
+    solid.v[1] -= solid.fall_acceleration * h
     v, w = triple(solid.v), triple(solid.w)
     set_triple(solid.p, plus(triple(solid.p), times(h, v)))
     angle = h * length(w)
@@ -85,8 +85,8 @@ def shove(solid: Record, arm: Vector, impulse: Vector, h: float) -> None:
     twist = cross(arm, impulse)
     spin = turned(rows_of(solid.inverse_inertia), twist)
     for k in range(3):
-        solid.push[k] += impulse[k]
-        solid.twist[k] += twist[k]
+        solid.impulse[k] += impulse[k]
+        solid.angular_impulse[k] += twist[k]
         solid.v[k] += solid.inverse_mass * impulse[k]
         solid.w[k] += spin[k]
         solid.p[k] += h * solid.inverse_mass * impulse[k]
@@ -137,7 +137,9 @@ def _beyond(solids: Solids, solid: Record, local: Vector) -> tuple[float, Vector
         if gap <= 0.0 or gap >= least:
             # It looks the other way, or its whole plane is farther.
             continue
-        away = minus(local, nearest(local, (row(corners, a), row(corners, b), row(corners, c))))
+        away = minus(
+            local, nearest_on_triangle(local, (row(corners, a), row(corners, b), row(corners, c)))
+        )
         far = length(away)
         if far < least:
             least, normal = far, times(1.0 / far, away) if far > TINY else up
@@ -145,5 +147,5 @@ def _beyond(solids: Solids, solid: Record, local: Vector) -> tuple[float, Vector
 
 
 @inlined
-def _four(numbers: Numbers, k: int) -> tuple[int, int, int, int]:
+def _four(numbers: IntArray, k: int) -> tuple[int, int, int, int]:
     return numbers[k, 0], numbers[k, 1], numbers[k, 2], numbers[k, 3]

@@ -7,21 +7,21 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import SOLID, TERRAIN, Crowd
+from pipeline.simulation.characters.body_arrays import SOLID, TERRAIN, CharacterArrays
 from pipeline.simulation.characters.character_plans import LINK_NAMES, PEOPLE
-from pipeline.simulation.characters.contact_response import Log
+from pipeline.simulation.characters.contact_response import TouchLog
 from pipeline.simulation.characters.contact_tasks import CLOSES, Hug
 from pipeline.simulation.characters.person_record import HEAD, SHOULDERS
 from pipeline.simulation.characters.playthings import MATERIALS
-from pipeline.simulation.characters.task_dispatcher import Direction
+from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.dynamics.compiled import Record, Records
-from pipeline.simulation.happenings import Happening
 from pipeline.simulation.people.proportions import SEGMENT_MASSES
+from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 FEET = ("shin_l", "shin_r")
 """Whose touches of the ground are footfalls, which their steps tell of."""
@@ -30,21 +30,21 @@ BODY = "skin"
 """What people sound like."""
 
 
-class Telling:
+class ContactReporter:
     """What of the log of a step is told.
 
     Attributes:
         solids: of other rooms, numbered from `SOLID` downward.
     """
 
-    def __init__(self, cast: Sequence[Character], crowd: Crowd, surface: str) -> None:
+    def __init__(self, cast: Sequence[Character], arrays: CharacterArrays, surface: str) -> None:
         self.cast = cast
         self.surface = surface
-        self._links = crowd.links
-        self._owners = crowd.owners
+        self._links = arrays.links
+        self._owners = arrays.owners
         self.solids: Sequence[Obstacle] = ()
 
-    def contacts(self, log: Log, step: int) -> tuple[Contact, ...]:
+    def contacts(self, log: TouchLog, step: int) -> tuple[Contact, ...]:
         """Return the touches of a step, but for the feet of those who walk."""
         found = []
         for event in log.events[: int(log.filled[0])]:
@@ -56,7 +56,7 @@ class Telling:
             found.append(self._contact(event, member, name, step))
         return tuple(found)
 
-    def touched(self, log: Log) -> tuple[tuple[str, str], ...]:
+    def touched(self, log: TouchLog) -> tuple[tuple[str, str], ...]:
         """Return who began to touch whom in a step."""
         pairs = dict[tuple[str, str], None]()
         for event in log.events[: int(log.filled[0])]:
@@ -83,7 +83,9 @@ class Telling:
             energy=float(event["energy"]),  # type: ignore[index]
             material=_material(member),
             surface=surface,
-            size=float(max(self._links["reach"][link, 0], 2.0 * self._links["girth"][link])),
+            size=float(
+                max(self._links["length_limits"][link, 0], 2.0 * self._links["radius"][link])
+            ),
             kind="hit",
         )
 
@@ -140,11 +142,11 @@ def footfalls(
         step: that was taken.
     """
     found = []
-    for n, k in np.argwhere(persons["landed"]).tolist():
+    for n, k in np.argwhere(persons["touchdowns"]).tolist():
         found.append(
             _contact(persons[n], k, names[n], masses[n] * LEG, material, ground, clock, step)
         )
-    persons["landed"], persons["since"] = 0, 0.0
+    persons["touchdowns"], persons["report_time"] = 0, 0.0
     return found
 
 
@@ -158,10 +160,12 @@ def _contact(
     clock: Clock,
     step: int,
 ) -> Contact:
-    x, y, z = (float(c) for c in person.stood[k])
+    x, y, z = (float(c) for c in person.stance_place[k])
     normal = ground.field.normal(np.asarray(x), np.asarray(z))
-    speed = float(person.landing[k])
-    fraction = min(max(float(person.landed_at[k]) / clock.dt, 0.0), float(np.nextafter(1.0, 0.0)))
+    speed = float(person.touchdown_speed[k])
+    fraction = min(
+        max(float(person.touchdown_time[k]) / clock.dt, 0.0), float(np.nextafter(1.0, 0.0))
+    )
     return Contact(
         step=step,
         fraction=fraction,
@@ -200,60 +204,60 @@ def loudness(pain: float) -> float:
     return min(WHIMPER + LOUDER * pain, SCREAM)
 
 
-class Signals:
+class SignalDetector:
     """Pains, cries and hugs of all people of a troupe, each told of when it begins."""
 
-    def __init__(self, direction: Direction) -> None:
-        self.direction = direction
-        self._owners = [int(actor.me.owner) for actor in direction.actors]
+    def __init__(self, dispatcher: TaskDispatcher) -> None:
+        self.dispatcher = dispatcher
+        self._owners = [int(controller.record.owner) for controller in dispatcher.controllers]
         self._pain = np.zeros(len(self._owners))
-        self._pains_now = direction.stage.crowd.owners["pain"]
+        self._pains_now = dispatcher.view.arrays.owners["pain"]
         self._hugged: list[Hug | None] = [None for _ in self._owners]
 
-    def of_step(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Happening, ...]:
+    def of_step(self, cries: Sequence[tuple[int, int, float]] = ()) -> tuple[Signal, ...]:
         """Return what has begun in the last step.
 
         Args:
-            cries: of those who have a mind: numbers of the actor and of the character by whom,
+            cries: of those who have a mind: numbers of the controller and of the character by whom,
                 -1 for nobody; and strength [m/s].
         """
         return (*self._pains(), *(self._cry(*cry) for cry in cries), *self._hugs())
 
-    def _pains(self) -> Iterator[Happening]:
-        stage = self.direction.stage
+    def _pains(self) -> Iterator[Signal]:
+        view = self.dispatcher.view
         before, self._pain = self._pain, self._pains_now[self._owners]
         more = self._pain - before
         if not len(more) or float(more.max()) <= HURTS:
             return
-        owners, links = stage.crowd.owners, stage.crowd.links
+        owners, links = view.arrays.owners, view.arrays.links
         for k in np.flatnonzero(more > HURTS).tolist():
             first, count = (int(n) for n in owners["links"][self._owners[k]])
             own = links[first : first + count]
             by = int(own["touched_owner"][int(np.argmax(own["energy"]))])
-            whom = stage.names[by] if by >= 0 else ""
+            whom = view.names[by] if by >= 0 else ""
             much = float(self._pain[k] - before[k])
-            yield Happening("pain", self.direction.actors[k].name, whom)
-            if much > CRIES and k not in self.direction.minded:
+            yield Signal("pain", self.dispatcher.controllers[k].name, whom)
+            if much > CRIES and k not in self.dispatcher.minded:
                 yield self._cry(k, by, loudness(much))
 
-    def _cry(self, k: int, by: int, strength: float) -> Happening:
-        size = THROAT * float(self.direction.actors[k].me.height)
+    def _cry(self, k: int, by: int, strength: float) -> Signal:
+        size = THROAT * float(self.dispatcher.controllers[k].record.height)
         return self._voice("cry", k, by, "head", strength, size)
 
-    def _voice(
-        self, kind: str, k: int, by: int, part: str, strength: float, size: float
-    ) -> Happening:
-        actor, stage = self.direction.actors[k], self.direction.stage
+    def _voice(self, kind: str, k: int, by: int, part: str, strength: float, size: float) -> Signal:
+        controller, view = self.dispatcher.controllers[k], self.dispatcher.view
         joint = HEAD if part == "head" else SHOULDERS
-        x, y, z = stage.nodes(int(actor.me.owner))[joint].tolist()
-        whom = stage.names[by] if by >= 0 else ""
-        return Happening(kind, actor.name, whom, f"{actor.name}.{part}", (x, y, z), strength, size)
+        x, y, z = view.nodes(int(controller.record.owner))[joint].tolist()
+        whom = view.names[by] if by >= 0 else ""
+        return Signal(
+            kind, controller.name, whom, f"{controller.name}.{part}", (x, y, z), strength, size
+        )
 
-    def _hugs(self) -> Iterator[Happening]:
-        for k in range(len(self.direction.actors)):
-            errand = self.direction.errand(k)
+    def _hugs(self) -> Iterator[Signal]:
+        for k in range(len(self.dispatcher.controllers)):
+            errand = self.dispatcher.errand(k)
             hug = errand if isinstance(errand, Hug) and errand.touched > CLOSES else None
             if hug is not None and hug is not self._hugged[k]:
-                size = BREAST * float(self.direction.actors[k].me.height)
+                size = BREAST * float(self.dispatcher.controllers[k].record.height)
                 yield self._voice("hug", k, hug.owner, "chest", CLOSING * hug.size, size)
             self._hugged[k] = hug

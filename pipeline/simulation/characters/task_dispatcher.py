@@ -9,10 +9,15 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import Grab, Grapple, Hug, Reach
-from pipeline.simulation.characters.person_controller import SIDES, Actor, Stage, is_heavy
+from pipeline.simulation.characters.person_controller import (
+    SIDES,
+    CharacterView,
+    PersonController,
+    is_heavy,
+)
 from pipeline.simulation.characters.person_record import STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import (
-    Posing,
+    PosedHands,
     Rise,
     SitDown,
     SitOn,
@@ -23,9 +28,9 @@ from pipeline.simulation.characters.person_tasks import (
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.script import Orders
 from pipeline.spec import script as words
-from pipeline.spec.pose import PoseKey
+from pipeline.spec.keyframes import PoseKey
+from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
-from pipeline.spec.values import Target
 
 STRAIGHT_ON = 1000.0
 """How far somebody goes who is told to walk and not where to [m]."""
@@ -34,11 +39,11 @@ LOOKS = (words.LookAt, words.LookAhead, words.SetSpeed, words.LetGo, words.SetUr
 """What is told beside what somebody does."""
 
 
-class Direction:
+class TaskDispatcher:
     """What all people of a troupe are told, and whether it is done.
 
     Args:
-        stage: all characters.
+        view: all characters.
         persons: records of those who can be told something.
         dt: a step [s].
         poses: keys of their hands, by name.
@@ -46,23 +51,25 @@ class Direction:
 
     def __init__(
         self,
-        stage: Stage,
+        view: CharacterView,
         persons: Records,
         dt: float,
         poses: Mapping[str, Sequence[PoseKey]] | None = None,
     ) -> None:
-        self.stage = stage
+        self.view = view
         self.dt = dt
-        self.actors = [Actor(stage.names[person.owner], person, stage) for person in persons]
-        self._by_name = {actor.name: k for k, actor in enumerate(self.actors)}
-        self._errands: list[Task | None] = [None for _ in self.actors]
-        self._done = [True for _ in self.actors]
-        self._looks: list[Target | None] = [None for _ in self.actors]
+        self.controllers = [
+            PersonController(view.names[person.owner], person, view) for person in persons
+        ]
+        self._by_name = {controller.name: k for k, controller in enumerate(self.controllers)}
+        self._errands: list[Task | None] = [None for _ in self.controllers]
+        self._done = [True for _ in self.controllers]
+        self._looks: list[Target | None] = [None for _ in self.controllers]
         self._arrived: list[str] = []
-        self._told = [False for _ in self.actors]
-        self._glances = [NOBODY for _ in self.actors]
+        self._told = [False for _ in self.controllers]
+        self._glances = [NOBODY for _ in self.controllers]
         self.minded: frozenset[int] = frozenset()
-        self._posing = {name: Posing(keys) for name, keys in (poses or {}).items() if keys}
+        self._posing = {name: PosedHands(keys) for name, keys in (poses or {}).items() if keys}
         self._steps = 0
 
     def read(self, orders: Orders) -> None:
@@ -88,20 +95,24 @@ class Direction:
 
     def begin(self, k: int, errand: Task) -> None:
         """Let somebody begin something by itself."""
-        self.actors[k].me.posture = STANDING
+        self.controllers[k].record.posture = STANDING
         self._begin(k, errand, keeps_arms=True)
 
     def end(self, k: int) -> None:
         """Let somebody leave off what it does; what hangs from its hands it keeps."""
-        actor = self.actors[k]
-        actor.stop()
-        actor.me.posture, actor.me.faces, actor.me.down = STANDING, False, 0.0
-        actor.part_hands()
+        controller = self.controllers[k]
+        controller.stop()
+        controller.record.posture, controller.record.has_facing, controller.record.stoop_depth = (
+            STANDING,
+            False,
+            0.0,
+        )
+        controller.part_hands()
         for hand in range(2):
-            if actor.held(hand) < 0:
-                actor.let_go(hand)
+            if controller.held(hand) < 0:
+                controller.let_go(hand)
             else:
-                actor.me.arm[hand] = SWINGING
+                controller.record.arm_mode[hand] = SWINGING
         self._errands[k], self._done[k] = None, True
 
     def glance(self, k: int, owner: int) -> None:
@@ -113,19 +124,19 @@ class Direction:
         self._arrived.clear()
         time = self._steps * self.dt
         self._steps += 1
-        for k, actor in enumerate(self.actors):
+        for k, controller in enumerate(self.controllers):
             errand = self._errands[k]
-            actor.forget_embrace()
+            controller.forget_embrace()
             if errand is not None:
-                done = errand.go_on(actor, self.dt)
+                done = errand.go_on(controller, self.dt)
                 if done and not self._done[k]:
-                    self._arrived.append(actor.name)
+                    self._arrived.append(controller.name)
                 self._done[k] = done or self._done[k]
                 self._told[k] = self._told[k] and (not done or self._lasts(k))
-            _carry(actor)
-            if actor.name in self._posing:
-                self._posing[actor.name].go_on(actor, time)
-            self._look(k, actor)
+            _carry(controller)
+            if controller.name in self._posing:
+                self._posing[controller.name].go_on(controller, time)
+            self._look(k, controller)
 
     def arrived(self) -> tuple[str, ...]:
         """Return who has done what it was told, since the last step."""
@@ -133,25 +144,27 @@ class Direction:
 
     def _lasts(self, k: int) -> bool:
         """Tell whether somebody stays as it was told until it is told something else."""
-        return bool(self.actors[k].me.frozen) or isinstance(self._errands[k], SitDown | SitOn)
+        return bool(self.controllers[k].record.frozen) or isinstance(
+            self._errands[k], SitDown | SitOn
+        )
 
-    def _look(self, k: int, actor: Actor) -> None:
+    def _look(self, k: int, controller: PersonController) -> None:
         target = self._looks[k]
         whom = self._glances[k]
         if whom < 0:
             whom = getattr(self._errands[k], "owner", NOBODY)
         if isinstance(target, str):
-            actor.look(self.stage.face(self.stage.number(target)))
+            controller.look(self.view.face(self.view.number(target)))
         elif target is not None:
-            actor.look(np.array(target))
+            controller.look(np.array(target))
         elif whom >= 0:
-            actor.look(self.stage.face(whom))
+            controller.look(self.view.face(whom))
         else:
-            actor.me.looks = False
+            controller.record.has_look_target = False
 
     def _tell(self, k: int, do: Do) -> None:
-        actor = self.actors[k]
-        actor.me.frozen = do == "freeze"
+        controller = self.controllers[k]
+        controller.record.frozen = do == "freeze"
         self._told[k] |= not isinstance(do, LOOKS)
         if do == "walk" and k in self.minded:
             # Its own mind says where to.
@@ -159,99 +172,99 @@ class Direction:
             self.end(k)
             return
         if isinstance(do, str):
-            self._say(k, actor, do)
+            self._say(k, controller, do)
         elif isinstance(do, words.LookAt):
             self._looks[k] = do.look_at
         elif isinstance(do, words.LookAhead):
             self._looks[k] = None
         elif isinstance(do, words.SetSpeed):
-            actor.me.pace = do.speed
+            controller.record.pace = do.speed
         elif isinstance(do, words.Wait):
-            actor.stop()
+            controller.stop()
         elif isinstance(do, words.LetGo):
             self._let_go(k, SIDES[do.let_go])
         else:
-            self._send(k, actor, do)
+            self._send(k, controller, do)
 
-    def _say(self, k: int, actor: Actor, do: str) -> None:
+    def _say(self, k: int, controller: PersonController, do: str) -> None:
         """Do what one word says."""
         if do == "stop":
-            actor.stop()
+            controller.stop()
             self._begin(k, Walk())
         elif do == "walk":
-            self._walk_on(k, actor)
+            self._walk_on(k, controller)
         elif do == "sit":
             self._begin(k, SitDown())
         elif do == "stand":
-            actor.stop()
+            controller.stop()
             self._begin(k, Rise())
         elif do == "let_go":
             self._let_go(k, SIDES["both"])
 
-    def _walk_on(self, k: int, actor: Actor) -> None:
+    def _walk_on(self, k: int, controller: PersonController) -> None:
         """Go on to where somebody went, or straight on."""
-        me = actor.me
+        me = controller.record
         if isinstance(self._errands[k], Walk) and not self._done[k]:
-            me.goes, me.posture = True, STANDING
+            me.has_goal, me.posture = True, STANDING
             return
-        actor.go(
+        controller.go(
             me.at[0] + STRAIGHT_ON * math.cos(me.heading),
             me.at[1] - STRAIGHT_ON * math.sin(me.heading),
         )
         self._begin(k, Walk())
 
-    def _send(self, k: int, actor: Actor, do: Do) -> None:
+    def _send(self, k: int, controller: PersonController, do: Do) -> None:
         """Do what takes a while."""
-        actor.me.posture = STANDING
+        controller.record.posture = STANDING
         if isinstance(do, words.GoTo):
-            actor.go(*do.go_to)
+            controller.go(*do.go_to)
             self._begin(k, Walk(np.array(do.go_to, dtype=float)), keeps_arms=True)
         elif isinstance(do, words.TurnBy):
-            actor.turn_to(float(actor.me.heading) + math.radians(do.turn_deg))
+            controller.turn_to(float(controller.record.heading) + math.radians(do.turn_deg))
             self._begin(k, Turn(), keeps_arms=True)
         elif isinstance(do, words.Reach):
             place = None if isinstance(do.reach, str) else np.array(do.reach)
-            whom = self.stage.number(do.reach) if isinstance(do.reach, str) else NOBODY
+            whom = self.view.number(do.reach) if isinstance(do.reach, str) else NOBODY
             self._begin(k, Reach(SIDES[do.hand], place, whom), keeps_arms=True)
         elif isinstance(do, words.Grab):
-            number = self.stage.number(do.grab)
+            number = self.view.number(do.grab)
             self._begin(k, Grab(SIDES[do.hand], number, do.part), keeps_arms=True)
         elif isinstance(do, words.Hug):
-            number = self.stage.number(do.hug)
-            self._begin(k, Hug(number, self.stage.size(number)))
+            number = self.view.number(do.hug)
+            self._begin(k, Hug(number, self.view.size(number)))
         elif isinstance(do, words.Grapple):
-            self._begin(k, Grapple(self.stage.number(do.grapple)))
+            self._begin(k, Grapple(self.view.number(do.grapple)))
         elif isinstance(do, words.SitOn):
-            self._begin(k, SitOn(self.stage.number(do.sit)))
+            self._begin(k, SitOn(self.view.number(do.sit)))
 
     def _begin(self, k: int, errand: Task, keeps_arms: bool = False) -> None:
         """Begin something; arms that do not hold anything hang again, unless they are kept."""
-        actor, before = self.actors[k], self._errands[k]
+        controller, before = self.controllers[k], self._errands[k]
         keeps_arms = keeps_arms and (self._done[k] or not isinstance(before, Grab))
         self._errands[k], self._done[k] = errand, False
-        actor.me.down = 0.0
-        actor.part_hands()
+        controller.record.stoop_depth = 0.0
+        controller.part_hands()
         for hand in range(2):
-            if not keeps_arms and actor.held(hand) < 0:
-                actor.me.arm[hand] = SWINGING
+            if not keeps_arms and controller.held(hand) < 0:
+                controller.record.arm_mode[hand] = SWINGING
 
     def _let_go(self, k: int, hands: Sequence[int]) -> None:
-        self.actors[k].part_hands()
+        self.controllers[k].part_hands()
         for hand in hands:
-            self.actors[k].let_go(hand)
+            self.controllers[k].let_go(hand)
         if isinstance(self._errands[k], Hug | Reach | Grab | Grapple):
-            self.actors[k].stop()
-            self.actors[k].me.faces = False
-            self.actors[k].me.down = 0.0
+            self.controllers[k].stop()
+            self.controllers[k].record.has_facing = False
+            self.controllers[k].record.stoop_depth = 0.0
             self._errands[k] = None
 
 
-def _carry(actor: Actor) -> None:
+def _carry(controller: PersonController) -> None:
     """Let what is light hang from the hand, and the hand go along with what is heavy."""
-    nodes = actor.stage.crowd.nodes
+    nodes = controller.view.arrays.nodes
     for k in range(2):
-        node = actor.held(k)
-        if node >= 0 and is_heavy(actor, int(nodes["owner"][node])):
-            actor.put_hand(k, nodes["p"][node])
+        node = controller.held(k)
+        if node >= 0 and is_heavy(controller, int(nodes["owner"][node])):
+            controller.put_hand(k, nodes["p"][node])
         elif node >= 0:
-            actor.me.arm[k] = SWINGING
+            controller.record.arm_mode[k] = SWINGING

@@ -7,13 +7,20 @@ from pipeline.simulation.characters.contact_response import (
     ABOVE,
     LEAST_BOUNCE,
     PAUSE,
-    Log,
-    note,
+    TouchLog,
+    log_touch,
     rubbed,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-from pipeline.simulation.dynamics.grid import Grid, around, highest, pieces, surface, triangle
-from pipeline.simulation.dynamics.rounding import nearest
+from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
+from pipeline.simulation.dynamics.terrain_grid import (
+    Grid,
+    cells_around,
+    highest_around,
+    surface_at,
+    triangle,
+    triangles_per_cell,
+)
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -52,7 +59,7 @@ def stand(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move one character out of the ground, which is a level plane or is not."""
     first = owner.nodes[0]
@@ -67,7 +74,7 @@ def stand(
         return
     x, z = 0.5 * (owner.low[0] + owner.high[0]), 0.5 * (owner.low[2] + owner.high[2])
     half = 0.5 * max(owner.high[0] - owner.low[0], owner.high[2] - owner.low[2])
-    if owner.low[1] - SLACK > highest(grid.frame, grid.tops, x, z, 1.5 * half):
+    if owner.low[1] - SLACK > highest_around(grid.frame, grid.tops, x, z, 1.5 * half):
         return
     for i in range(first, first + owner.nodes[1]):
         node = nodes[i]
@@ -75,12 +82,12 @@ def stand(
     first = owner.links[0]
     for n in range(first, first + owner.links[1]):
         link = links[n]
-        if link.girth == 0.0 or link.ends[0] == link.ends[1]:
+        if link.radius == 0.0 or link.ends[0] == link.ends[1]:
             continue
         one, other = nodes[link.ends[0]], nodes[link.ends[1]]
-        parts = min(int(link.reach[0] / APART) + 1, MOST)
+        parts = min(int(link.length_limits[0] / APART) + 1, MOST)
         for k in range(1, parts):
-            _meet(one, other, links, owner, grid, k / parts, link.girth, h, slack, moment, log)
+            _meet(one, other, links, owner, grid, k / parts, link.radius, h, slack, moment, log)
 
 
 @compiled
@@ -95,26 +102,26 @@ def _meet(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move a ball on the way from one node to another out of the ground."""
     at = _between(one.p, other.p, t)
     frame = grid.frame
-    if at[1] - radius - SLACK > highest(frame, grid.tops, at[0], at[2], radius):
+    if at[1] - radius - SLACK > highest_around(frame, grid.tops, at[0], at[2], radius):
         return
-    height, _ = surface(frame, grid.vertices, at[0], at[2])
+    height, _ = surface_at(frame, grid.vertices, at[0], at[2])
     if at[1] <= height:
         least, normal = _way_out(grid, at, max(height - at[1], radius))
         where = (-least - radius, normal[0], normal[1], normal[2])
         _press(one, other, links, owner, t, where, h, slack, moment, log)
         return
     reach = radius + SLACK
-    i, i_last, j, j_last = around(frame, at[0], at[2], reach)
+    i, i_last, j, j_last = cells_around(frame, at[0], at[2], reach)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
-            for piece in range(pieces(frame)):
+            for piece in range(triangles_per_cell(frame)):
                 at = _between(one.p, other.p, t)
-                away = minus(at, nearest(at, triangle(grid, line, column, piece)))
+                away = minus(at, nearest_on_triangle(at, triangle(grid, line, column, piece)))
                 far = length(away)
                 if TINY < far < reach:
                     n = times(1.0 / far, away)
@@ -126,12 +133,12 @@ def _meet(
 def _way_out(grid: Grid, at: Vector, reach: float) -> tuple[float, Vector]:
     """Return how far a place below the ground is from the nearest triangle, and its normal."""
     least, normal = min(reach, DEEPEST), (0.0, 1.0, 0.0)
-    i, i_last, j, j_last = around(grid.frame, at[0], at[2], least)
+    i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], least)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
-            for piece in range(pieces(grid.frame)):
+            for piece in range(triangles_per_cell(grid.frame)):
                 corners = triangle(grid, line, column, piece)
-                far = length(minus(at, nearest(at, corners)))
+                far = length(minus(at, nearest_on_triangle(at, corners)))
                 if far < least:
                     a, b, c = corners
                     up = cross(minus(b, a), minus(c, a))
@@ -155,7 +162,7 @@ def _press(
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     """Move a place on a link along a normal if it is in the ground, and rub it across.
 
@@ -173,42 +180,42 @@ def _press(
     """
     depth, n = -where[0], (where[1], where[2], where[3])
     node = one if t < 0.5 else other
-    node.grounded = owner.ground
+    node.ground_damping = owner.ground_damping
     if t == 0.0 and node.lock == LANDING:
-        node.lock, node.give = LOCKED, 0.0
-        set_triple(node.place, triple(node.p))
-    weight = one.give if t == 0.0 else (1.0 - t) ** 2 * one.give + t * t * other.give
+        node.lock, node.mobility = LOCKED, 0.0
+        set_triple(node.lock_place, triple(node.p))
+    weight = one.mobility if t == 0.0 else (1.0 - t) ** 2 * one.mobility + t * t * other.mobility
     if depth <= 0.0 or weight == 0.0:
         return
-    owner.deep = max(owner.deep, depth)
-    went = minus(_between(one.p, other.p, t), _between(one.before, other.before, t))
+    owner.penetration = max(owner.penetration, depth)
+    went = minus(_between(one.p, other.p, t), _between(one.previous, other.previous, t))
     nearer = max(-dot(went, n), 0.0)
-    _tell(node, links[node.link], n, nearer / h, weight, moment, log)
+    _tell(node, links[node.ground_link], n, nearer / h, weight, moment, log)
     stopped = min(depth, nearer)
     parted = min(depth - stopped, slack)
     move = plus(times(stopped, n), rubbed(went, n, owner.friction * stopped))
     back = 0.0
     if owner.bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
         back = owner.bounciness * nearer + nearer - stopped
-    share = 1.0 if t == 0.0 else (1.0 - t) * one.give / weight
+    share = 1.0 if t == 0.0 else (1.0 - t) * one.mobility / weight
     for k in range(3):
         one.p[k] += share * (move[k] + parted * n[k])
-        one.before[k] += share * (parted - back) * n[k]
+        one.previous[k] += share * (parted - back) * n[k]
     if t > 0.0:
-        share = t * other.give / weight
+        share = t * other.mobility / weight
         for k in range(3):
             other.p[k] += share * (move[k] + parted * n[k])
-            other.before[k] += share * (parted - back) * n[k]
+            other.previous[k] += share * (parted - back) * n[k]
 
 
 @inlined
 def _tell(
-    node: Record, link: Record, n: Vector, speed: float, weight: float, moment: float, log: Log
+    node: Record, link: Record, n: Vector, speed: float, weight: float, moment: float, log: TouchLog
 ) -> None:
     """Let a link know that it touches the ground."""
     energy = 0.5 * speed * speed / weight
     if link.age[1] > PAUSE and speed > ABOVE:
-        note(log, moment, (node.link, TERRAIN), triple(node.p), n, (speed, energy))
+        log_touch(log, moment, (node.ground_link, TERRAIN), triple(node.p), n, (speed, energy))
     if link.age[0] > 0.0:
         link.touched, link.touched_owner = TERRAIN, NOBODY
     link.energy = max(link.energy, energy)

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.body_arrays import LOCKED, RESTING, Crowd, Numbers
+from pipeline.simulation.characters.body_arrays import LOCKED, RESTING, CharacterArrays, IntArray
 from pipeline.simulation.characters.box_contacts import meet_box, part
-from pipeline.simulation.characters.broad_phase import Room, enclose, find_near, find_pairs
+from pipeline.simulation.characters.broad_phase import Workspace, enclose, find_near, find_pairs
 from pipeline.simulation.characters.constraint_projection import (
-    draw_in,
-    finish,
-    hold,
-    hold_fast,
-    project,
+    close_grips,
+    finish_constraints,
+    finish_grips,
+    project_constraints,
+    project_grips,
 )
-from pipeline.simulation.characters.contact_response import PARTING, Log, grow_old
+from pipeline.simulation.characters.contact_response import PARTING, TouchLog, grow_old
 from pipeline.simulation.characters.link_contacts import are_near, meet
-from pipeline.simulation.characters.motor_control import steer
-from pipeline.simulation.characters.sleep_states import look_who_rests, wake_near
-from pipeline.simulation.characters.solid_contacts import Pace, find_solids, meet_solids
+from pipeline.simulation.characters.motor_control import control_people
+from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
+from pipeline.simulation.characters.solid_contacts import SubStep, find_solids, meet_solids
 from pipeline.simulation.characters.terrain_contacts import stand
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry, inlined
-from pipeline.simulation.dynamics.grid import Grid
+from pipeline.simulation.dynamics.terrain_grid import Grid
 
 
 @inlined
@@ -42,30 +42,30 @@ def integrate(nodes: Records, gravity: float, h: float) -> None:
 
 @inlined
 def _move(node: Record, gravity: float, h: float) -> None:
-    p, before, pull = node.p, node.before, node.acceleration
+    p, before, pull = node.p, node.previous, node.acceleration
     for k in range(3):
-        node.pressed[k] = 0.0
+        node.contact_push[k] = 0.0
     if node.lock == LOCKED:
         for k in range(3):
-            p[k] = before[k] = node.place[k]
+            p[k] = before[k] = node.lock_place[k]
             pull[k] = 0.0
-        node.give = 0.0
+        node.mobility = 0.0
         return
     if node.lock == RESTING or node.inverse_mass == 0.0:
         for k in range(3):
             before[k] = p[k]
             pull[k] = 0.0
-        node.give = 0.0
+        node.mobility = 0.0
         return
-    node.give = node.inverse_mass
-    keeps = math.exp(-(node.air + max(node.grounded, node.rubbed)) * h)
+    node.mobility = node.inverse_mass
+    keeps = math.exp(-(node.air_damping + max(node.ground_damping, node.contact_damping)) * h)
     for k in range(3):
         went = p[k] - before[k]
         before[k] = p[k]
         p[k] += keeps * went + pull[k] * h * h
         pull[k] = 0.0
     p[1] -= gravity * h * h
-    node.grounded = node.rubbed = 0.0
+    node.ground_damping = node.contact_damping = 0.0
 
 
 @inlined
@@ -79,13 +79,13 @@ def damp(nodes: Records, links: Records, h: float) -> None:
         if link.damping == 0.0:
             continue
         one, other = nodes[link.ends[0]], nodes[link.ends[1]]
-        if one.give + other.give == 0.0:
+        if one.mobility + other.mobility == 0.0:
             continue
-        part = (1.0 - math.exp(-link.damping * h)) / (one.give + other.give)
+        part = (1.0 - math.exp(-link.damping * h)) / (one.mobility + other.mobility)
         for k in range(3):
-            slip = part * ((one.p[k] - one.before[k]) - (other.p[k] - other.before[k]))
-            one.before[k] += one.give * slip
-            other.before[k] -= other.give * slip
+            slip = part * ((one.p[k] - one.previous[k]) - (other.p[k] - other.previous[k]))
+            one.previous[k] += one.mobility * slip
+            other.previous[k] -= other.mobility * slip
 
 
 ROUNDS = 2
@@ -100,12 +100,12 @@ PAIN_ENDS = 0.5
 
 @entry
 def advance(
-    crowd: Crowd,
+    arrays: CharacterArrays,
     persons: Records,
     grid: Grid,
     level: bool,
-    room: Room,
-    log: Log,
+    room: Workspace,
+    log: TouchLog,
     gravity: float,
     dt: float,
     count: int,
@@ -113,7 +113,7 @@ def advance(
     """Go on by a step of `dt` [s] in `count` sub-steps.
 
     Args:
-        crowd: all characters; changed.
+        arrays: all characters; changed.
         persons: `control.PERSON` of those who act; changed.
         grid: the terrain.
         level: whether it is a level plane.
@@ -125,29 +125,29 @@ def advance(
     """
     h = dt / count
     log.filled[0] = 0
-    _forget(crowd.links)
+    _forget(arrays.links)
     for n in range(count):
-        steer(crowd, persons, grid, room.solids, h)
-        _sub_step(crowd, grid, level, room, log, gravity, h, n / count)
-    _feel(crowd.links, crowd.owners, dt)
-    look_who_rests(crowd.nodes, crowd.links, crowd.owners, crowd.grips, h, dt)
+        control_people(arrays, persons, grid, room.solids, h)
+        _sub_step(arrays, grid, level, room, log, gravity, h, n / count)
+    _feel(arrays.links, arrays.owners, dt)
+    update_sleep(arrays.nodes, arrays.links, arrays.owners, arrays.grips, h, dt)
 
 
 @compiled
 def _sub_step(
-    crowd: Crowd,
+    arrays: CharacterArrays,
     grid: Grid,
     level: bool,
-    room: Room,
-    log: Log,
+    room: Workspace,
+    log: TouchLog,
     gravity: float,
     h: float,
     moment: float,
 ) -> None:
-    nodes, links, middles, limbs, own, grips, owners = crowd
+    nodes, links, middles, limbs, own, grips, owners = arrays
     damp(nodes, links, h)
     integrate(nodes, gravity, h)
-    draw_in(nodes, grips, h)
+    close_grips(nodes, grips, h)
     grow_old(links, h)
     enclose(nodes, owners)
     near = room.near[: find_near(owners, room.order, room.near)]
@@ -161,21 +161,21 @@ def _sub_step(
         # What was in one another parts at its pace, however often it is gone through.
         slack = PARTING * h / ROUNDS if n < ROUNDS else 0.0
         for c in range(len(owners)):
-            if owners[c].busy:
-                project(nodes, links, middles, limbs, owners[c])
-        hold(nodes, grips)
+            if owners[c].active:
+                project_constraints(nodes, links, middles, limbs, owners[c])
+        project_grips(nodes, grips)
         _meet_all(nodes, links, owners, pairs, h, slack, moment, log)
         _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
         if solid > 0:
-            pace = Pace(h, slack, moment)
+            pace = SubStep(h, slack, moment)
             meet_solids(nodes, links, owners, room.solids, solid, pace, n % 2 == 1, log)
         for c in range(len(owners)):
-            if owners[c].busy:
+            if owners[c].active:
                 stand(nodes, links, owners[c], grid, level, h, slack, moment, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
-            finish(nodes, links, middles, limbs, owners[c])
-    hold_fast(nodes, links, middles, limbs, owners, grips)
+            finish_constraints(nodes, links, middles, limbs, owners[c])
+    finish_grips(nodes, links, middles, limbs, owners, grips)
 
 
 @compiled
@@ -183,15 +183,15 @@ def _meet_all(
     nodes: Records,
     links: Records,
     owners: Records,
-    pairs: Numbers,
+    pairs: IntArray,
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     for n in range(len(pairs)):
         a, b = links[pairs[n, 0]], links[pairs[n, 1]]
-        if (owners[a.owner].busy or owners[b.owner].busy) and are_near(nodes, a, b):
+        if (owners[a.owner].active or owners[b.owner].active) and are_near(nodes, a, b):
             meet(nodes, links, owners, (pairs[n, 0], pairs[n, 1]), h, slack, moment, log)
 
 
@@ -200,8 +200,8 @@ def _choose(owners: Records, again: bool) -> None:
     """Choose who is gone through: who is awake; or again, in whom something lies deep."""
     for c in range(len(owners)):
         owner = owners[c]
-        owner.busy = not owner.asleep and (not again or owner.deep > DEEP)
-        owner.deep = 0.0
+        owner.active = not owner.asleep and (not again or owner.penetration > DEEP)
+        owner.penetration = 0.0
 
 
 @compiled
@@ -209,21 +209,21 @@ def _meet_boxes(
     nodes: Records,
     links: Records,
     owners: Records,
-    near: Numbers,
+    near: IntArray,
     h: float,
     slack: float,
     moment: float,
-    log: Log,
+    log: TouchLog,
 ) -> None:
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
-        if not one.busy and not other.busy:
+        if not one.active and not other.active:
             continue
-        if one.edge > 0.0 and other.edge > 0.0:
+        if one.edge_radius > 0.0 and other.edge_radius > 0.0:
             part(nodes, one, other, slack)
-        if other.edge > 0.0:
+        if other.edge_radius > 0.0:
             meet_box(nodes, links, one, other, h, slack, moment, log)
-        if one.edge > 0.0:
+        if one.edge_radius > 0.0:
             meet_box(nodes, links, other, one, h, slack, moment, log)
 
 
@@ -241,5 +241,5 @@ def _feel(links: Records, owners: Records, dt: float) -> None:
         owner = owners[c]
         owner.pain *= math.exp(-PAIN_ENDS * dt)
         for n in range(owner.links[0], owner.links[0] + owner.links[1]):
-            if links[n].energy > owner.threshold:
-                owner.pain += links[n].energy / owner.threshold - 1.0
+            if links[n].energy > owner.pain_threshold:
+                owner.pain += links[n].energy / owner.pain_threshold - 1.0

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import Numbers, Structures
+from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
 from pipeline.simulation.characters.solid_arrays import SOLID
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
@@ -24,7 +24,7 @@ MOST = 32
 """Circles of one solid."""
 
 
-class Barriers:
+class ObstacleCircles:
     """The circles around solids, as they are now.
 
     Args:
@@ -41,21 +41,21 @@ class Barriers:
         self._ground = ground
         self.put(np.zeros(0, dtype=SOLID))
 
-    def put(self, solids: Structures) -> None:
+    def put(self, solids: RecordArray) -> None:
         """Look at these solids (S,) `SOLID` from now on."""
         self._solids = solids
-        self._which: Numbers = np.flatnonzero(solids["inverse_mass"] <= 1.0 / LIGHT)
+        self._which: IntArray = np.flatnonzero(solids["inverse_mass"] <= 1.0 / LIGHT)
         self._seen = b""
         self.middles, self.radii = np.zeros((0, 2)), np.zeros(0)
-        self.keys: Numbers = np.zeros(0, dtype=np.int64)
-        self.wholes: Numbers = np.zeros(0, dtype=np.int64)
+        self.keys: IntArray = np.zeros(0, dtype=np.int64)
+        self.wholes: IntArray = np.zeros(0, dtype=np.int64)
 
     def look(self) -> bool:
         """See where the solids are now; tell whether anything is in anybody's way."""
         solids = self._solids
         if not len(self._which):
             return False
-        seen = solids["p"].tobytes() + solids["R"].tobytes() + solids["here"].tobytes()
+        seen = solids["p"].tobytes() + solids["R"].tobytes() + solids["is_present"].tobytes()
         if seen != self._seen:
             self._seen = seen
             self._look()
@@ -63,7 +63,7 @@ class Barriers:
 
     def _look(self) -> None:
         which = self._which
-        which = which[self._solids["here"][which]]
+        which = which[self._solids["is_present"][which]]
         solids = self._solids[which]
         R, half = solids["R"], solids["half"]
         middle = solids["p"] + (R @ solids["middle"][:, :, None])[:, :, 0]
@@ -74,7 +74,7 @@ class Barriers:
         stands = (middle[:, 1] + rise > floor + LOW) & (middle[:, 1] - rise < floor + HEADROOM)
         self._lay(which[stands], middle[stands][:, [0, 2]], axes[stands][:, :, [0, 2]])
 
-    def _lay(self, which: Numbers, middle: Array, axes: Array) -> None:
+    def _lay(self, which: IntArray, middle: Array, axes: Array) -> None:
         """Lay rows of circles along shadows.
 
         Args:
@@ -98,7 +98,7 @@ class Barriers:
         self.middles = middle[row] + (place * long[row])[:, None] * ahead[row]
         self.radii = radii[row]
         self.keys = which[row] * MOST + number
-        self.wholes = self._solids["whole"][which[row]]
+        self.wholes = self._solids["thing"][which[row]]
 
 
 CLEARANCES = (0.32, 0.16, 0.04)

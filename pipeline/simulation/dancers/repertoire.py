@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.dancers.goals import (
+from pipeline.simulation.dancers.dance_goals import (
     REST,
     Choreography,
     Part,
@@ -18,12 +18,12 @@ from pipeline.simulation.dancers.goals import (
     choreographed,
     parts_of,
 )
-from pipeline.simulation.dancers.posing import Place, Poses, poses_of
+from pipeline.simulation.dancers.dancer_poses import Place, Poses, poses_of
+from pipeline.simulation.dancers.reachability import unreached
 from pipeline.simulation.dancers.torso import ARM, HANDS, WRIST
-from pipeline.simulation.dancers.trying import unreached
 from pipeline.simulation.people.proportions import Proportions
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Do, Instruction, Perform, Reach
 
 SIDES: Mapping[str, tuple[Hand, ...]] = {"right": ("r",), "left": ("l",), "both": ("r", "l")}

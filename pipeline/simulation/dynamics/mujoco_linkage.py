@@ -19,7 +19,7 @@ import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.linkage import Capsule, Link, Linkage
-from pipeline.simulation.dynamics.mujoco_warnings import tell_warnings
+from pipeline.simulation.dynamics.mujoco_model import log_warnings
 from pipeline.simulation.spatial import Array
 
 HARD = 0.009
@@ -202,7 +202,7 @@ class Moving:
 def _build(linkage: Linkage, step: float) -> tuple[Any, Any, Any]:
     import mujoco
 
-    tell_warnings(mujoco)
+    log_warnings(mujoco)
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     option = spec.option

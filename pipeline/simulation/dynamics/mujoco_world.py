@@ -23,16 +23,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.brushing import Brushes, Contacts, brushes
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Records
+from pipeline.simulation.dynamics.contact_sliding import (
+    Contacts,
+    SlidingMotion,
+    sliding_motion,
+)
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.impact_law import THING
-from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level, look_upward, room_for
-from pipeline.simulation.dynamics.mujoco_warnings import tell_warnings
-from pipeline.simulation.dynamics.pressing import Pressing
-from pipeline.simulation.dynamics.pushing import Pushed, Pushers
-from pipeline.simulation.dynamics.records import zeros
-from pipeline.simulation.dynamics.rigid import Bodies, Build, State
+from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies, Poses
+from pipeline.simulation.dynamics.mujoco_callback import ImpactCallback
+from pipeline.simulation.dynamics.mujoco_model import (
+    add_ground,
+    is_level,
+    log_warnings,
+    memory_for,
+    use_upward_collision,
+)
+from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, State
 from pipeline.simulation.dynamics.substeps import Substeps
 from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -62,7 +71,7 @@ class Collider:
         half: half its extent along its axes if it is a box [m], else None.
     """
 
-    build: Build
+    build: BodyModel
     half: Array | None
 
 
@@ -120,7 +129,7 @@ class MujocoWorld:
         self.count = len(colliders)
         self.step = step
         builds = [c.build for c in colliders]
-        self.pushers = Pushers(len(pushers), step)
+        self.pushers = KinematicBodies(len(pushers), step)
         self.model, self.data, self._mujoco = _build(colliders, field, pushers)
         self._qpos: Array = self.data.qpos.reshape(-1, 7)
         self._qvel: Array = self.data.qvel.reshape(-1, 6)
@@ -128,7 +137,7 @@ class MujocoWorld:
         moving = (self._qpos, self._qvel, self._awake)
         self.substeps = Substeps(builds, pushers, field, step, *moving)
         things, uneven = _things(builds, len(pushers)), not is_level(field)
-        self.law = Pressing(things, self.count, uneven, self.model, self.data, self._mujoco)
+        self.law = ImpactCallback(things, self.count, uneven, self.model, self.data, self._mujoco)
         self._any_gone = False
         self._cut = 0
         self._is_pushed = False
@@ -171,7 +180,7 @@ class MujocoWorld:
         """Put the bodies at other places (N, 3) [m]."""
         self._qpos[: self.count, :3] = p
 
-    def place_pushers(self, poses: Pushed) -> None:
+    def place_pushers(self, poses: Poses) -> None:
         """Put those who push at their first places."""
         self._qpos[self.count :] = self.pushers.put(poses)
 
@@ -196,12 +205,12 @@ class MujocoWorld:
             deepest[one, other] = max(deepest.get((one, other), 0.0), -dist)
         return [Overlap(*pair, depth) for pair, depth in deepest.items()]
 
-    def brushes(self) -> Brushes:
+    def sliding_motion(self) -> SlidingMotion:
         """Return how bodies move along what they touch, which is numbered as in `Strike`."""
         contact, count = self.data.contact, self.count
         w = turn(matrix(self._qpos[:, 3:]), self._qvel[:, 3:])
         still = np.zeros((1, 3))
-        found = brushes(
+        found = sliding_motion(
             Contacts(
                 self._things_that_touch(),
                 contact.pos.reshape(-1, 3),
@@ -220,7 +229,7 @@ class MujocoWorld:
         result: NDArray[np.int64] = self.model.geom_bodyid[geoms].astype(np.int64)
         return result
 
-    def advance(self, poses: Pushed | None = None) -> list[Strike]:
+    def advance(self, poses: Poses | None = None) -> list[Strike]:
         """Go on by one step.
 
         Args:
@@ -282,10 +291,10 @@ def _triple(values: Sequence[float]) -> tuple[float, float, float]:
     return float(x), float(y), float(z)
 
 
-def _things(builds: Sequence[Build], pushers: int) -> Records:
+def _things(builds: Sequence[BodyModel], pushers: int) -> Records:
     """Return what stays of the terrain, of bodies and of who push, as MuJoCo numbers them."""
     bodies = Bodies.of(builds)
-    things = zeros(1 + len(builds) + pushers, THING)
+    things = zero_records(1 + len(builds) + pushers, THING)
     # Of the ground and of who pushes nothing is known: the body's own bounciness holds.
     things.bounciness = np.inf
     own = things[1 : 1 + len(builds)]
@@ -314,7 +323,7 @@ def _build(
     """Return model, data and module: the terrain first, then bodies, then pushers."""
     import mujoco
 
-    tell_warnings(mujoco)
+    log_warnings(mujoco)
     spec = mujoco.MjSpec()
     _set_options(spec, mujoco, not is_level(field))
     matter = {"contype": FIXED, "conaffinity": 0, **_matter(0.0, 0.0)}
@@ -326,7 +335,7 @@ def _build(
     for k, corners in enumerate(pushers):
         _add_pusher(spec, mujoco, f"pusher {k}", corners, HEAVIER * heaviest)
     spec.nuserdata = 1
-    spec.memory = room_for(len(colliders) + len(pushers))
+    spec.memory = memory_for(len(colliders) + len(pushers))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco
 
@@ -339,7 +348,7 @@ def _set_options(spec: Any, mujoco: Any, is_uneven: bool) -> None:
     option.sleep_tolerance = STILL
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_REFSAFE)
     if is_uneven:
-        look_upward(option, mujoco)
+        use_upward_collision(option, mujoco)
 
 
 def _matter(friction: float, rolling: float) -> dict[str, Any]:

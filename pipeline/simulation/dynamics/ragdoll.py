@@ -22,8 +22,13 @@ import numpy as np
 from pipeline.simulation.dynamics.bones import Bone, Flesh, flesh_of, size_of
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.dynamics.mujoco_ground import add_ground, is_level, look_upward, room_for
-from pipeline.simulation.dynamics.mujoco_warnings import tell_warnings
+from pipeline.simulation.dynamics.mujoco_model import (
+    add_ground,
+    is_level,
+    log_warnings,
+    memory_for,
+    use_upward_collision,
+)
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
@@ -266,7 +271,7 @@ def _build(
     """Return model, data and module: the ground's geom first, then one of each bone."""
     import mujoco
 
-    tell_warnings(mujoco)
+    log_warnings(mujoco)
     spec = mujoco.MjSpec()
     spec.compiler.degree = False
     option = spec.option
@@ -278,7 +283,7 @@ def _build(
     option.noslip_iterations = GRIPS
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     if not is_level(field):
-        look_upward(option, mujoco)
+        use_upward_collision(option, mujoco)
     hard = [HARD * tau, SPENT]
     matter = {"friction": [FRICTION, 0.0, 0.0], "condim": 3, "solref": hard}
     matter["solimp"] = [0.95, 0.99, 0.001 * size, 0.5, 2.0]
@@ -295,7 +300,7 @@ def _build(
         _add_joints(body, mujoco, bone, flesh, mass, values.tolist(), first, hard)
         first += len(bone.joints)
         made.append(body)
-    spec.memory = room_for(len(bones))
+    spec.memory = memory_for(len(bones))
     model = spec.compile()
     return model, mujoco.MjData(model), mujoco
 

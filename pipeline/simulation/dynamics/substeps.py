@@ -16,14 +16,14 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import FRAME, frame_of, surface
 from pipeline.simulation.dynamics.impact_law import STIFFNESS
-from pipeline.simulation.dynamics.native import array_at, native
-from pipeline.simulation.dynamics.pushing import Pushers
-from pipeline.simulation.dynamics.records import zeros
-from pipeline.simulation.dynamics.rigid import Bodies, Build
+from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies
+from pipeline.simulation.dynamics.mujoco_callback import array_at, native_callback
+from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel
+from pipeline.simulation.dynamics.terrain_grid import FRAME, frame_of, surface_at
 from pipeline.simulation.dynamics.vectors import length, minus, row
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -73,7 +73,7 @@ class Substeps:
 
     def __init__(
         self,
-        builds: Sequence[Build],
+        builds: Sequence[BodyModel],
         pushers: Sequence[Array],
         field: HeightField,
         step: float,
@@ -83,7 +83,7 @@ class Substeps:
     ) -> None:
         bodies = Bodies.of(builds)
         self.reach = bodies.reach
-        self.limits = zeros(len(builds), LIMITS)
+        self.limits = zero_records(len(builds), LIMITS)
         self.limits["reach"], self.limits["thin"] = bodies.reach, bodies.thin
         self.far = np.array([np.linalg.norm(corners, axis=1).max() for corners in pushers])
         self.step = step
@@ -97,7 +97,7 @@ class Substeps:
         self._held, self._quickest = (*arrays, at), at["quickest"]
         self._at, self._look = at.ctypes.data, _looking()
 
-    def count(self, pushers: Pushers) -> int:
+    def count(self, pushers: KinematicBodies) -> int:
         """Return the sub-steps of the step to come, in which somebody pushes."""
         if len(self._paths):
             self._paths[:] = pushers.paths(self.far)
@@ -126,7 +126,7 @@ def _looking() -> Callable[[int, int], None]:
             array_at(at.paths, 5 * at.pushers, NUMBER).reshape(-1, 5),
         )
 
-    made: Callable[[int, int], None] = native(look)
+    made: Callable[[int, int], None] = native_callback(look)
     return made
 
 
@@ -157,7 +157,7 @@ def _quickest(
         p, speed = (qpos[i, 0], qpos[i, 1], qpos[i, 2]), 0.0
         if moves[i] != 0 and not limits[i].gone:
             v, w = qvel[i, :3], qvel[i, 3:]
-            height, _ = surface(frame, vertices, p[0], p[2])
+            height, _ = surface_at(frame, vertices, p[0], p[2])
             # What falls will be quicker when it has come to the ground.
             falling = 2.0 * GRAVITY * max(p[1] - height - limits[i].thin, 0.0)
             speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + falling)

@@ -72,7 +72,7 @@ def draw(words: Figure) -> Drawing:
     number = {name: i for i, name in enumerate(names)}
     pairs = sorted(sorted((number[a], number[b])) for a, b in sheet.connections)
     places = np.array([mark.at for mark in marks], dtype=float)
-    default = words.radius or _slender(places, [node.radius for node in nodes])
+    default = words.radius or _default_radius(places, [node.radius for node in nodes])
     sizes = np.array([mark.size for mark in marks])
     return Drawing(
         names=names,
@@ -85,7 +85,7 @@ def draw(words: Figure) -> Drawing:
     )
 
 
-def _slender(places: Array, radii: Sequence[float | None]) -> float:
+def _default_radius(places: Array, radii: Sequence[float | None]) -> float:
     """Return a radius that suits a drawing whose nodes give none [m]."""
     extent = float(np.ptp(places, axis=0).max())
     given = [radius for radius in radii if radius is not None]

@@ -6,17 +6,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.figures.creation import create
 from pipeline.simulation.figures.drawing import Drawing, draw
-from pipeline.simulation.figures.flesh import Piece, flesh
-from pipeline.simulation.figures.looks import Looks, looks_of
+from pipeline.simulation.figures.figure_skin import FigureSkin, build_figure_skin
+from pipeline.simulation.figures.link_shapes import SolidPiece, build_pieces
 from pipeline.simulation.figures.network import Anatomy, analyse
-from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton
+from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton, lay_out_nodes
 from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, body_solid
 from pipeline.simulation.spatial import Array
 from pipeline.spec.figure import Figure as Words
 
-FEET = {"insect": "claws", "mammal": "plain"}
+DEFAULT_FEET = {"insect": "claws", "mammal": "plain"}
 """What legs end in where the words do not say it, by style."""
 
 
@@ -73,14 +72,14 @@ class Figure:
         return solid
 
     @cached_property
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self) -> tuple[SolidPiece, ...]:
         """All its visible solids, the body first."""
-        return tuple(flesh(self.skeleton, self.drawing, self.anatomy, self.body, self.eyes))
+        return tuple(build_pieces(self.skeleton, self.drawing, self.anatomy, self.body, self.eyes))
 
     @cached_property
-    def looks(self) -> Looks:
+    def looks(self) -> FigureSkin:
         """What is seen in place of its pieces."""
-        return looks_of(self)
+        return build_figure_skin(self)
 
     @property
     def belly(self) -> float:
@@ -97,7 +96,7 @@ def build_figure(name: str, words: Words, scale: float) -> Figure:
     drawing = draw(words)
     try:
         anatomy = analyse(drawing, words.parts)
-        points = create(words, drawing, anatomy, scale)
+        points = lay_out_nodes(words, drawing, anatomy, scale)
         skeleton = build_skeleton(words, drawing, anatomy, points, scale)
     except SceneError as error:
         raise SceneError(
@@ -113,7 +112,7 @@ def build_figure(name: str, words: Words, scale: float) -> Figure:
         points,
         words.style,
         words.density,
-        words.feet or FEET[words.style],
+        words.feet or DEFAULT_FEET[words.style],
         words.style == "insect" if words.jaws is None else words.jaws,
         words.eyes,
         skeleton,

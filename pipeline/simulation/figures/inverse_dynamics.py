@@ -22,7 +22,8 @@ import numpy as np
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties, joined
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.ik_goals import rotation_vector
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.skeleton import BODY, Skeleton
 from pipeline.simulation.spatial import UP, Array, cross, turn
 
@@ -71,7 +72,7 @@ class FrameMasses:
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class FigureMotion:
     """How a figure moves at some moments.
 
     Attributes:
@@ -92,7 +93,7 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Push:
+class ExternalForces:
     """Forces from outside on points of links, such as those of the ground on feet.
 
     Attributes:
@@ -107,7 +108,7 @@ class Push:
 
 
 @dataclass(frozen=True, eq=False)
-class Load:
+class JointLoad:
     """What a motion needs.
 
     Attributes:
@@ -122,12 +123,12 @@ class Load:
 
 
 def inverse_dynamics(
-    tree: Tree,
+    tree: JointTree,
     masses: FrameMasses,
-    motion: Motion,
-    push: Push | None = None,
+    motion: FigureMotion,
+    push: ExternalForces | None = None,
     gravity: float = GRAVITY,
-) -> Load:
+) -> JointLoad:
     """Return the load of a motion.
 
     Args:
@@ -137,9 +138,9 @@ def inverse_dynamics(
         push: from outside.
         gravity: [m/s²].
     """
-    R, p = _frames(tree, motion)
+    R, p = _world_frames(tree, motion)
     axes = turn(R[..., :-1, :, :], tree.axes)
-    force, moment = _needs(tree, masses, motion, (R, p, axes), gravity)
+    force, moment = _link_wrenches(tree, masses, motion, (R, p, axes), gravity)
     if push is not None:
         for i, frame in enumerate(push.frames):
             f = push.forces[..., i, :]
@@ -152,10 +153,10 @@ def inverse_dynamics(
         torques[..., j] = (axes[..., j, :] * carried).sum(axis=-1)
         force[above] = force[above] + f
         moment[above] = moment[above] + n + cross(p[..., j, :] - p[..., above, :], f)
-    return Load(torques, force[BODY], moment[BODY])
+    return JointLoad(torques, force[BODY], moment[BODY])
 
 
-def _frames(tree: Tree, motion: Motion) -> tuple[Array, Array]:
+def _world_frames(tree: JointTree, motion: FigureMotion) -> tuple[Array, Array]:
     """Return the frames R (..., J + 1, 3, 3) and p (..., J + 1, 3) in the world."""
     X_WB = motion.X_WB[..., None, :, :]
     X = X_WB @ tree.pose(motion.q)
@@ -163,8 +164,12 @@ def _frames(tree: Tree, motion: Motion) -> tuple[Array, Array]:
     return X[..., :3, :3], X[..., :3, 3]
 
 
-def _needs(
-    tree: Tree, masses: FrameMasses, motion: Motion, frames: tuple[Array, Array, Array], g: float
+def _link_wrenches(
+    tree: JointTree,
+    masses: FrameMasses,
+    motion: FigureMotion,
+    frames: tuple[Array, Array, Array],
+    g: float,
 ) -> tuple[list[Array], list[Array]]:
     """Return the force and the moment about its joint that each link alone needs, by frame."""
     R, p, axes = frames
@@ -193,3 +198,36 @@ def _needs(
         own = turn(inertia, α[j]) + cross(ω[j], turn(inertia, ω[j]))
         moment[j] = own + cross(c, force[j])
     return force, moment
+
+
+def finite_difference_motion(q: Array, R_WB: Array, p_WB: Array, dt: float) -> FigureMotion:
+    """Return the motion in all rows but the first and the last.
+
+    Args:
+        q: (K, ..., J) joint values [rad or m].
+        R_WB: (K, ..., 3, 3) orientation of the body.
+        p_WB: (K, ..., 3) its place [m].
+        dt: time between two rows [s].
+    """
+    X = np.zeros((*p_WB[1:-1].shape[:-1], 4, 4))
+    X[..., :3, :3], X[..., :3, 3], X[..., 3, 3] = R_WB[1:-1], p_WB[1:-1], 1.0
+    spins = rotation_between(R_WB[:-1], R_WB[1:]) / dt
+    return FigureMotion(
+        q[1:-1],
+        (q[2:] - q[:-2]) / (2.0 * dt),
+        _second_difference(q, dt),
+        X,
+        0.5 * (spins[1:] + spins[:-1]),
+        (spins[1:] - spins[:-1]) / dt,
+        _second_difference(p_WB, dt),
+    )
+
+
+def rotation_between(before: Array, after: Array) -> Array:
+    """Return the rotation vectors (..., 3) from `before` to `after` (..., 3, 3), in the world."""
+    return rotation_vector(after @ np.swapaxes(before, -1, -2))
+
+
+def _second_difference(v: Array, dt: float) -> Array:
+    result: Array = (v[2:] - 2.0 * v[1:-1] + v[:-2]) / (dt * dt)
+    return result

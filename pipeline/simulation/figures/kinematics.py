@@ -19,14 +19,14 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.skeleton import BODY, Limb, Skeleton
 from pipeline.simulation.spatial import Array, cross, cross_matrix, turn
 
-ONE = np.eye(3)
+IDENTITY = np.eye(3)
 
-Rows = NDArray[np.bool_] | NDArray[np.int64]
+LimbRows = NDArray[np.bool_] | NDArray[np.int64]
 """Which limbs of a batch: a mask (L,) or their numbers."""
 
 
 @dataclass(frozen=True, eq=False)
-class Hinges:
+class JointTransforms:
     """Joints with constant axes and offsets, prepared so that a value costs two sines.
 
     The frame of a joint in its parent's is a translation by its offset, then a rotation
@@ -49,7 +49,7 @@ class Hinges:
         """Constant term, and those of sine and cosine, (..., n, 4, 4) each."""
         constant, sine, cosine = np.zeros((3, *self.axes.shape[:-1], 4, 4))
         K = cross_matrix(np.where(self.prismatic[..., None], 0.0, self.axes))
-        constant[..., :3, :3] = ONE + K @ K
+        constant[..., :3, :3] = IDENTITY + K @ K
         constant[..., :3, 3] = self.offsets
         constant[..., 3, 3] = 1.0
         sine[..., :3, :3] = K
@@ -73,7 +73,7 @@ class Hinges:
 
 
 @dataclass(frozen=True, eq=False)
-class Tree:
+class JointTree:
     """Joints that hang on one another, of one figure or of many, as arrays.
 
     Attributes:
@@ -89,9 +89,9 @@ class Tree:
     prismatic: NDArray[np.bool_]
 
     @staticmethod
-    def of(skeleton: Skeleton) -> Tree:
+    def of(skeleton: Skeleton) -> JointTree:
         """Take the joints of a skeleton."""
-        return Tree(skeleton.parents, skeleton.axes, skeleton.places, skeleton.prismatic)
+        return JointTree(skeleton.parents, skeleton.axes, skeleton.places, skeleton.prismatic)
 
     @cached_property
     def _depth(self) -> NDArray[np.int64]:
@@ -115,11 +115,13 @@ class Tree:
         return tuple(self._order[0].tolist())
 
     @cached_property
-    def _hinges(self) -> Hinges:
+    def _hinges(self) -> JointTransforms:
         """The joints by distance from the body, each in the frame of its parent."""
         origins = np.where((self.parents == BODY)[:, None], 0.0, self.places[self.parents])
         order, _ = self._order
-        return Hinges(self.axes[order], (self.places - origins)[order], self.prismatic[order])
+        return JointTransforms(
+            self.axes[order], (self.places - origins)[order], self.prismatic[order]
+        )
 
     @cached_property
     def _levels(self) -> list[tuple[slice, NDArray[np.int64]]]:
@@ -166,7 +168,7 @@ class LimbPose:
         R: Array = self.X_BJ[:, -1, :3, :3]
         return R
 
-    def rows(self, chosen: Rows) -> LimbPose:
+    def rows(self, chosen: LimbRows) -> LimbPose:
         """Return the limbs `chosen` alone."""
         return LimbPose(self.q[chosen], self.X_BJ[chosen], self.tips[chosen], self.jacobian[chosen])
 
@@ -243,14 +245,14 @@ class LimbBatch:
             is_joint=is_joint,
         )
 
-    def rows(self, chosen: Rows) -> LimbBatch:
+    def rows(self, chosen: LimbRows) -> LimbBatch:
         """Return the limbs `chosen` alone."""
         return LimbBatch(**{f.name: getattr(self, f.name)[chosen] for f in fields(self)})
 
     @cached_property
-    def _hinges(self) -> Hinges:
+    def _hinges(self) -> JointTransforms:
         origins = np.concatenate([np.zeros_like(self.places[:, :1]), self.places[:, :-1]], axis=1)
-        return Hinges(self.axes, self.places - origins, self.prismatic)
+        return JointTransforms(self.axes, self.places - origins, self.prismatic)
 
     @cached_property
     def _slide(self) -> bool:
@@ -275,3 +277,61 @@ class LimbBatch:
         if self._slide:
             jacobian = np.where(self.prismatic[..., None], axes, jacobian)
         return LimbPose(q, X, tips, jacobian)
+
+
+def rotation_axes(batch: LimbBatch, pose: LimbPose) -> Array:
+    """Return the axes (L, n, 3) that the tips turn about; zero for joints that slide."""
+    axes = turn(pose.X_BJ[..., :3, :3], batch.axes)
+    return np.where(batch.prismatic[..., None], 0.0, axes)
+
+
+def jacobian(batch: LimbBatch, pose: LimbPose) -> Array:
+    """Return Jᵀ (L, n, 6), position and orientation of the tips [m/rad, 1 and 1/m].
+
+    Source: Sims 1987, eq. 5.1.
+    """
+    return np.concatenate([pose.jacobian, rotation_axes(batch, pose)], axis=-1)
+
+
+def hessian(batch: LimbBatch, pose: LimbPose) -> Array:
+    """Return H (L, n, n, 6), how the column of joint j (second) changes with joint i (first).
+
+    What lies beyond the nearer of two joints is turned with it, so the column of the
+    farther one turns, and the nearer one's lever is moved by the farther one: in both cases
+    the change of position is ω_near × J_far. Only the nearer joint changes an axis.
+    """
+    ω, J = rotation_axes(batch, pose), pose.jacobian
+    n = J.shape[1]
+    near = np.minimum.outer(np.arange(n), np.arange(n))
+    far = np.maximum.outer(np.arange(n), np.arange(n))
+    H = np.zeros((len(J), n, n, 6))
+    H[..., :3] = cross(ω[:, near], J[:, far])
+    i, j = np.triu_indices(n, 1)
+    H[:, i, j, 3:] = cross(ω[:, i], ω[:, j])
+    return H
+
+
+def tree_jacobian(tree: JointTree, q: Array, joint: int, place: Array) -> Array:
+    """Return Jᵀ (..., J, 6) of a point of the link that `joint` moves, relative to the body.
+
+    Args:
+        tree: the joints.
+        q: (..., J) joint values [rad or m].
+        joint: number; `BODY` gives zeros.
+        place: (3,) the point in the creation frame [m].
+    """
+    J = np.zeros((*q.shape, 6))
+    if joint == BODY:
+        return J
+    X = tree.pose(q)
+    R, p = X[..., :3, :3], X[..., :3, 3]
+    tip = p[..., joint, :] + turn(R[..., joint, :, :], place - tree.places[joint])
+    axes = turn(R, tree.axes)
+    while joint != BODY:
+        if tree.prismatic[joint]:
+            J[..., joint, :3] = axes[..., joint, :]
+        else:
+            J[..., joint, :3] = cross(axes[..., joint, :], tip - p[..., joint, :])
+            J[..., joint, 3:] = axes[..., joint, :]
+        joint = int(tree.parents[joint])
+    return J

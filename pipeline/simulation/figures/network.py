@@ -15,28 +15,116 @@ Source: Sims 1987, 4.2.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from pipeline.errors import Problem, SceneError
-from pipeline.simulation.figures.drawing import Drawing
-from pipeline.simulation.figures.graph import Links, bridges, core_of, largest_group, loops_of
-from pipeline.simulation.figures.kinds import (
-    ARM,
-    BODY,
-    FEELER,
-    HEAD,
-    LEG,
-    TAIL,
-    in_order,
-    kinds_of,
-    side_of,
-)
-from pipeline.spec.nearest import hint
+import numpy as np
 
-__all__ = ["ARM", "FEELER", "HEAD", "LEG", "TAIL", "Anatomy", "Appendage", "Remark", "analyse"]
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.figures.connection_graph import (
+    Adjacency,
+    find_bridges,
+    largest_group,
+    loop_core,
+    loop_groups,
+)
+from pipeline.simulation.figures.drawing import Drawing
+from pipeline.spec.suggestions import hint
+
+LEG, ARM, HEAD, TAIL, FEELER = "leg", "arm", "head", "tail", "feeler"
+BODY = "body"
+KIND_ORDER = (LEG, ARM, HEAD, TAIL, FEELER)
 
 Chain = tuple[int, ...]
+
+MIDLINE_TOLERANCE = 0.3
+"""How far to the side of the midline a head or tail may point, as a part of its length."""
+
+
+def classify_appendages(
+    drawing: Drawing, chains: Sequence[Chain], told: Mapping[int, str], branches: bool = True
+) -> dict[Chain, str]:
+    """Return the kind of each appendage.
+
+    Args:
+        drawing: the flat network.
+        chains: the appendages but feelers, from base to tip.
+        told: kinds by tip, where the author knows better.
+        branches: False for a single chain, whose ends are head and tail wherever they point.
+    """
+    kinds = {chain: told.get(chain[-1], "") for chain in chains}
+    guessed = [chain for chain in chains if not kinds[chain]]
+    kinds |= dict.fromkeys(guessed, LEG)
+    if not chains:
+        return kinds
+    x, y = drawing.places.T
+    if not branches:
+        ends = sorted(guessed, key=lambda c: (y[c[-1]], x[c[-1]]))
+        free = [kind for kind in (HEAD, TAIL) if kind not in kinds.values()]
+        # An end that is alone is what it points to.
+        if len(ends) == 1 and len(free) == 2 and y[ends[0][-1]] > y[ends[0][0]]:
+            free.reverse()
+        kinds |= dict(zip(ends, free, strict=False))
+        return kinds
+    rows = [float(y[chain[0]]) for chain in chains]
+    waist = (min(rows) + max(rows)) / 2
+    middle = midline(drawing)
+    lengthwise = [chain for chain in guessed if _is_lengthwise(drawing, chain, middle)]
+    if HEAD not in kinds.values():
+        front = [c for c in lengthwise if y[c[-1]] < waist and y[c[-1]] < y[c[0]]]
+        if front:
+            kinds[min(front, key=lambda c: (y[c[0]], y[c[-1]], abs(x[c[-1]] - middle)))] = HEAD
+    if TAIL not in kinds.values():
+        back = [
+            c for c in lengthwise if y[c[-1]] > waist and y[c[-1]] > y[c[0]] and kinds[c] == LEG
+        ]
+        if back:
+            kinds[min(back, key=lambda c: (-y[c[0]], -y[c[-1]], abs(x[c[-1]] - middle)))] = TAIL
+    return kinds
+
+
+def sort_appendages(drawing: Drawing, kinds: Mapping[Chain, str]) -> list[Chain]:
+    """Return the appendages by kind, the left before the right, front to back."""
+
+    def rank(chain: Chain) -> tuple[int, str, float, float]:
+        y = drawing.places[list(chain), 1]
+        return (
+            KIND_ORDER.index(kinds[chain]),
+            appendage_side(drawing, chain),
+            float(y[0]),
+            float(y.mean()),
+        )
+
+    return sorted(kinds, key=rank)
+
+
+def appendage_side(drawing: Drawing, chain: Chain) -> str:
+    """Return the side that an appendage is on: "l", "r", or "m" in the middle."""
+    lateral = float(drawing.places[list(chain), 0].mean()) - midline(drawing)
+    extent = float(np.ptp(drawing.places, axis=0).max())
+    if abs(lateral) <= 1e-6 * extent:
+        return "m"
+    return "l" if lateral < 0 else "r"
+
+
+def midline(drawing: Drawing) -> float:
+    """Return x of the midline: 0, or the middle of a drawing that lies on one side of it [m]."""
+    low, high = float(drawing.places[:, 0].min()), float(drawing.places[:, 0].max())
+    return 0.0 if low <= 0.0 <= high else (low + high) / 2
+
+
+def _is_lengthwise(drawing: Drawing, chain: Chain, middle: float) -> bool:
+    """Tell whether an appendage lies along the midline."""
+    base, tip = drawing.places[chain[0]], drawing.places[chain[-1]]
+    length = math.dist(base, tip)
+    return bool(
+        abs(tip[0] - base[0]) <= MIDLINE_TOLERANCE * length
+        and abs(tip[0] - middle) <= MIDLINE_TOLERANCE * length
+    )
+
+
+__all__ = ["ARM", "FEELER", "HEAD", "LEG", "TAIL", "Anatomy", "Appendage", "Remark", "analyse"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,50 +198,51 @@ def analyse(drawing: Drawing, overrides: Mapping[str, str]) -> Anatomy:
         raise SceneError([Problem("chains", message)])
     group = largest_group(drawing.neighbours)
     links = {n: set(drawing.neighbours[n]) for n in sorted(group)}
-    _refuse(drawing, links, overrides)
+    _check_overrides(drawing, links, overrides)
     told = {n: overrides[name] for n, name in enumerate(drawing.names) if name in overrides}
     fixed = {n for n, kind in told.items() if kind == BODY}
     whole = dict(links)
     # All are followed before any is taken away: a pair of them makes their base a base.
-    stops = _stops(links, fixed)
-    feelers = [_follow(links, n, stops) for n in links if told.get(n) == FEELER]
+    stops = _find_stops(links, fixed)
+    feelers = [_follow_inward(links, n, stops) for n in links if told.get(n) == FEELER]
     links = _without(links, feelers)
-    stops = _stops(links, fixed)
+    stops = _find_stops(links, fixed)
     tips = [n for n in links if len(links[n]) == 1 and n not in fixed]
-    chains = [chain for tip in tips if len(chain := _follow(links, tip, stops)) > 1]
+    chains = [chain for tip in tips if len(chain := _follow_inward(links, tip, stops)) > 1]
     branches = not _is_chain(links)
-    kinds = kinds_of(drawing, chains, told, branches) | dict.fromkeys(feelers, FEELER)
+    kinds = classify_appendages(drawing, chains, told, branches) | dict.fromkeys(feelers, FEELER)
     inside = set(links) - {n for chain in chains for n in chain[1:]}
     return Anatomy(
         body=tuple(sorted(inside)),
         bones=tuple((a, b) for a, b in drawing.connections if a in inside and b in inside),
         appendages=tuple(
-            Appendage(kinds[c], c, side_of(drawing, c)) for c in in_order(drawing, kinds)
+            Appendage(kinds[c], c, appendage_side(drawing, c))
+            for c in sort_appendages(drawing, kinds)
         ),
         ignored=tuple(n for n in range(len(drawing.names)) if n not in group),
-        warnings=tuple(_remarks(drawing, whole, inside, kinds)),
+        warnings=tuple(_find_remarks(drawing, whole, inside, kinds)),
     )
 
 
-def _stops(links: Links, fixed: set[int]) -> set[int]:
+def _find_stops(links: Adjacency, fixed: set[int]) -> set[int]:
     """Return the nodes at which an appendage ends on its way inward."""
     fixed = fixed & set(links)
     stops = fixed | {n for n, others in links.items() if len(others) > 2}
     if stops or not _is_chain(links):
         return stops
     # Its middle node is the body, or its middle link.
-    chain = _follow(links, next(n for n, others in links.items() if len(others) <= 1), set())
+    chain = _follow_inward(links, next(n for n, others in links.items() if len(others) <= 1), set())
     n = len(chain)
     return set(chain) if n == 2 else set(chain[(n - 1) // 2 : n // 2 + 1])
 
 
-def _is_chain(links: Links) -> bool:
+def _is_chain(links: Adjacency) -> bool:
     """Tell whether a group is one chain without a branch."""
     counts = [len(others) for others in links.values()]
     return max(counts) <= 2 and min(counts) <= 1
 
 
-def _follow(links: Links, tip: int, stops: set[int]) -> Chain:
+def _follow_inward(links: Adjacency, tip: int, stops: set[int]) -> Chain:
     """Return the nodes from the base, the first that appendages stop at, out to `tip`."""
     chain, before = [tip], -1
     while chain[-1] not in stops:
@@ -165,16 +254,16 @@ def _follow(links: Links, tip: int, stops: set[int]) -> Chain:
     return tuple(reversed(chain))
 
 
-def _without(links: Links, chains: list[Chain]) -> dict[int, set[int]]:
+def _without(links: Adjacency, chains: list[Chain]) -> dict[int, set[int]]:
     """Return `links` without the nodes of `chains`, their bases excepted."""
     gone = {node for chain in chains for node in chain[1:]}
     return {n: others - gone for n, others in links.items() if n not in gone}
 
 
-def _refuse(drawing: Drawing, links: Links, overrides: Mapping[str, str]) -> None:
+def _check_overrides(drawing: Drawing, links: Adjacency, overrides: Mapping[str, str]) -> None:
     """Refuse overrides that ask of a node what it cannot be."""
     number = {name: n for n, name in enumerate(drawing.names)}
-    loops = loops_of(links)
+    loops = loop_groups(links)
     tips = [drawing.names[n] for n, others in links.items() if len(others) == 1]
     problems = []
     for name, kind in overrides.items():
@@ -187,33 +276,33 @@ def _refuse(drawing: Drawing, links: Links, overrides: Mapping[str, str]) -> Non
         elif kind == BODY or name in tips:
             continue
         elif loop is not None:
-            around = listed(drawing, loop)
+            around = list_names(drawing, loop)
             message = f"'{name}' is on a loop ({around}), which can only be body, not a {kind}"
         else:
-            message = f"'{name}' is no tip of the figure; {_which(name, tips)}"
+            message = f"'{name}' is no tip of the figure; {_tips_hint(name, tips)}"
         problems.append(Problem(f"parts.{name}", message))
     if problems:
         raise SceneError(problems)
 
 
-def _which(name: str, tips: list[str]) -> str:
+def _tips_hint(name: str, tips: list[str]) -> str:
     return f"the tips are {', '.join(sorted(tips))}" if tips else "it has none"
 
 
-def listed(drawing: Drawing, nodes: set[int], most: int = 6) -> str:
+def list_names(drawing: Drawing, nodes: set[int], most: int = 6) -> str:
     """Return the names of nodes, in the order of the drawing, the first few of many."""
     names = [f"'{drawing.names[n]}'" for n in sorted(nodes)]
     return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
 
 
-def _remarks(
-    drawing: Drawing, links: Links, body: set[int], kinds: Mapping[Chain, str]
+def _find_remarks(
+    drawing: Drawing, links: Adjacency, body: set[int], kinds: Mapping[Chain, str]
 ) -> Iterator[Remark]:
     """Find what the author may not have meant."""
     ignored = set(range(len(drawing.names))) - set(links)
     if ignored:
         are = "are" if len(ignored) > 1 else "is"
-        text = f"{listed(drawing, ignored)} {are} not connected to the rest and ignored"
+        text = f"{list_names(drawing, ignored)} {are} not connected to the rest and ignored"
         yield Remark(drawing.names[min(ignored)], text)
     yield from _joined_loops(drawing, links)
     chain = _is_chain(links)
@@ -222,7 +311,7 @@ def _remarks(
         yield Remark(name, "there is no leg: the figure can stand and pose, but not walk")
     if chain:
         text = (
-            f"the figure is one chain without a branch: {listed(drawing, body)} is its body; "
+            f"the figure is one chain without a branch: {list_names(drawing, body)} is its body; "
             "say otherwise with parts: {node: body}. Drawn straight it walks as an inchworm"
         )
         yield Remark(drawing.names[min(body)], text)
@@ -240,12 +329,12 @@ def _remarks(
             yield Remark(drawing.names[n], f"{text} and not connected")
 
 
-def _joined_loops(drawing: Drawing, links: Links) -> Iterator[Remark]:
+def _joined_loops(drawing: Drawing, links: Adjacency) -> Iterator[Remark]:
     """Find loops that are joined by a bridge, which then is part of the body."""
-    loops = loops_of(links)
-    core = core_of(links)
+    loops = loop_groups(links)
+    core = loop_core(links)
     between: dict[int, set[int]] = {n: set() for n in core}
-    for a, b in bridges(core):
+    for a, b in find_bridges(core):
         between[a].add(b)
         between[b].add(a)
     home = {n: i for i, loop in enumerate(loops) for n in loop}
@@ -264,7 +353,8 @@ def _joined_loops(drawing: Drawing, links: Links) -> Iterator[Remark]:
             one, other = loops[home[start]], loops[home[way[-1]]]
             bridge = " - ".join(f"'{drawing.names[n]}'" for n in way)
             text = (
-                f"the loops of {listed(drawing, one, 3)} and of {listed(drawing, other, 3)} are "
+                f"the loops of {list_names(drawing, one, 3)} and of "
+                f"{list_names(drawing, other, 3)} are "
                 f"joined by the bridge {bridge}, which is part of the body and does not bend"
             )
             yield Remark(drawing.names[start], text)

@@ -15,21 +15,75 @@ from typing import NamedTuple
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.part_names import PartNames
-from pipeline.simulation.figures.point_goals import LimbPoint
-from pipeline.simulation.tracks import Run, Track
-from pipeline.spec.keyframes import Ease
-from pipeline.spec.nearest import hint
-from pipeline.spec.pose import GOALS, Frame, PoseKey
+from pipeline.simulation.figures.ik_goals import LimbPoint
+from pipeline.simulation.keyframe_track import BlendedTrack, Track
+from pipeline.simulation.spatial import normalized
+from pipeline.spec.keyframes import GOALS, Ease, Frame, PoseKey
+from pipeline.spec.suggestions import hint
+
+
+class PartNames:
+    """Names of limbs, nodes and joints.
+
+    Attributes:
+        figure: whose parts they are.
+        limbs: name -> number of the limb.
+        nodes: name -> limb, and which of its links ends there.
+        joints: name -> limb, and which of its joints it is.
+        body: names of the nodes of the body.
+    """
+
+    def __init__(self, figure: Figure) -> None:
+        self.figure = figure
+        skeleton, names = figure.skeleton, figure.drawing.names
+        self.limbs = {limb.name: i for i, limb in enumerate(skeleton.limbs)}
+        # A limb that is the only one of its side needs no number.
+        for name, i in list(self.limbs.items()):
+            short = name[:-1]
+            if name.endswith("1") and len(short) > 1 and f"{short}2" not in self.limbs:
+                self.limbs.setdefault(short, i)
+        self.nodes: dict[str, tuple[int, int]] = {}
+        self.joints: dict[str, tuple[int, int]] = {}
+        for i, appendage in enumerate(figure.anatomy.appendages):
+            for k, node in enumerate(appendage.nodes):
+                if k:
+                    self.nodes.setdefault(names[node], (i, k - 1))
+                self._name_joints(i, k, names[node])
+        self.body = {names[node] for node in figure.anatomy.body}
+
+    def _name_joints(self, limb: int, k: int, node: str) -> None:
+        """Name the joints of a limb that stand at its node number `k`."""
+        skeleton = self.figure.skeleton
+        start = "base_" if k == 0 else f"joint{k}_"
+        here = [
+            (column, joint, skeleton.joint_names[joint].rpartition(".")[2])
+            for column, joint in enumerate(skeleton.limbs[limb].joints)
+        ]
+        here = [one for one in here if one[2].startswith(start)]
+        for column, joint, name in here:
+            unit = "" if skeleton.prismatic[joint] else "_deg"
+            long = f"{node}_{name.removeprefix(start)}{unit}"
+            self.joints.setdefault(long, (limb, column))
+            if len(here) == 1:
+                self.joints.setdefault(f"{node}{unit}", (limb, column))
+
+    def point(self, limb: int, link: int) -> LimbPoint:
+        """Return the node at the outer end of a limb's link."""
+        skeleton = self.figure.skeleton
+        own = skeleton.limbs[limb]
+        there = skeleton.links[own.links[link]]
+        column = own.joints.index(there.joint)
+        return LimbPoint(column, there.ends[1], normalized(there.ends[1] - there.ends[0]))
+
 
 BODY = "body"
 
-POINTS_FIRST, JOINTS_FIRST = 1, 2
+POINT_PRIORITY, JOINT_PRIORITY = 1, 2
 """Priorities that are taken if none is given."""
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class PoseRun:
     """What is asked of a part of one limb.
 
     Attributes:
@@ -40,13 +94,13 @@ class Asked:
     """
 
     limb: int
-    run: Run
+    run: BlendedTrack
     priority: int
     weight: float
 
 
 @dataclass(frozen=True, eq=False)
-class PointRun(Asked):
+class PointRun(PoseRun):
     """What is asked of one node: a place [m], a direction, or angles [rad].
 
     Attributes:
@@ -61,7 +115,7 @@ class PointRun(Asked):
 
 
 @dataclass(frozen=True, eq=False)
-class JointRun(Asked):
+class JointRun(PoseRun):
     """What is asked of one joint: a value [rad or m].
 
     Attributes:
@@ -85,7 +139,7 @@ class PosePlan:
 
     points: tuple[PointRun, ...]
     joints: tuple[JointRun, ...]
-    body: tuple[Run, ...]
+    body: tuple[BlendedTrack, ...]
 
     def limbs(self) -> list[int]:
         """Return the numbers of the limbs that something is asked of."""
@@ -112,7 +166,7 @@ def plan_poses(keys: Sequence[PoseKey], figure: Figure, path: str) -> PosePlan:
     return plan.finished()
 
 
-class _Thing(NamedTuple):
+class _TrackKey(NamedTuple):
     """What a track is about: a joint, one of the goals of a node, or the body."""
 
     kind: str
@@ -121,19 +175,21 @@ class _Thing(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Open:
+class _OpenTrack:
     """Keys about one thing so far."""
 
     keys: list[tuple[float, Sequence[float], Ease]]
     first: PoseKey
     released: PoseKey | None = None
 
-    def run(self) -> Run:
+    def run(self) -> BlendedTrack:
         start = self.keys[0][0]
         let_go = (math.inf, math.inf)
         if self.released is not None:
             let_go = (self.released.at, self.released.at + self.released.blend)
-        return Run(Track.of(self.keys), (max(start - self.first.blend, 0.0), start), let_go)
+        return BlendedTrack(
+            Track.of(self.keys), (max(start - self.first.blend, 0.0), start), let_go
+        )
 
 
 @dataclass(slots=True)
@@ -143,8 +199,8 @@ class _Planner:
     names: PartNames
     path: str
     problems: list[Problem] = field(default_factory=list)
-    open: dict[_Thing, _Open] = field(default_factory=dict)
-    ended: list[tuple[_Thing, _Open]] = field(default_factory=list)
+    open: dict[_TrackKey, _OpenTrack] = field(default_factory=dict)
+    ended: list[tuple[_TrackKey, _OpenTrack]] = field(default_factory=list)
 
     def take(self, number: int, key: PoseKey) -> None:
         """Put one key where it belongs."""
@@ -155,7 +211,7 @@ class _Planner:
             self._take_joint(key, name, value, f"{path}.joints.{name}")
         if key.body is not None:
             angles = [math.radians(angle) for angle in key.body.turn_deg]
-            self._add(_Thing(BODY, -1, 0), key, (*key.body.move, *angles), path)
+            self._add(_TrackKey(BODY, -1, 0), key, (*key.body.move, *angles), path)
         if key.release is not None:
             self._release(key, key.release, f"{path}.release")
 
@@ -172,7 +228,7 @@ class _Planner:
             if value is not None:
                 if goal == "turn_deg":
                     value = [math.radians(angle) for angle in value]
-                self._add(_Thing(goal, limb, link), key, value, path)
+                self._add(_TrackKey(goal, limb, link), key, value, path)
 
     def _point(self, word: str, name: str, path: str) -> tuple[int, int] | None:
         names = self.names
@@ -207,13 +263,13 @@ class _Planner:
             self.problems.append(Problem(path, message))
             return
         self._add(
-            _Thing("joint", limb, column), key, (value if slides else math.radians(value),), path
+            _TrackKey("joint", limb, column), key, (value if slides else math.radians(value),), path
         )
 
-    def _add(self, thing: _Thing, key: PoseKey, value: Sequence[float], path: str) -> None:
+    def _add(self, thing: _TrackKey, key: PoseKey, value: Sequence[float], path: str) -> None:
         known = self.open.get(thing)
         if known is None:
-            self.open[thing] = _Open([(key.at, value, key.ease)], key)
+            self.open[thing] = _OpenTrack([(key.at, value, key.ease)], key)
             return
         for word in ("frame", "priority", "weight"):
             before = getattr(known.first, word)
@@ -234,7 +290,7 @@ class _Planner:
             run.released = key
             self.ended.append((thing, run))
 
-    def _is_about(self, thing: _Thing, name: str) -> bool:
+    def _is_about(self, thing: _TrackKey, name: str) -> bool:
         names = self.names
         if name == BODY or thing.kind == BODY:
             return thing.kind == name
@@ -252,7 +308,7 @@ class _Planner:
             body=tuple(r.run() for (kind, _, _), r in runs if kind == BODY),
         )
 
-    def _joints(self, runs: Iterable[tuple[_Thing, _Open]]) -> Iterator[JointRun]:
+    def _joints(self, runs: Iterable[tuple[_TrackKey, _OpenTrack]]) -> Iterator[JointRun]:
         for (kind, limb, column), run in runs:
             if kind == "joint":
                 yield JointRun(
@@ -260,11 +316,11 @@ class _Planner:
                     column=column,
                     joints=len(self.names.figure.skeleton.limbs[limb].joints),
                     run=run.run(),
-                    priority=run.first.priority or JOINTS_FIRST,
+                    priority=run.first.priority or JOINT_PRIORITY,
                     weight=run.first.weight,
                 )
 
-    def _points(self, runs: Iterable[tuple[_Thing, _Open]]) -> Iterator[PointRun]:
+    def _points(self, runs: Iterable[tuple[_TrackKey, _OpenTrack]]) -> Iterator[PointRun]:
         for (goal, limb, link), run in runs:
             if goal not in GOALS:
                 continue
@@ -275,6 +331,6 @@ class _Planner:
                 goal=goal,
                 run=run.run(),
                 frame=first.frame,
-                priority=first.priority or POINTS_FIRST,
+                priority=first.priority or POINT_PRIORITY,
                 weight=first.weight,
             )

@@ -10,28 +10,83 @@ Source: Sims 1987, 4.2 (axes by style), 5.1 and 5.2 (axis and position).
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.figures.adjust import adjusted_joints
-from pipeline.simulation.figures.creation import FOLDED, SIDEWAYS, drawn_plane
 from pipeline.simulation.figures.drawing import Drawing
+from pipeline.simulation.figures.joint_limits import (
+    JointRange,
+    apply_joint_overrides,
+    insect_joint_ranges,
+    mammal_joint_ranges,
+)
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, Anatomy, Appendage
-from pipeline.simulation.figures.stance import Stance, insect_stance, mammal_stance
-from pipeline.simulation.spatial import UP, Array, normalized
+from pipeline.simulation.spatial import UP, Array, normalized, rotation
 from pipeline.spec.figure import Figure as Words
 from pipeline.spec.figure import LinkShape
 
+FOLDED_KINDS = (LEG, ARM)
+"""Kinds of appendage that a mammal has folded down."""
+
+SIDEWAYS = np.array([0.0, 0.0, 1.0])
+"""The axis about which a mammal's limbs swing and bend."""
+
+
+def lay_out_nodes(words: Words, drawing: Drawing, anatomy: Anatomy, scale: float) -> Array:
+    """Return the nodes (n, 3) in the creation frame [m].
+
+    Its origin is the middle of the nodes that carry legs, or of the body.
+    """
+    points: Array = drawing.creation() * scale
+    carried = [a.nodes[0] for a in anatomy.of_kind(LEG)] or list(anatomy.body)
+    points = points - points[sorted(set(carried))].mean(axis=0)
+    if words.style == "insect":
+        return points
+    points = points @ rotation(SIDEWAYS, math.radians(words.pitch_deg)).T
+    for appendage in anatomy.appendages:
+        if appendage.kind in FOLDED_KINDS:
+            _fold_limb(points, drawing, appendage, scale)
+    return points
+
+
+def drawing_normal(words: Words, kind: str) -> Array:
+    """Return the unit normal (3,) of the plane that appendages of a kind were drawn in.
+
+    Upward as they were drawn; for a mammal's legs and arms it is folded down with them.
+    """
+    if words.style == "insect":
+        return UP
+    if kind in FOLDED_KINDS:
+        return SIDEWAYS
+    return rotation(SIDEWAYS, math.radians(words.pitch_deg)) @ UP
+
+
+def _fold_limb(points: Array, drawing: Drawing, appendage: Appendage, scale: float) -> None:
+    """Put the nodes of a limb, all but its base, under its base."""
+    base, rest = appendage.nodes[0], list(appendage.nodes[1:])
+    drawn = (drawing.places[rest] - drawing.places[base]) * scale
+    # A limb that was drawn back to its base has no direction but that of its first link.
+    far = drawn[-1] if np.linalg.norm(drawn[-1]) > 1e-6 * np.abs(drawn).max() else drawn[0]
+    down = far / np.linalg.norm(far)
+    # A quarter turn that takes sideways-out to headward on either side.
+    left = drawing.places[base][0] + far[0] / scale <= 0.0
+    forward = np.array([-down[1], down[0]]) if left else np.array([down[1], -down[0]])
+    points[rest] = points[base]
+    points[rest, 1] -= drawn @ down
+    points[rest, 0] += drawn @ forward
+
+
 FORWARD = np.array([1.0, 0.0, 0.0])
 
-UPRIGHT = 0.9
+UPRIGHT_SINE = 0.9
 """Beyond this rise (the sine of its elevation) a limb stands or hangs: nothing in the
 plane of the drawing is across it."""
 
-THINNEST = 1e-6
+MIN_RADIUS_RATIO = 1e-6
 """Radius of a link, as a part of its length."""
 
 BODY = -1
@@ -135,11 +190,11 @@ class _Builder:
     parents: list[int] = field(default_factory=list)
     axes: list[Array] = field(default_factory=list)
     places: list[Array] = field(default_factory=list)
-    stances: list[Stance] = field(default_factory=list)
+    stances: list[JointRange] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
     limbs: list[Limb] = field(default_factory=list)
 
-    def joint(self, name: str, parent: int, axis: Array, place: Array, stance: Stance) -> int:
+    def joint(self, name: str, parent: int, axis: Array, place: Array, stance: JointRange) -> int:
         self.names.append(name)
         self.parents.append(parent)
         self.axes.append(axis)
@@ -176,10 +231,10 @@ def build_skeleton(
     builder.links.append(
         Link("body", "body", BODY, np.stack([middle, middle]), (girth, girth), "", False)
     )
-    for name, side, appendage in _named(anatomy):
-        normal = drawn_plane(words, appendage.kind)
+    for name, side, appendage in _name_appendages(anatomy):
+        normal = drawing_normal(words, appendage.kind)
         _add_limb(builder, name, side, appendage, points, radii, drawing, normal)
-    joints = adjusted_joints(words.joints, builder.names, builder.stances, scale)
+    joints = apply_joint_overrides(words.joints, builder.names, builder.stances, scale)
     stances = joints.stances
     axes = np.array(builder.axes).reshape(-1, 3)
     for j in np.flatnonzero(joints.prismatic):
@@ -201,7 +256,7 @@ def build_skeleton(
     )
 
 
-def _named(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
+def _name_appendages(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
     """Give each appendage its name and side: l1, l2, ..., r1, ..., head, tail, feeler_l1."""
     counts: dict[tuple[str, str], int] = {}
     named = []
@@ -238,13 +293,15 @@ def _add_limb(
     joints, links = list[int](), list[int]()
     mammal = builder.style == "mammal"
     kind = appendage.kind
-    stances = mammal_stance(kind, side, steps) if mammal else insect_stance(kind, len(steps))
+    stances = (
+        mammal_joint_ranges(kind, side, steps) if mammal else insect_joint_ranges(kind, len(steps))
+    )
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
         # An inner joint's axis stands across the mean of the two links it joins.
-        along = directions[i] if i == 0 else _between(directions[i - 1], directions[i])
-        axes = _axes(along, mammal and kind in FOLDED)
-        girths = _girths(radii[[node, after]], i == 0, materials[after] != materials[node])
-        _refuse_hair(drawing, (node, after), girths, float(np.linalg.norm(steps[i])))
+        along = directions[i] if i == 0 else _mean_direction(directions[i - 1], directions[i])
+        axes = _axes(along, mammal and kind in FOLDED_KINDS)
+        girths = _link_radii(radii[[node, after]], i == 0, materials[after] != materials[node])
+        _check_thickness(drawing, (node, after), girths, float(np.linalg.norm(steps[i])))
         for turn, stance in stances[i].items():
             joint_name = f"{name}.{'base' if i == 0 else f'joint{i}'}_{turn}"
             parent = builder.joint(joint_name, parent, axes[turn], points[node], stance)
@@ -282,13 +339,13 @@ def _add_limb(
 
 def _axes(along: Array, folded: bool) -> dict[str, Array]:
     """Return the axes of the joints of a link that points `along`, by how they turn it."""
-    if folded or abs(along[1]) > UPRIGHT:
+    if folded or abs(along[1]) > UPRIGHT_SINE:
         return {"yaw": UP, "pitch": SIDEWAYS, "roll": FORWARD, "bend": SIDEWAYS}
     across = normalized(np.cross(along, UP))
     return {"yaw": UP, "pitch": across, "roll": along, "bend": across}
 
 
-def _girths(radii: Array, is_root: bool, changes: bool) -> tuple[float, float]:
+def _link_radii(radii: Array, is_root: bool, changes: bool) -> tuple[float, float]:
     """Return the radii of a link's solid between nodes of `radii` (2,) [m].
 
     At its root an appendage is no thicker than where it goes on. Where the material
@@ -301,20 +358,20 @@ def _girths(radii: Array, is_root: bool, changes: bool) -> tuple[float, float]:
     return (1.12 if changes else 1.0) * first, second
 
 
-def _refuse_hair(
+def _check_thickness(
     drawing: Drawing, nodes: tuple[int, int], girths: tuple[float, float], length: float
 ) -> None:
     """Refuse a link so thin that its volume is lost in rounding."""
     # A ball's stem is as thin as the ball.
     is_ball = drawing.shapes[nodes[1]] == "ball"
-    if (girths[1] if is_ball else max(girths)) >= THINNEST * length:
+    if (girths[1] if is_ball else max(girths)) >= MIN_RADIUS_RATIO * length:
         return
     before, name = (drawing.names[n] for n in nodes)
     message = f"the link from '{before}' to '{name}' is thinner than a millionth of its length"
     raise SceneError([Problem(drawing.path_of(name), f"{message}; give '{name}' a larger radius")])
 
 
-def _between(before: Array, after: Array) -> Array:
+def _mean_direction(before: Array, after: Array) -> Array:
     """Return the direction between those of two links; of the first, where they lie together."""
     mean: Array = before + after
     return normalized(mean) if np.linalg.norm(mean) > 1e-6 else before

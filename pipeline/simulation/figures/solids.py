@@ -6,22 +6,78 @@ union of round cones along all its connections, polygonised once.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.surfacenets import surface_nets
 from pipeline.simulation.spatial import Array
 
-AROUND = 16
+
+def surface_nets(values: Array, low: Array, cell: float) -> tuple[Array, NDArray[np.uint32]]:
+    """Return vertices (V, 3) and faces (F, 3) of the surface where `values` are zero.
+
+    Args:
+        values: (n_x, n_y, n_z) samples, negative inside; positive on the whole border.
+        low: (3,) place of the first sample.
+        cell: distance between samples.
+    """
+    inside = values < 0.0
+    corners = [np.array(c) for c in itertools.product((0, 1), repeat=3)]
+    edges = [(a, b) for a, b in itertools.combinations(range(8), 2) if _is_edge(corners, a, b)]
+    shape = tuple(n - 1 for n in values.shape)
+    many = sum(_corner_values(inside.view(np.uint8), corner, shape) for corner in corners)
+    active = (many > 0) & (many < len(corners))
+    sampled = [_corner_values(values, corner, shape)[active] for corner in corners]
+    total, count = np.zeros((len(sampled[0]), 3)), np.zeros(len(sampled[0]))
+    for a, b in edges:
+        v_a, v_b = sampled[a], sampled[b]
+        crossed = (v_a < 0.0) != (v_b < 0.0)
+        t = np.where(crossed, v_a / np.where(crossed, v_a - v_b, 1.0), 0.0)
+        total += crossed[:, None] * (corners[a] + t[:, None] * (corners[b] - corners[a]))
+        count += crossed
+    number = np.full(shape, -1, dtype=np.int64)
+    number[active] = np.arange(len(count))
+    place = np.argwhere(active) + total / count[:, None]
+    faces = [_quads(inside, number, axis) for axis in range(3)]
+    return low + place * cell, np.concatenate(faces).astype(np.uint32)
+
+
+def _corner_values(field: NDArray[Any], corner: Array, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return what a field is at one corner of all cells."""
+    i, j, k = corner
+    return field[i : i + shape[0], j : j + shape[1], k : k + shape[2]]
+
+
+def _is_edge(corners: list[Array], a: int, b: int) -> bool:
+    return bool(np.abs(corners[a] - corners[b]).sum() == 1)
+
+
+def _quads(inside: NDArray[np.bool_], number: NDArray[np.int64], axis: int) -> NDArray[np.int64]:
+    """Return two triangles for each crossed edge of the grid along `axis`."""
+    inside, number = np.moveaxis(inside, axis, 0), np.moveaxis(number, axis, 0)
+    # The four cells around an edge exist where the edge is not on the border.
+    near = inside[:-1, 1:-1, 1:-1]
+    far = inside[1:, 1:-1, 1:-1]
+    i, j, k = np.nonzero(near != far)
+    a, b = number[i, j, k], number[i, j + 1, k]
+    c, d = number[i, j + 1, k + 1], number[i, j, k + 1]
+    # Bringing the second axis to the front mirrors the grid, and with it the winding.
+    outward = near[i, j, k] != (axis == 1)
+    quads = np.where(outward[:, None], np.stack([a, b, c, d], -1), np.stack([a, d, c, b], -1))
+    return quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+
+
+RING_VERTICES = 16
 """Vertices around a link: with smooth normals more are not seen."""
 
 BODY_CELLS = 56
 """Cells along the longest side of the grid that a body is polygonised on."""
 
-NEGLIGIBLE = 6.0
+BLEND_REACH = 6.0
 """Distance from a bone at which it no longer shapes a body, in widths of the blend."""
 
 BODY_FLATNESS = 0.78
@@ -41,7 +97,7 @@ class Solid:
     faces: NDArray[np.uint32]
 
 
-def lofted(rings: Array, ends: Array) -> Solid:
+def loft(rings: Array, ends: Array) -> Solid:
     """Return the surface through rings of vertices, closed to a point at both ends.
 
     Args:
@@ -77,16 +133,16 @@ def revolve(axis_places: Array, radii: Array) -> Solid:
         axis_places: (n,) ascending along X [m]; the first and last ring are closed to a point.
         radii: (n,) [m].
     """
-    angle = np.arange(AROUND) * (2 * np.pi / AROUND)
-    ring = np.stack([np.zeros(AROUND), np.cos(angle), np.sin(angle)], axis=-1)
+    angle = np.arange(RING_VERTICES) * (2 * np.pi / RING_VERTICES)
+    ring = np.stack([np.zeros(RING_VERTICES), np.cos(angle), np.sin(angle)], axis=-1)
     rings = ring * radii[:, None, None]
     rings[..., 0] = axis_places[:, None]
     # The poles carry on the profile's curve to the axis.
     ends = [[axis_places[0] - radii[0] * 0.12, 0, 0], [axis_places[-1] + radii[-1] * 0.12, 0, 0]]
-    return lofted(rings, np.array(ends))
+    return loft(rings, np.array(ends))
 
 
-def ball(centre: Array, radius: float) -> Solid:
+def ball_solid(centre: Array, radius: float) -> Solid:
     """Return a sphere."""
     angle = np.linspace(-np.pi / 2, np.pi / 2, 14)[1:-1]
     solid = revolve(radius * np.sin(angle), radius * np.cos(angle))
@@ -119,7 +175,7 @@ def body_solid(
     # widths of the blend a bone adds nothing, so it is looked at in its neighbourhood only.
     total = np.zeros(counts)
     for a, b in bones:
-        reach = float(max(radii[a], radii[b])) + NEGLIGIBLE * blend
+        reach = float(max(radii[a], radii[b])) + BLEND_REACH * blend
         box = _cells_near(points[[a, b]], reach, low, cell, total.shape)
         near = (x[box[0]], y[box[1]], z[box[2]])
         cone = _round_cone(near, points[a], points[b], radii[a], radii[b])
@@ -159,18 +215,18 @@ def _round_cone(
     ab = b - a
     square = float(ab @ ab)
     x, y, z = (axes[k] - a[k] for k in range(3))
-    away = _summed(x * x, y * y, z * z)
+    away = _axis_sums(x * x, y * y, z * z)
     if square == 0.0:
         result: Array = np.sqrt(away) - r_a
         return result
-    dot = _summed(x * ab[0], y * ab[1], z * ab[2])
+    dot = _axis_sums(x * ab[0], y * ab[1], z * ab[2])
     along = np.clip(dot / square, 0.0, 1.0)
     away -= along * (2.0 * dot - along * square)
     result = np.sqrt(np.maximum(away, 0.0)) - (r_a + (r_b - r_a) * along)
     return result
 
 
-def _summed(x: Array, y: Array, z: Array) -> Array:
+def _axis_sums(x: Array, y: Array, z: Array) -> Array:
     """Return the sums of one number of each axis (n_x, n_y, n_z)."""
     result: Array = x[:, None, None] + y[:, None] + z
     return result

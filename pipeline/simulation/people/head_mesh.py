@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.figures.solids import lofted
+from pipeline.simulation.figures.solids import loft
 from pipeline.simulation.people.proportions import Build
 from pipeline.simulation.people.signed_distance import (
     Field,
@@ -199,7 +199,7 @@ def _cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
         ],
         axis=-1,
     )
-    solid = lofted(ring, np.array([[0.0, edge, 0.0], [0.0, 1.0, 0.0]]))
+    solid = loft(ring, np.array([[0.0, edge, 0.0], [0.0, 1.0, 0.0]]))
     c, s = np.cos(tilt), np.sin(tilt)
     x, y, z = solid.vertices.T
     return Surface(

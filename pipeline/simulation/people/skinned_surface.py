@@ -9,8 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.solids import lofted
-from pipeline.simulation.figures.surfacenets import surface_nets
+from pipeline.simulation.figures.solids import loft, surface_nets
 from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.signed_distance import Field
 from pipeline.simulation.spatial import Array, cross, normalized
@@ -249,7 +248,7 @@ def tube(points: Array, radii: Array, around: int) -> Surface:
     ring = np.cos(angle)[:, None] * y[:, None] + np.sin(angle)[:, None] * z[:, None]
     rings = np.array(places)[:, None] + np.array(sizes)[:, None, None] * ring
     ends = np.stack([points[0] - radii[0] * along[0], points[-1] + radii[-1] * along[-1]])
-    solid = lofted(rings, ends)
+    solid = loft(rings, ends)
     return Surface(solid.vertices, solid.faces)
 
 
@@ -266,5 +265,5 @@ def globe(centre: Array, radii: Array, rings: int, around: int) -> Surface:
         axis=-1,
     )
     poles = np.array([[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]])
-    solid = lofted(ring * radii + centre, poles * radii + centre)
+    solid = loft(ring * radii + centre, poles * radii + centre)
     return Surface(solid.vertices, solid.faces)

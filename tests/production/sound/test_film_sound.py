@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from audio.grid import SAMPLE_RATE, sample_of
-from audio.modal import write_wav
+from audio.config.sound import Sound
 from audio.score import Score, ScoreEvent
-from audio.words import Sound
-from render.film import write_film
+from audio.time_grid import SAMPLE_RATE, sample_of_frame
+from audio.wav_file import write_wav
+from render.film_encoder import write_film
 
 EVENTS = 20
 APART = 0.5
@@ -95,7 +95,7 @@ def test_twenty_sounds_are_heard_within_a_millisecond_of_their_frames(
         whole = [block.to_ndarray().reshape(-1, 2) for block in container.decode(audio=0)]
     sound = np.concatenate(whole).astype(float).mean(axis=1)
     for event, flash in zip(score.events, flashes, strict=True):
-        onset = sample_of(event.frame, rate)
+        onset = sample_of_frame(event.frame, rate)
         late = onset + lag(heard, sound, onset) - float(flash) * SAMPLE_RATE
         assert abs(late) / SAMPLE_RATE < 1e-3
 
@@ -106,5 +106,5 @@ def test_the_filter_sees_a_sound_that_is_late(tmp_path: Path) -> None:
     with av.open(str(tmp_path / "s.wav")) as container:
         whole = [block.to_ndarray().reshape(-1, 2) for block in container.decode(audio=0)]
     sound = np.concatenate(whole).astype(float).mean(axis=1)
-    onset = sample_of(score.events[3].frame, score.rate)
+    onset = sample_of_frame(score.events[3].frame, score.rate)
     assert lag(np.roll(sound, 96), sound, onset) == 96

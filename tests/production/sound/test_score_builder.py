@@ -12,15 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from audio.blows import blow_of, sounded
-from audio.motions import motion_of
-from audio.rubs import rub_of
-from audio.voices import notes_of
+from audio.cause_voices import cause_voice
+from audio.notes import notes_of
+from audio.synthesis import sound_parameters, synthesize
 from pipeline.production.sound.event_files import events_jsonl
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from pipeline.spec.detect import Detect
+from pipeline.spec.sound_thresholds import Detect
 from render.shot import CameraPose
 
 if TYPE_CHECKING:
@@ -131,9 +130,9 @@ def test_every_cause_that_is_detected_is_heard(scene: Scene, take: Take, cause: 
     score, _ = build_score(scene, replace(take, events=(event,)), poses)
     (note,) = notes_of(score)
     assert -40 < note.level < 6
-    blow, _ = blow_of(note, 1, 0, 2.0)
-    sound = sounded(blow, 1)
+    blow, _ = sound_parameters(note, 1, 0, 2.0)
+    sound = synthesize(blow, 1)
     assert np.isfinite(sound).all()
     assert np.abs(sound).max() == pytest.approx(1.0)
     # Not the blow that stands for what is unknown.
-    assert bool(motion_of(cause) or rub_of(cause)) != (cause in ("footfall", "collision"))
+    assert bool(cause_voice(cause) or cause_voice(cause)) != (cause in ("footfall", "collision"))

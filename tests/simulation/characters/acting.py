@@ -61,7 +61,7 @@ def play_scene(
     """Play a scene; `each` is called before every step."""
     simulation = Simulation(read_scene("pronk: 1\n" + words))
     troupe = troupe_of(simulation)
-    owners = troupe.crowd.owners
+    owners = troupe.arrays.owners
     p, records, arrived, contacts = [], [], [], list[Contact]()
     while not simulation.finished:
         if each is not None:
@@ -71,7 +71,7 @@ def play_scene(
         time = simulation.step_number / STEPS
         arrived += [(time, name) for name in facts.arrived]
         contacts += facts.contacts
-        p.append(troupe.crowd.p.copy())
+        p.append(troupe.arrays.p.copy())
         records.append(np.array(troupe.persons).copy())
     firsts = {m.name: int(owners["nodes"][i, 0]) for i, m in enumerate(troupe.cast)}
     play = Play(np.array(p), firsts, np.array(records), arrived, contacts)

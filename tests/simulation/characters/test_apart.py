@@ -44,10 +44,10 @@ def yard() -> str:
 
 def depth_in_box(characters: Characters, name: str) -> float:
     """Return how deep links of people are in a box, at most, 0 or less if none is [m]."""
-    crowd = characters.crowd
+    arrays = characters.arrays
     owner = [member.name for member in characters.cast].index(name)
-    first = int(crowd.owners["nodes"][owner, 0])
-    corners = crowd.p[first : first + 8]
+    first = int(arrays.owners["nodes"][owner, 0])
+    corners = arrays.p[first : first + 8]
     middle = corners.mean(axis=0)
     # From one side to the other, along Y, X and Z of the box at rest.
     ways = np.array(
@@ -57,14 +57,14 @@ def depth_in_box(characters: Characters, name: str) -> float:
         ]
     )
     sizes = np.linalg.norm(ways, axis=1)
-    own = crowd.owners["links"][:WALKERS, 0][:, None] + np.arange(len(LINK_NAMES))
-    links = crowd.links[own.ravel()]
-    a, b = (crowd.p[links["ends"][:, k]] for k in range(2))
+    own = arrays.owners["links"][:WALKERS, 0][:, None] + np.arange(len(LINK_NAMES))
+    links = arrays.links[own.ravel()]
+    a, b = (arrays.p[links["ends"][:, k]] for k in range(2))
     along = np.linspace(0.0, 1.0, 9)[:, None, None]
     at = (a + along * (b - a) - middle) @ (ways / sizes[:, None]).T
     over = np.abs(at) - 0.5 * sizes
     gap = np.linalg.norm(np.maximum(over, 0.0), axis=-1) + np.minimum(over.max(axis=-1), 0.0)
-    return float((links["girth"] + crowd.owners["edge"][owner] - gap).max())
+    return float((links["radius"] + arrays.owners["edge_radius"][owner] - gap).max())
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_nobody_goes_through_anybody_or_anything_in_a_minute(seed: int) -> None:
         if n % 4:
             continue
         in_boxes = [depth_in_box(characters, name) for name in BOXES]
-        depths.append(max(depth(characters.crowd.nodes, characters.crowd.links), *in_boxes))
+        depths.append(max(depth(characters.arrays.nodes, characters.arrays.links), *in_boxes))
         at = characters.persons["at"].copy()
         gone += 0.0 if before is None else np.linalg.norm(at - before, axis=1)
         before = at
@@ -94,9 +94,9 @@ def test_nobody_goes_through_anybody_or_anything_in_a_minute(seed: int) -> None:
 
 def test_a_box_is_deep_in_where_it_is() -> None:
     characters = troupe(simulation(yard(), 1))
-    crowd = characters.crowd
+    arrays = characters.arrays
     assert depth_in_box(characters, "box") < -2.0
     # Its edges' radius is not part of the corners' box.
-    middle = crowd.p[crowd.owners["nodes"][WALKERS, 0] :][:8].mean(axis=0)
-    crowd.nodes["p"][:16] += middle - crowd.p[0]
+    middle = arrays.p[arrays.owners["nodes"][WALKERS, 0] :][:8].mean(axis=0)
+    arrays.nodes["p"][:16] += middle - arrays.p[0]
     assert 0.25 < depth_in_box(characters, "box") < 0.45

@@ -10,7 +10,7 @@ import pytest
 from pipeline.simulation.characters.behaviours.potential_field import (
     LEAST,
     REPELS,
-    Way,
+    DetourState,
     walk_vector,
 )
 from pipeline.simulation.characters.visibility_route import (
@@ -51,7 +51,7 @@ def test_what_lies_behind_does_not_push() -> None:
 
 
 def test_who_gets_no_farther_tries_one_way_and_then_the_other() -> None:
-    way = Way()
+    way = DetourState()
     forced = []
     for k in range(200):
         way.note(3.0, 0.1 * k)
@@ -136,7 +136,7 @@ COUNTS = [
 def test_it_finds_its_way_around_obstacles(seeds: range) -> None:
     failed = []
     for seed in seeds:
-        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1\nsamples: 1")
+        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1\nrows_per_frame: 1")
         characters = troupe(made)
         minds = characters.minds
         assert minds is not None
@@ -145,6 +145,6 @@ def test_it_finds_its_way_around_obstacles(seeds: range) -> None:
                 break
         else:
             failed.append((seed, characters.persons[0].at.tolist()))
-        places = characters.crowd.p[:, [0, 2]]
+        places = characters.arrays.p[:, [0, 2]]
         assert np.abs(places).max() < 12.0
     assert len(failed) <= 0.03 * len(seeds), f"these do not arrive: {failed}"

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.simulation.characters.solid_arrays import SOLID
-from pipeline.simulation.characters.visibility_route import HEADROOM, LOW, MOST, Barriers
-from pipeline.simulation.dynamics.records import zeros
+from pipeline.simulation.characters.visibility_route import HEADROOM, LOW, MOST, ObstacleCircles
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
@@ -27,13 +27,15 @@ sizes = st.tuples(*[st.floats(0.05, 4.0)] * 3)
 angles = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
 
 
-def around(*solids: tuple[Array, Array, Array], mass: float = 0.0, here: bool = True) -> Barriers:
+def around(
+    *solids: tuple[Array, Array, Array], mass: float = 0.0, here: bool = True
+) -> ObstacleCircles:
     """Return what is in the way of boxes: middles (3,), rotations (3, 3), half extents (3,)."""
-    bodies = zeros(len(solids), SOLID)
+    bodies = zero_records(len(solids), SOLID)
     for n, (body, (p, R, half)) in enumerate(zip(bodies, solids, strict=True)):
-        body["p"], body["R"], body["half"], body["here"], body["whole"] = p, R, half, here, n
+        body["p"], body["R"], body["half"], body["is_present"], body["thing"] = p, R, half, here, n
         body["inverse_mass"] = 1.0 / mass if mass else 0.0
-    barriers = Barriers(GROUND)
+    barriers = ObstacleCircles(GROUND)
     barriers.put(bodies)
     barriers.look()
     return barriers
@@ -176,7 +178,7 @@ def test_a_door_that_shuts_is_gone_round() -> None:
     way = path(simulation, "ann")[:, [0, 2]]
     np.testing.assert_allclose(way[-1], [2, 0], atol=0.15)
     assert np.abs(way[:, 1]).max() > 0.9
-    assert troupe_of(simulation).barriers.look()
+    assert troupe_of(simulation).obstacle_circles.look()
 
 
 def test_barriers_are_those_of_the_scene() -> None:
@@ -187,7 +189,7 @@ def test_barriers_are_those_of_the_scene() -> None:
     simulation = Simulation(scene)
     simulation.step()
     simulation.step()
-    barriers = troupe_of(simulation).barriers
+    barriers = troupe_of(simulation).obstacle_circles
     assert barriers.look()
     np.testing.assert_allclose(barriers.middles, [[3.0, 0.0]], atol=1e-6)
     np.testing.assert_allclose(barriers.radii, np.sqrt(0.5), rtol=0.02)

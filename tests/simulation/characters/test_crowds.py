@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from pipeline.simulation.characters.body_plan import character_arrays
+
 from .yards import DT, depth, least_bend, lengths_off, pile, random_crowd
 
 pytestmark = pytest.mark.slow
@@ -22,30 +24,30 @@ LONGEST = 40.0
 
 def holds(seed: int) -> None:
     yard, chance = random_crowd(seed), np.random.default_rng(seed + 10**6)
-    crowd, off, reversed_by = yard.crowd, 0.0, 0.0
+    arrays, off, reversed_by = yard.arrays, 0.0, 0.0
     for step in range(round(LONGEST / DT)):
         if step in (60, 120):
             # Pushed at 20 m/s, any one node in any direction.
-            node, way = int(chance.integers(len(crowd.nodes))), chance.normal(size=3)
-            before = crowd.p[node] - yard.h * 20.0 * way / np.linalg.norm(way)
-            crowd.nodes["before"][node] = before
+            node, way = int(chance.integers(len(arrays.nodes))), chance.normal(size=3)
+            before = arrays.p[node] - yard.h * 20.0 * way / np.linalg.norm(way)
+            arrays.nodes["previous"][node] = before
         yard.step()
-        off = max(off, lengths_off(crowd))
-        if len(crowd.limbs):
-            reversed_by = max(reversed_by, -least_bend(crowd.nodes, crowd.limbs))
-        if step > 150 and crowd.owners["asleep"].all():
+        off = max(off, lengths_off(arrays))
+        if len(arrays.limbs):
+            reversed_by = max(reversed_by, -least_bend(arrays.nodes, arrays.limbs))
+        if step > 150 and arrays.owners["asleep"].all():
             break
-    assert np.isfinite(crowd.p).all()
+    assert np.isfinite(arrays.p).all()
     assert off < 0.05
     assert math.degrees(reversed_by) < 2.0
-    assert crowd.owners["asleep"].all()
+    assert arrays.owners["asleep"].all()
     # At rest.
-    before = crowd.p.copy()
+    before = arrays.p.copy()
     yard.step()
-    assert np.abs(crowd.p - before).max() / DT < 1e-3
-    assert lengths_off(crowd) < 0.005
-    assert depth(crowd.nodes, crowd.links) < 0.005
-    assert (crowd.nodes["radius"] - crowd.p[:, 1]).max() < 0.005
+    assert np.abs(arrays.p - before).max() / DT < 1e-3
+    assert lengths_off(arrays) < 0.005
+    assert depth(arrays.nodes, arrays.links) < 0.005
+    assert (arrays.nodes["radius"] - arrays.p[:, 1]).max() < 0.005
 
 
 @pytest.mark.parametrize("seed", [*FEW, *ONCE_FAILED])
@@ -68,21 +70,21 @@ def test_nothing_explodes_a_thousand_times(tenth: int) -> None:
 
 def comes_to_rest(seed: int) -> None:
     yard = pile(seed)
-    crowd, off = yard.crowd, 0.0
+    arrays, off = yard.arrays, 0.0
     for step in range(round(LONGEST / DT)):
         yard.step()
-        off = max(off, lengths_off(crowd))
-        if step > 150 and crowd.owners["asleep"].all():
+        off = max(off, lengths_off(arrays))
+        if step > 150 and arrays.owners["asleep"].all():
             break
-    assert np.isfinite(crowd.p).all()
+    assert np.isfinite(arrays.p).all()
     assert off < 0.05
-    before = crowd.p.copy()
+    before = arrays.p.copy()
     yard.step()
-    assert np.abs(crowd.p - before).max() / DT < 1e-3
-    assert lengths_off(crowd) < 0.005
+    assert np.abs(arrays.p - before).max() / DT < 1e-3
+    assert lengths_off(arrays) < 0.005
     # An edge lies between the balls of which limbs are made for a box.
-    assert depth(crowd.nodes, crowd.links) < 0.01
-    assert (crowd.nodes["radius"] - crowd.p[:, 1]).max() < 0.005
+    assert depth(arrays.nodes, arrays.links) < 0.01
+    assert (arrays.nodes["radius"] - arrays.p[:, 1]).max() < 0.005
 
 
 @pytest.mark.parametrize("seed", [22, 53, 84])
@@ -97,15 +99,14 @@ def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
 
 
 def test_the_same_crowd_moves_the_same_to_the_last_bit_alone_or_beside_others() -> None:
-    from pipeline.simulation.characters.body_plan import crowd_of
 
     from .yards import PLANS, Yard
 
     plans = PLANS[:5]
     places = [plan.rest + np.array([0.4 * k, 0.3 * k, 0.2]) for k, plan in enumerate(plans)]
     far = [plan.rest + np.array([25.0, 0.5, 1.5 * k]) for k, plan in enumerate(plans)]
-    alone = Yard(crowd_of(plans, places))
-    beside = Yard(crowd_of([*plans, *plans], [*places, *far]))
+    alone = Yard(character_arrays(plans, places))
+    beside = Yard(character_arrays([*plans, *plans], [*places, *far]))
     for yard in (alone, beside):
         yard.step(150)
-    np.testing.assert_array_equal(alone.crowd.p, beside.crowd.p[: len(alone.crowd.p)])
+    np.testing.assert_array_equal(alone.arrays.p, beside.arrays.p[: len(alone.arrays.p)])

@@ -26,8 +26,8 @@ from pipeline.simulation.characters.mind.perception import (
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import read_scene
 from pipeline.spec.behaviour import FORMS, NAMES, Urge
-from pipeline.spec.loading import load_scene
-from pipeline.spec.shipped import library
+from pipeline.spec.scene_library import library
+from pipeline.spec.scene_loader import load_scene
 from tests.simulation.characters.minded import channel, doing, simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
@@ -81,7 +81,7 @@ def test_what_was_out_of_view_for_long_is_forgotten() -> None:
 - {name: ball, character: ball, at: [-6, 0]}
 """
     mind = troupe(simulation(cast, 1)).minds.minds[0]  # type: ignore[union-attr]
-    memory, around = mind.memory, mind.around
+    memory, around = mind.memory, mind.surroundings
     around.now = 0.0
     memory.look(around, 0, 0.0)
     assert not memory.in_view[1]
@@ -153,11 +153,11 @@ def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
     made = simulation(cast, 1.5)
     characters = troupe(made)
     made.step()
-    characters.crowd.owners[0].pain = 2.0
+    characters.arrays.owners[0].pain = 2.0
     minds = characters.minds
     assert minds is not None
     minds.minds[0].hurt(2.0, 1, 0.01)
-    characters.crowd.owners[0].pain = 0.0
+    characters.arrays.owners[0].pain = 0.0
     for _ in steps(made):
         pass
     assert characters.persons[0].at[0] < -0.25
@@ -195,7 +195,7 @@ def test_nobody_strolls_to_where_something_stands() -> None:
     mind = minds.minds[0]
     stroll = mind.behaviours["wander"]
     assert isinstance(stroll, Stroll)
-    room = mind.around.radius[1] + mind.slim
+    room = mind.surroundings.radius[1] + mind.slim
     for _ in range(60):
         stroll.end(mind)
         mind.now += 20.0
@@ -219,7 +219,7 @@ def test_a_hug_at_full_speed_does_not_hurt_unless_it_is_to() -> None:
             assert minds is not None
             did |= {mind.doing for mind in minds.minds}
             hugged = hugged or minds.minds[1].hugging
-            fastest = max(fastest, float(np.hypot(*characters.persons[1].going)))
+            fastest = max(fastest, float(np.hypot(*characters.persons[1].velocity)))
         assert fastest > 2.0
         assert ("withdrawal" in did) == slapstick
         assert hugged or slapstick

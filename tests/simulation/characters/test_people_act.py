@@ -12,8 +12,8 @@ from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from pipeline.spec.loading import load_scene
-from pipeline.spec.shipped import library
+from pipeline.spec.scene_library import library
+from pipeline.spec.scene_loader import load_scene
 
 from .acting import STEPS, J, play_scene, troupe_of
 from .yards import least_bend
@@ -34,7 +34,7 @@ script:
 def test_who_is_told_to_sits_down_and_stands_up() -> None:
     bends = []
     play = play_scene(
-        SIT, lambda troupe, _: bends.append(least_bend(troupe.crowd.nodes, troupe.crowd.limbs))
+        SIT, lambda troupe, _: bends.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs))
     )
     pelvis = play.joint("a", "pelvis")[:, 1]
     assert len(play.when("a")) == 2
@@ -89,7 +89,7 @@ def test_two_hug_with_arms_around_one_another() -> None:
     assert math.dist(*hands) < 1e-3
     away = play.joint("a", "pelvis")[row] - play.joint("b", "pelvis")[row]
     assert np.hypot(away[0], away[2]) < 0.5
-    assert (play.records["arm"][-1] == 0).all()
+    assert (play.records["arm_mode"][-1] == 0).all()
 
 
 HOLD = """
@@ -106,8 +106,8 @@ def test_what_is_held_hangs_from_the_hand_until_it_is_let_go() -> None:
     grips = []
 
     def look(troupe: Characters, _: int) -> None:
-        hand, held = (int(n) for n in troupe.crowd.grips[0])
-        p = troupe.crowd.p
+        hand, held = (int(n) for n in troupe.arrays.grips[0])
+        p = troupe.arrays.p
         grips.append((held, math.dist(p[hand], p[held]) if held >= 0 else math.nan))
 
     play = play_scene(HOLD, look)
@@ -127,18 +127,18 @@ def test_what_is_held_hangs_from_the_hand_until_it_is_let_go() -> None:
 def test_a_girl_takes_her_doll_and_a_merry_go_round_and_both_are_in_her_hands() -> None:
     simulation = Simulation(load_scene(library() / "merry_go_round.yaml"))
     troupe = troupe_of(simulation)
-    crowd, first = troupe.crowd, int(troupe.persons[0].grip)
-    grips = crowd.grips[first : first + 2]
-    rim = [int(crowd.owners["nodes"][0, 0]) + k for k in (0, 2)]
+    arrays, first = troupe.arrays, int(troupe.persons[0].grip)
+    grips = arrays.grips[first : first + 2]
+    rim = [int(arrays.owners["nodes"][0, 0]) + k for k in (0, 2)]
     apart: list[list[float]] = [[], []]
     angles = []
     while not simulation.finished:
         simulation.step()
-        spoke = crowd.p[rim[1]] - crowd.p[rim[0]]
+        spoke = arrays.p[rim[1]] - arrays.p[rim[0]]
         angles.append(math.atan2(-spoke[2], spoke[0]))
         for k in range(2):
             if grips[k, 0] >= 0:
-                apart[k].append(math.dist(*crowd.p[grips[k]]))
+                apart[k].append(math.dist(*arrays.p[grips[k]]))
     for gaps, seconds in zip(apart, (3.0, 8.0), strict=True):
         assert len(gaps) > seconds * STEPS
         assert max(gaps[10:]) < 1e-3
@@ -195,7 +195,7 @@ def test_who_freezes_is_still_and_who_turns_does_not_cross_its_feet() -> None:
     frozen = play.p[int(1.9 * STEPS) : int(2.5 * STEPS), first : first + 16]
     assert np.abs(frozen - frozen[0]).max() < 2e-3
     # Setting out again is no knock.
-    assert play.records["dazed"][int(2.4 * STEPS) :, 0].max() < 0.2
+    assert play.records["stun"][int(2.4 * STEPS) :, 0].max() < 0.2
     assert play.when("a")
     heading = play.records["heading"][:, 1]
     assert heading[-1] == pytest.approx(math.radians(170.0), abs=0.06)
@@ -210,8 +210,8 @@ def test_who_is_shoved_staggers_and_stands_again(way: tuple[float, float]) -> No
     def shove(troupe: Characters, step: int) -> None:
         if step == 48:
             own = slice(0, 16)
-            troupe.crowd.nodes["before"][own, 0] -= way[0] * troupe.world.clock.dt / troupe.count
-            troupe.crowd.nodes["before"][own, 2] -= way[1] * troupe.world.clock.dt / troupe.count
+            troupe.arrays.nodes["previous"][own, 0] -= way[0] * troupe.world.clock.dt / troupe.count
+            troupe.arrays.nodes["previous"][own, 2] -= way[1] * troupe.world.clock.dt / troupe.count
 
     play = play_scene("duration: 4.5\ncast: [{name: a, character: adult}]\n", shove)
     pelvis = play.joint("a", "pelvis")
@@ -289,7 +289,7 @@ def test_people_who_cross_step_aside_for_one_another() -> None:
         heading = play.records["heading"][:, k]
         right = np.stack([np.sin(heading), np.cos(heading)], axis=1)
         feet = [play.joint(name, f"foot_{side}")[:, [0, 2]] for side in "lr"]
-        stands = (play.records["doing"][:, k] == 0).all(axis=1)
+        stands = (play.records["foot_state"][:, k] == 0).all(axis=1)
         assert ((feet[1] - feet[0]) * right).sum(axis=1)[stands].min() > 0.0
 
 
@@ -300,10 +300,10 @@ def test_nobodys_limbs_fly_in_a_throng(name: str) -> None:
     simulation = Simulation(load_scene(library() / f"{name}.yaml"))
     troupe = troupe_of(simulation)
     people = np.stack([np.arange(p.node, p.node + len(J)) for p in troupe.persons])
-    before, fastest = troupe.crowd.p[people], np.zeros(len(people))
+    before, fastest = troupe.arrays.p[people], np.zeros(len(people))
     while not simulation.finished:
         simulation.step()
-        now = troupe.crowd.p[people]
+        now = troupe.arrays.p[people]
         speeds = np.linalg.norm(now - before, axis=2).max(axis=1) * STEPS
         fastest, before = np.maximum(fastest, speeds), now
     # One in a throng of fifty may be wrung off its feet between others, and spring back.

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.simulation.characters import character_plans
 from pipeline.simulation.characters.characters import Characters
-from pipeline.simulation.characters.gait_timing import duty, stride_rate
+from pipeline.simulation.characters.gait_timing import duty_factor, stride_rate
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array
@@ -39,7 +39,7 @@ WALKS = [
 @entry
 def strides_at(speed: float, leg: float) -> tuple[float, float]:
     """Return the rate of strides, and the part of one for which a foot stands."""
-    return stride_rate(speed, leg), duty(speed, leg)
+    return stride_rate(speed, leg), duty_factor(speed, leg)
 
 
 ON_GROUND = 0.006
@@ -115,7 +115,7 @@ def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) ->
     deep: list[float] = []
 
     def look(troupe: Characters, _: int) -> None:
-        deep.append(legs_depth(troupe.crowd.nodes, troupe.crowd.links))
+        deep.append(legs_depth(troupe.arrays.nodes, troupe.arrays.links))
 
     play_scene(corners(kind, speed, turn_deg, every), look)
     return np.array(deep)
@@ -174,7 +174,7 @@ def test_no_joint_is_ever_reversed() -> None:
     seen = []
     play_scene(
         walk_words("adult", 1.35),
-        lambda troupe, _: seen.append(least_bend(troupe.crowd.nodes, troupe.crowd.limbs)),
+        lambda troupe, _: seen.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs)),
     )
     assert min(seen) > -math.radians(2.0)
 
@@ -215,8 +215,8 @@ def test_steps_come_as_often_as_people_take_them() -> None:
 @pytest.mark.slow
 def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None:
     play = walk("adult", speed, "flat", 9.0 if flies else 4.0)
-    doing = play.records["doing"][:, 0]
-    going = np.hypot(*play.records["going"][:, 0].T) > 0.85 * speed
+    doing = play.records["foot_state"][:, 0]
+    going = np.hypot(*play.records["velocity"][:, 0].T) > 0.85 * speed
     assert going.sum() > 20
     assert bool((doing[going] == 1).all(axis=1).any()) == flies
     assert (strides_at(speed, ADULT.hip * ADULT.height)[1] < 0.5) == flies
@@ -224,7 +224,7 @@ def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None
 
 def test_arms_go_against_legs_and_the_pelvis_bobs_a_little() -> None:
     play = walk("adult", 1.35)
-    going = np.hypot(*play.records["going"][:, 0].T) > 1.25
+    going = np.hypot(*play.records["velocity"][:, 0].T) > 1.25
     for arm, leg in (("l", "r"), ("r", "l")):
         pelvis = play.joint("a", "pelvis")[going, 0]
         hand = play.joint("a", f"hand_{arm}")[going, 0] - pelvis
@@ -274,11 +274,11 @@ def zigzag(kind: str, speed: float, seed: int) -> tuple[float, float]:
             if math.hypot(*me.at) > 7.0:
                 heading = math.atan2(me.at[1], -me.at[0])
         me.pace = speed
-        troupe.direction.actors[0].go(
+        troupe.dispatcher.controllers[0].go(
             me.at[0] + 5.0 * math.cos(heading), me.at[1] - 5.0 * math.sin(heading)
         )
-        pain = max(pain, float(troupe.crowd.owners["pain"][0]))
-        gone = np.abs(troupe.crowd.p - troupe.crowd.before).max()
+        pain = max(pain, float(troupe.arrays.owners["pain"][0]))
+        gone = np.abs(troupe.arrays.p - troupe.arrays.previous).max()
         fastest = max(fastest, float(gone) * troupe.count * STEPS)
 
     terrain = "{kind: flat, size: [24, 24]}"

@@ -49,7 +49,7 @@ def depth(simulation: Simulation) -> float:
     assert felt is not None
     felt.feel(simulation.last_row())
     characters = troupe_of(simulation)
-    solids, nodes = characters.room.solids, characters.crowd.nodes
+    solids, nodes = characters.workspace.solids, characters.arrays.nodes
     deepest = 0.0
     for solid in solids.bodies:
         local = (nodes["p"] - solid["p"]) @ solid["R"]
@@ -80,7 +80,7 @@ def _solid(corners: Array, chance: np.random.Generator) -> tuple[Solids, Array, 
     solids, which = solids_of([Obstacle(0, "it", "it", "wood", corners)], 1)
     assert which == [0]
     p, R = chance.normal(size=3), attitude(chance)
-    solids.bodies["p"], solids.bodies["R"], solids.bodies["here"] = p, R, True
+    solids.bodies["p"], solids.bodies["R"], solids.bodies["is_present"] = p, R, True
     return solids, p, R
 
 
@@ -117,7 +117,7 @@ def test_a_ball_is_a_ball_and_a_box_with_round_edges_is_none() -> None:
         "- {prop: {shape: box, size: [0.5, 0.5, 0.5]}, at: [2, 0]}",
         0.1,
     )
-    bodies = troupe_of(ball).room.solids.bodies
+    bodies = troupe_of(ball).workspace.solids.bodies
     assert bodies["radius"] == pytest.approx([0.3, 0.0], rel=0.01)
     assert bodies["half"][1] == pytest.approx([0.25, 0.25, 0.25], rel=0.01)
 
@@ -129,9 +129,9 @@ def test_a_doll_falls_on_a_table_lies_there_and_is_heard() -> None:
     table = "{name: table, prop: {shape: box, size: [1.2, 0.5, 1.2]}, at: [0, 0]}"
     simulation = played(f"- {{name: doll, character: ragdoll, at: [0, 0.9, 0]}}\n- {table}", 4)
     assert depth(simulation) < 0.003
-    p = troupe_of(simulation).crowd.p
+    p = troupe_of(simulation).arrays.p
     assert p[:, 1].min() > 0.5
-    assert bool(troupe_of(simulation).crowd.owners["asleep"][0])
+    assert bool(troupe_of(simulation).arrays.owners["asleep"][0])
     take = simulation.take()
     first = next(c for c in take.contacts if c.other == "table")
     # It falls 0.4 m, less what its air damping takes.
@@ -159,7 +159,7 @@ def test_a_prop_that_comes_along_pushes_a_doll_before_it() -> None:
         simulation = played(cast, round(seconds, 1))
         face = path(simulation, "ram")[-1, 0] + 0.2
         assert face > 0.8
-        nodes = troupe_of(simulation).crowd.nodes
+        nodes = troupe_of(simulation).arrays.nodes
         assert (nodes["p"][:, 0] - nodes["radius"]).min() > face - 0.005
         touched = {c.other for c in simulation.take().contacts if c.performer == "doll"}
         assert "ram" in touched
@@ -217,7 +217,7 @@ def test_a_horse_pushes_who_is_in_its_way() -> None:
     assert horse[-1, 0] == pytest.approx(4.2, abs=0.2)
     assert np.linalg.norm(horse - bob, axis=1).min() > 0.3
     assert bob[-1, 0] > 3.5
-    assert lengths_off(troupe_of(simulation).crowd) < 0.05
+    assert lengths_off(troupe_of(simulation).arrays) < 0.05
 
 
 def test_what_somebody_carries_is_not_in_its_way() -> None:
@@ -237,7 +237,7 @@ def test_who_begins_in_a_room_is_not_thrown_out_of_it() -> None:
         1,
     )
     assert np.abs(path(simulation, "bob") - path(simulation, "bob")[0]).max() < 0.03
-    assert not troupe_of(simulation).room.solids.bodies["here"].any()
+    assert not troupe_of(simulation).workspace.solids.bodies["is_present"].any()
 
 
 # --- what gives way --------------------------------------------------------------------------
@@ -332,7 +332,7 @@ def test_links_know_the_solid_that_they_touch() -> None:
     )
     simulation = Simulation(scene)
     pairs, touched = list[tuple[str, str]](), set[int]()
-    links = troupe_of(simulation).crowd.links
+    links = troupe_of(simulation).arrays.links
     while not simulation.finished:
         simulation.step()
         touched.add(int(links["touched"][0]))
@@ -374,18 +374,18 @@ def test_nothing_explodes_among_props_and_bodies(seed: int) -> None:
         )
     scene = read_scene("pronk: 1\nduration: 2.5\ncast:\n" + "\n".join(lines))
     simulation = Simulation(scene)
-    crowd = troupe_of(simulation).crowd
+    arrays = troupe_of(simulation).arrays
     h = simulation.world.clock.dt / troupe_of(simulation).count
     fastest = []
     while not simulation.finished:
         simulation.step()
-        v = np.linalg.norm(crowd.p - crowd.before, axis=1) / h
+        v = np.linalg.norm(arrays.p - arrays.previous, axis=1) / h
         fastest.append(float(v.max()))
         assert np.isfinite(fastest[-1])
     # Nothing falls faster than from where it began, and what is struck goes as fast as that.
     assert max(fastest) < 30.0
     assert max(fastest[-24:]) < 6.0
-    assert lengths_off(crowd) < 0.05
+    assert lengths_off(arrays) < 0.05
     assert depth(simulation) < 0.08
 
 
@@ -398,7 +398,7 @@ def test_who_is_alone_meets_nothing_and_rows_are_written_by_the_dozen() -> None:
     )
     assert alone._encounters is None
     assert alone._at_once > 16
-    assert len(troupe_of(alone).room.solids.bodies) == 0
+    assert len(troupe_of(alone).workspace.solids.bodies) == 0
 
 
 def test_what_stands_is_felt_once_and_rows_are_written_by_the_dozen() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN
-from pipeline.simulation.characters.body_plan import Link, Plan
+from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
 from pipeline.simulation.characters.playthings import ball_plan, box_plan, merry_go_round_plan
 from pipeline.simulation.characters.verlet_step import PAIN_ENDS
@@ -20,15 +20,15 @@ pytestmark = pytest.mark.slow
 
 
 def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
-    plans = [person_plan(CHILD), ball_plan(0.1, 0.4)._replace(air=0.0)]
+    plans = [person_plan(CHILD), ball_plan(0.1, 0.4)._replace(air_damping=0.0)]
     shin = plans[0].rest[[12, 14]].mean(axis=0)
     yard = yard_of(
         plans, [plans[0].rest, np.array([shin + np.array([0.35, 0.0, 0.0])])], gravity=0.0
     )
-    v = np.zeros_like(yard.crowd.p)
+    v = np.zeros_like(yard.arrays.p)
     v[16, 0] = -6.0
     yard.throw(v)
-    links = yard.crowd.links
+    links = yard.arrays.links
     while not yard.log.filled[0]:
         yard.step()
     event = yard.log.events[0]
@@ -48,24 +48,24 @@ def test_a_link_knows_who_strikes_it_and_how_hard() -> None:
 def test_what_hurts_is_forgotten_at_a_rate() -> None:
     plan = person_plan(CHILD)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 20.0, 0.0])], gravity=0.0)
-    yard.crowd.owners["pain"][0] = 2.0
+    yard.arrays.owners["pain"][0] = 2.0
     yard.step(96)
-    assert yard.crowd.owners["pain"][0] == pytest.approx(2.0 * math.exp(-PAIN_ENDS), rel=1e-9)
+    assert yard.arrays.owners["pain"][0] == pytest.approx(2.0 * math.exp(-PAIN_ENDS), rel=1e-9)
 
 
 def test_a_fall_hurts_and_lying_does_not() -> None:
     plan = person_plan(ADULT)
     yard = yard_of([plan], [plan.rest + np.array([0.0, 2.0, 0.0])])
     yard.step(96)
-    fallen = float(yard.crowd.owners["pain"][0])
+    fallen = float(yard.arrays.owners["pain"][0])
     assert fallen > 0.2
-    assert (yard.crowd.links.touched == TERRAIN).any()
+    assert (yard.arrays.links.touched == TERRAIN).any()
     yard.step(300)
-    lying = float(yard.crowd.owners["pain"][0])
+    lying = float(yard.arrays.owners["pain"][0])
     yard.step(300)
     # From then on it only forgets.
     left = math.exp(-PAIN_ENDS * 300 * DT)
-    assert yard.crowd.owners["pain"][0] == pytest.approx(left * lying, rel=1e-9)
+    assert yard.arrays.owners["pain"][0] == pytest.approx(left * lying, rel=1e-9)
 
 
 @pytest.mark.parametrize("apart", [0.0, 0.02, 0.15])
@@ -76,10 +76,10 @@ def test_who_begins_in_somebody_is_not_shot_off(apart: float) -> None:
     yard = yard_of([plan, plan], places, gravity=0.0)
     fastest = 0.0
     for _ in range(150):
-        before = yard.crowd.p.copy()
+        before = yard.arrays.p.copy()
         yard.step()
-        fastest = max(fastest, float(np.abs(yard.crowd.p - before).max()) / DT)
-    assert depth(yard.crowd.nodes, yard.crowd.links) < 0.005
+        fastest = max(fastest, float(np.abs(yard.arrays.p - before).max()) / DT)
+    assert depth(yard.arrays.nodes, yard.arrays.links) < 0.005
     assert fastest < 4.0
 
 
@@ -95,15 +95,15 @@ def test_a_ball_lies_on_a_box_and_a_person_on_a_bench() -> None:
     ]
     yard = yard_of(plans, places)
     yard.step(300)
-    p, first = yard.crowd.p, 8 + 1 + 8
+    p, first = yard.arrays.p, 8 + 1 + 8
     assert p[8, 1] == pytest.approx(0.6, abs=0.005)
     assert p[first, 1] > 0.42
-    assert lengths_off(yard.crowd) < 0.005
+    assert lengths_off(yard.arrays) < 0.005
 
 
-def rod(length: float, girth: float, mass: float) -> Plan:
+def rod(length: float, girth: float, mass: float) -> BodyPlan:
     """Return one link along X, its middle at the origin."""
-    return Plan(
+    return BodyPlan(
         rest=np.array([[-0.5 * length, 0.0, 0.0], [0.5 * length, 0.0, 0.0]]),
         mass=np.full(2, 0.5 * mass),
         radius=np.full(2, girth),
@@ -119,11 +119,11 @@ def test_an_edge_is_met_wherever_it_crosses_a_limb(along: float) -> None:
     edge = standing[np.argmax(standing[:, 1])] * [1.0, 1.0, 0.0]
     over = edge + np.array([along, 0.01 + 0.03 - 0.02, 0.0])
     yard = yard_of([crate._replace(mass=np.full(8, np.inf)), limb], [standing, limb.rest + over])
-    assert depth(yard.crowd.nodes, yard.crowd.links) > 0.01
+    assert depth(yard.arrays.nodes, yard.arrays.links) > 0.01
     yard.step(12)
     for _ in range(18):
         yard.step()
-        assert depth(yard.crowd.nodes, yard.crowd.links) < 1e-3
+        assert depth(yard.arrays.nodes, yard.arrays.links) < 1e-3
 
 
 def quarter() -> np.ndarray:
@@ -141,9 +141,9 @@ def test_what_is_heavy_does_not_press_what_is_light_into_the_ground() -> None:
     for step in range(6 * 96):
         yard.step()
         if step > 96:
-            deepest = max(deepest, float((limb.radius[0] - yard.crowd.p[8:, 1]).max()))
+            deepest = max(deepest, float((limb.radius[0] - yard.arrays.p[8:, 1]).max()))
     assert deepest < 0.003
-    assert depth(yard.crowd.nodes, yard.crowd.links) < 0.005
+    assert depth(yard.arrays.nodes, yard.arrays.links) < 0.005
 
 
 KNOT = """
@@ -158,16 +158,16 @@ def test_who_has_knotted_legs_lies_still_all_the_same() -> None:
     plan = person_plan(RAGDOLL)
     yard = yard_of([plan], [np.array(KNOT.split(), dtype=float).reshape(16, 3) / 1000.0])
     yard.step(3 * 96)
-    before = yard.crowd.p.mean(axis=0)
+    before = yard.arrays.p.mean(axis=0)
     yard.step(96)
-    assert math.dist(yard.crowd.p.mean(axis=0), before) < 0.005
+    assert math.dist(yard.arrays.p.mean(axis=0), before) < 0.005
     yard.step(12 * 96)
-    assert yard.crowd.owners["asleep"][0]
+    assert yard.arrays.owners["asleep"][0]
 
 
 def test_links_beside_the_ground_and_far_from_it() -> None:
     """A ragdoll on stairs: neither nodes nor links lie deep in them."""
-    from pipeline.simulation.dynamics.grid import grid_of
+    from pipeline.simulation.dynamics.terrain_grid import grid_of
     from pipeline.simulation.terrain.heightfield import HeightField
 
     x = np.linspace(-4.0, 4.0, 161)
@@ -177,36 +177,36 @@ def test_links_beside_the_ground_and_far_from_it() -> None:
     yard = yard_of(
         [plan], [plan.rest + np.array([-2.0, 1.6, 0.0])], grid=grid_of(field), level=False
     )
-    v = np.zeros_like(yard.crowd.p)
+    v = np.zeros_like(yard.arrays.p)
     v[:, 0] = 5.0
     yard.throw(v)
     yard.step(700)
-    crowd = yard.crowd
-    assert np.isfinite(crowd.p).all()
-    assert crowd.p[0, 0] > -1.2
-    gap = crowd.p[:, 1] - field.height(crowd.p[:, 0], crowd.p[:, 2])
+    arrays = yard.arrays
+    assert np.isfinite(arrays.p).all()
+    assert arrays.p[0, 0] > -1.2
+    gap = arrays.p[:, 1] - field.height(arrays.p[:, 0], arrays.p[:, 2])
     # A node's middle is never below the surface.
     assert gap.min() > 0.0
-    assert lengths_off(crowd) < 0.005
+    assert lengths_off(arrays) < 0.005
 
 
 def test_a_merry_go_round_turns_when_it_is_pushed_and_stays_where_it_is() -> None:
     plan = merry_go_round_plan(1.3, 90.0)
     yard = yard_of([plan], [plan.rest])
-    nodes = yard.crowd.nodes
+    nodes = yard.arrays.nodes
     post = 2 + 8
     for _ in range(48):
         # A push along the rim.
-        across = np.cross([0.0, 1.0, 0.0], yard.crowd.p[post])
+        across = np.cross([0.0, 1.0, 0.0], yard.arrays.p[post])
         nodes["acceleration"][post] = 60.0 * across / np.linalg.norm(across)
         yard.step()
     v = yard.velocities[2:]
-    rate = np.cross(yard.crowd.p[2:], v)[:, 1] / (yard.crowd.p[2:, [0, 2]] ** 2).sum(axis=1)
+    rate = np.cross(yard.arrays.p[2:], v)[:, 1] / (yard.arrays.p[2:, [0, 2]] ** 2).sum(axis=1)
     assert rate.mean() > 0.1
     assert rate.std() < 0.1 * rate.mean()
-    np.testing.assert_array_equal(yard.crowd.p[:2], plan.rest[:2])
-    assert np.abs(yard.crowd.p[2:10, 1] - plan.rest[2:10, 1]).max() < 0.005
-    assert lengths_off(yard.crowd) < 0.005
+    np.testing.assert_array_equal(yard.arrays.p[:2], plan.rest[:2])
+    assert np.abs(yard.arrays.p[2:10, 1] - plan.rest[2:10, 1]).max() < 0.005
+    assert lengths_off(yard.arrays) < 0.005
 
 
 @pytest.mark.parametrize("beside", [0.03, 0.08])
@@ -222,6 +222,6 @@ def test_what_is_held_at_one_end_is_no_gap_beside_it(beside: float) -> None:
     for _ in range(12):
         yard.step()
         met = met or bool(yard.log.filled[0])
-        deepest = max(deepest, depth(yard.crowd.nodes, yard.crowd.links))
+        deepest = max(deepest, depth(yard.arrays.nodes, yard.arrays.links))
     assert met
     assert deepest < 0.0005

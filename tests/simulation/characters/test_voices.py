@@ -10,10 +10,10 @@ import mido
 import numpy as np
 import pytest
 
-from audio.instruments import program_of
-from audio.midi import write_midi
-from audio.voices import notes_of
-from pipeline.production.shooting import Shooting
+from audio.general_midi import program_number
+from audio.midi_file import write_midi
+from audio.notes import notes_of
+from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.characters.mind.mind_scheduler import AGAIN, DISTRESS
 from pipeline.simulation.characters.step_report import SCREAM, WHIMPER, loudness
@@ -83,7 +83,7 @@ def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path:
             if message.type == "program_change":
                 programs[message.channel] = message.program
             elif message.type == "note_on" and message.velocity:
-                if programs.get(message.channel) == program_of(name):
+                if programs.get(message.channel) == program_number(name):
                     ticks.append(now)
     # 40 ticks a frame at 24 frames a second.
     assert (event.frame - 1) * 40 in ticks
@@ -141,7 +141,7 @@ def test_one_in_distress_cries_on_the_way_back_and_not_in_arms() -> None:
     simulation = Simulation(read_scene(LOST))
     minds = troupe(simulation).minds
     assert minds is not None
-    kid = next(mind for mind in minds.minds if mind.actor.name == "kid")
+    kid = next(mind for mind in minds.minds if mind.controller.name == "kid")
     kid.anxiety = 0.9
     levels, hugging = [], []
     while not simulation.finished:

@@ -8,19 +8,19 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.characters.body_arrays import Crowd
-from pipeline.simulation.characters.body_plan import Plan, crowd_of
-from pipeline.simulation.characters.broad_phase import Room, room_for
+from pipeline.simulation.characters.body_arrays import CharacterArrays
+from pipeline.simulation.characters.body_plan import BodyPlan, character_arrays
+from pipeline.simulation.characters.broad_phase import Workspace, workspace_for
 from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
-from pipeline.simulation.characters.contact_response import Log, new_log
-from pipeline.simulation.characters.limb_limits import bend
+from pipeline.simulation.characters.contact_response import TouchLog, new_touch_log
+from pipeline.simulation.characters.limb_limits import joint_angle
 from pipeline.simulation.characters.link_contacts import closest
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.playthings import ball_plan, box_plan
 from pipeline.simulation.characters.verlet_step import advance
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
-from pipeline.simulation.dynamics.grid import Grid, grid_of
-from pipeline.simulation.dynamics.records import zeros
+from pipeline.simulation.dynamics.terrain_grid import Grid, grid_of
 from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -35,17 +35,17 @@ FLAT = grid_of(HeightField(np.zeros((3, 3)), (60.0, 60.0)))
 class Yard:
     """Characters and where they are."""
 
-    crowd: Crowd
+    arrays: CharacterArrays
     grid: Grid = FLAT
     level: bool = True
     gravity: float = 9.81
     dt: float = DT
     count: int = COUNT
-    room: Room = field(init=False)
-    log: Log = field(init=False)
+    room: Workspace = field(init=False)
+    log: TouchLog = field(init=False)
 
     def __post_init__(self) -> None:
-        self.room, self.log = room_for(self.crowd), new_log()
+        self.workspace, self.log = workspace_for(self.arrays), new_touch_log()
 
     @property
     def h(self) -> float:
@@ -55,18 +55,25 @@ class Yard:
     @property
     def velocities(self) -> Array:
         """(N, 3) of the nodes [m/s]."""
-        result: Array = (self.crowd.p - self.crowd.before) / self.h
+        result: Array = (self.arrays.p - self.arrays.previous) / self.h
         return result
 
     def throw(self, v: Array) -> None:
         """Give nodes (N, 3) velocities [m/s]."""
-        self.crowd.nodes["before"] = self.crowd.p - self.h * v
+        self.arrays.nodes["previous"] = self.arrays.p - self.h * v
 
     def step(self, steps: int = 1) -> None:
         """Go on by so many steps."""
         for _ in range(steps):
             advance(
-                *(self.crowd, zeros(0, PERSON), self.grid, self.level, self.room, self.log),
+                *(
+                    self.arrays,
+                    zero_records(0, PERSON),
+                    self.grid,
+                    self.level,
+                    self.workspace,
+                    self.log,
+                ),
                 *(self.gravity, self.dt, self.count),
             )
 
@@ -77,14 +84,16 @@ def attitude(chance: np.random.Generator) -> Array:
     return matrix(q / np.linalg.norm(q))
 
 
-def yard_of(plans: Sequence[Plan], places: Sequence[Array], **words: object) -> Yard:
-    return Yard(crowd_of(plans, places), **words)  # type: ignore[arg-type]
+def yard_of(plans: Sequence[BodyPlan], places: Sequence[Array], **words: object) -> Yard:
+    return Yard(character_arrays(plans, places), **words)  # type: ignore[arg-type]
 
 
-def free(plan: Plan) -> Plan:
+def free(plan: BodyPlan) -> BodyPlan:
     """Return a person without damping and limits."""
     links = tuple(k._replace(damping=0.0) for k in plan.links if k.least is None)
-    return plan._replace(links=links, limbs=plan.limbs[:0], pairs=(), air=0.0, ground=0.0)
+    return plan._replace(
+        links=links, limbs=plan.limbs[:0], pairs=(), air_damping=0.0, ground_damping=0.0
+    )
 
 
 PLANS = (
@@ -136,11 +145,11 @@ def pile(seed: int) -> Yard:
     return yard
 
 
-def lengths_off(crowd: Crowd) -> float:
+def lengths_off(arrays: CharacterArrays) -> float:
     """Return how much the worst rigid link is off, as a part of its length."""
-    least, most = crowd.links["reach"].T
+    least, most = arrays.links["length_limits"].T
     rigid = (least == most) & (least > 0.0)
-    apart = crowd.p[crowd.ends[:, 0]] - crowd.p[crowd.ends[:, 1]]
+    apart = arrays.p[arrays.links["ends"][:, 0]] - arrays.p[arrays.links["ends"][:, 1]]
     return float(np.abs(np.linalg.norm(apart, axis=1)[rigid] / least[rigid] - 1.0).max(initial=0.0))
 
 
@@ -149,7 +158,7 @@ def least_bend(nodes: Records, limbs: Records) -> float:
     """Return the least bend of all joints, negative where one points where it may not [rad]."""
     least = 9.0
     for n in range(len(limbs)):
-        least = min(least, bend(nodes, limbs[n]))
+        least = min(least, joint_angle(nodes, limbs[n]))
     return least
 
 
@@ -160,7 +169,7 @@ def depth(nodes: Records, links: Records) -> float:
     for a in range(len(links)):
         for b in range(a + 1, len(links)):
             one, other = links[a], links[b]
-            if one.girth > 0.0 and other.girth > 0.0 and one.owner != other.owner:
+            if one.radius > 0.0 and other.radius > 0.0 and one.owner != other.owner:
                 deepest = max(deepest, overlap(nodes, one, other))
     return deepest
 
@@ -186,5 +195,5 @@ def overlap(nodes: Records, one: Record, other: Record) -> float:
     squared = 0.0
     for k in range(3):
         squared += (p[k] + t * u[k] - r[k] - w * v[k]) ** 2
-    off: float = one.girth + other.girth - math.sqrt(squared)
+    off: float = one.radius + other.radius - math.sqrt(squared)
     return off

@@ -37,7 +37,7 @@ class GoTo:
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         words, place = self.words, mind.place(self.target)
-        near = mind.around.radius[self.target] + mind.slim + words.distance
+        near = mind.surroundings.radius[self.target] + mind.slim + words.distance
         if words.from_deg is not None:
             angle = math.radians(words.from_deg)
             place = place + near * np.array([math.cos(angle), -math.sin(angle)])
@@ -63,8 +63,8 @@ GAZED = 1.5
 
 def refuge(mind: Mind, push: Array, far: float) -> Array:
     """Return the place (2,) in a direction, turned away from the edge of the terrain."""
-    around = mind.around
-    low, high = mind.at - around.low - EDGE, around.high - EDGE - mind.at
+    surroundings = mind.surroundings
+    low, high = mind.at - surroundings.low - EDGE, surroundings.high - EDGE - mind.at
     # As walls that push the more the nearer they are.
     wall = 1.0 / np.maximum(low, 0.3) - 1.0 / np.maximum(high, 0.3)
     walls = np.where(np.minimum(low, high) < WALLS, 1.6 * wall, 0.0)
@@ -109,7 +109,7 @@ class KeepOff:
 
     def __init__(self, words: Shyness, mind: Mind) -> None:
         self.words = words
-        self.others = mind.around.people.copy()
+        self.others = mind.surroundings.people.copy()
         self.others[mind.me] = False
 
     def _close(self, mind: Mind) -> Array:
@@ -203,7 +203,7 @@ class Withdraw:
         return self.told
 
     def _away(self, mind: Mind, by: int) -> MotorCommand:
-        heading = float(mind.actor.me.heading)
+        heading = float(mind.controller.record.heading)
         to = mind.place(by) - mind.at if by >= 0 else np.array([0.0, 0.0])
         size = math.hypot(to[0], to[1])
         if size < 1e-6:
@@ -221,9 +221,9 @@ class Withdraw:
 
     @staticmethod
     def _place(mind: Mind, way: float) -> Array:
-        around = mind.around
+        surroundings = mind.surroundings
         goal = mind.at + STEPS_BACK * np.array([math.cos(way), math.sin(way)])
-        result: Array = np.clip(goal, around.low + 0.5, around.high - 0.5)
+        result: Array = np.clip(goal, surroundings.low + 0.5, surroundings.high - 0.5)
         return result
 
     def end(self, mind: Mind) -> None:
@@ -249,7 +249,7 @@ class Stroll:
 
     def __init__(self, words: Wander, mind: Mind) -> None:
         self.words = words
-        self.home = mind.around.places[mind.me, [0, 2]].copy()
+        self.home = mind.surroundings.places[mind.me, [0, 2]].copy()
         self.goal = self.home.copy()
         self.stands, self.until = 0.0, 0.0
 
@@ -270,12 +270,12 @@ class Stroll:
         return steer(mind, self.goal, THERE, pace=mind.stroll + 0.5 * (mind.pace - mind.stroll))
 
     def _choose(self, mind: Mind) -> None:
-        around = mind.around
+        surroundings = mind.surroundings
         for _ in range(CHOICES):
             angle = 2.0 * math.pi * float(mind.rng.random())
             reach = self.words.wander * math.sqrt(float(mind.rng.random()))
             self.goal = self.home + reach * np.array([math.cos(angle), math.sin(angle)])
-            self.goal = np.clip(self.goal, around.low + 1.0, around.high - 1.0)
+            self.goal = np.clip(self.goal, surroundings.low + 1.0, surroundings.high - 1.0)
             if has_room(mind, self.goal):
                 break
         self.stands, self.until = 0.0, mind.now + GIVES_UP

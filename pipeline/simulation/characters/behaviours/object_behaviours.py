@@ -78,15 +78,19 @@ class PlayBall:
         return steer(mind, place, pace=mind.pace, target=self.ball, touching=True)
 
     def _in_reach(self, mind: Mind) -> bool:
-        ball, around = mind.place(self.ball), mind.around
-        return bool((ball > around.low + EDGE).all() and (ball < around.high - EDGE).all())
+        ball, surroundings = mind.place(self.ball), mind.surroundings
+        return bool(
+            (ball > surroundings.low + EDGE).all() and (ball < surroundings.high - EDGE).all()
+        )
 
     def _aim(self, mind: Mind, ball: Array, ahead: Array) -> Array:
         """Return the direction to kick the ball in: on, or back."""
         back = self.home - ball
         far = math.hypot(back[0], back[1])
-        around = mind.around
-        inside = (ball > around.low + ROLLS).all() and (ball < around.high - ROLLS).all()
+        surroundings = mind.surroundings
+        inside = (ball > surroundings.low + ROLLS).all() and (
+            ball < surroundings.high - ROLLS
+        ).all()
         if (far > self.words.within or not inside) and far > 1e-6:
             result: Array = back / far
             return result
@@ -119,7 +123,7 @@ class CarryAlong:
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        if mind.actor.held(LEFT_HAND) >= 0 or mind.now < self.until:
+        if mind.controller.held(LEFT_HAND) >= 0 or mind.now < self.until:
             return 0.0
         return CARRY_ACTIVATION + CARRY_CURIOSITY * mind.traits.curiosity + self.words.urge
 
@@ -171,14 +175,14 @@ class PushRound:
         place = mind.place(self.thing)
         gap = mind.gap(self.thing)
         if gap > 6.0 * PUSH_GAP:
-            near = float(mind.around.radius[self.thing]) + mind.slim + 2.0 * PUSH_GAP
+            near = float(mind.surroundings.radius[self.thing]) + mind.slim + 2.0 * PUSH_GAP
             return steer(mind, place, near, target=self.thing, touching=True)
         self.began = min(self.began, mind.now)
         if mind.now - self.began > PUSH_TIME:
             self.began, self.until = math.inf, mind.now + BORED
         to = mind.at - place
         angle = math.atan2(to[1], to[0]) + RIM_LEAD_ANGLE
-        reach = float(mind.around.radius[self.thing]) + PUSH_GAP
+        reach = float(mind.surroundings.radius[self.thing]) + PUSH_GAP
         goal = place + reach * np.array([math.cos(angle), math.sin(angle)])
         return MotorCommand(
             goal=(float(goal[0]), float(goal[1])),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.registry import MotorCommand
-from pipeline.simulation.characters.body_arrays import Numbers
+from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.visibility_route import WITHIN, Route, are_free
 from pipeline.simulation.spatial import Array
 
@@ -56,7 +56,7 @@ def walk_vector(to: Array, away: Array, gaps: Array, senses: Array, pace: float)
 
 
 @dataclass
-class Way:
+class DetourState:
     """Somebody's way around things: which way round each, and whether it gets on."""
 
     senses: dict[int, float] = field(default_factory=dict)
@@ -100,15 +100,15 @@ def steer(
         touching: whether it is gone up to, and nobody steps aside for it.
     """
     pace = mind.pace if pace is None else pace
-    me, around = mind.at, mind.around
-    place = np.clip(place, around.low + EDGE, around.high - EDGE)
+    me, surroundings = mind.at, mind.surroundings
+    place = np.clip(place, surroundings.low + EDGE, surroundings.high - EDGE)
     to = place - me
     size = math.hypot(to[0], to[1])
     left = max(size - near, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to(place), target=target)
     standing = _in_the_way(mind, target)
-    within = np.stack([around.low + 0.5 * EDGE, around.high - 0.5 * EDGE])
+    within = np.stack([surroundings.low + 0.5 * EDGE, surroundings.high - 0.5 * EDGE])
     first, length = mind.way.route.next(me, place, standing.middles, standing.reaches, within)
     to = first - me
     size = max(math.hypot(to[0], to[1]), 1e-9)
@@ -116,7 +116,7 @@ def steer(
     away, gaps, senses = _obstacles(mind, standing, to, size)
     mind.way.note(left, mind.now)
     w = walk_vector(to * (left / size), away, gaps, senses, pace)
-    w = _inside(w, me, around.low + 0.5 * EDGE, around.high - 0.5 * EDGE)
+    w = _inside(w, me, surroundings.low + 0.5 * EDGE, surroundings.high - 0.5 * EDGE)
     speed = math.hypot(w[0], w[1])
     if speed < 1e-6:
         return MotorCommand(facing=mind.heading_to(place), target=target)
@@ -141,26 +141,26 @@ class _Standing:
         wholes: (n,) circles of one thing have one number.
     """
 
-    keys: Numbers
+    keys: IntArray
     middles: Array
     reaches: Array
     away: Array
-    wholes: Numbers
+    wholes: IntArray
 
 
 def _in_the_way(mind: Mind, target: int) -> _Standing:
     """Return all that one who goes to a target goes round."""
-    around, memory = mind.around, mind.memory
+    surroundings, memory = mind.surroundings, mind.memory
     # People are stepped aside for by those who walk, before they come near.
-    walking = around.people & mind.acting
+    walking = surroundings.people & mind.acting
     mask = ~walking & (memory.away > 1e-6) & mind.solid
     mask[mind.me] = False
     if target >= 0:
         mask[target] = False
     keys = np.flatnonzero(mask)
     middles, away = memory.places[keys][:, [0, 2]], memory.away[keys]
-    reaches = around.radius[keys] + mind.slim
-    barriers = around.stage.barriers
+    reaches = surroundings.radius[keys] + mind.slim
+    barriers = surroundings.view.obstacle_circles
     if not barriers.look():
         return _Standing(keys, middles, reaches, away, keys)
     off = barriers.middles - mind.at

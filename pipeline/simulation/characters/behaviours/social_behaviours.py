@@ -50,7 +50,7 @@ class SafeBase:
         self.words, self.target = words, mind.number(words.attachment)
         self.hug: Hug | None = None
         self.loosen: Loosen | None = None
-        self.size = mind.around.stage.size(self.target)
+        self.size = mind.surroundings.view.size(self.target)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
@@ -91,7 +91,7 @@ class HugBack:
         self.words, self.ward = words, mind.number(words.comfort)
         self.embrace: Embrace | None = None
         self.joined = math.inf
-        self.size = mind.around.stage.size(self.ward)
+        self.size = mind.surroundings.view.size(self.ward)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
@@ -170,11 +170,11 @@ class FightIt:
         """See `Behaviour`."""
         place = mind.place(self.rival)
         if mind.now < self.until:
-            near = STAND_OFF + mind.slim + float(mind.around.radius[self.rival])
+            near = STAND_OFF + mind.slim + float(mind.surroundings.radius[self.rival])
             if mind.away(self.rival) > near:
                 return steer(mind, place, near, target=self.rival, pace=mind.stroll)
             return MotorCommand(facing=mind.heading_to(place), target=self.rival)
-        if self.grapple is None and mind.gap(self.rival) < REACH * mind.actor.arm:
+        if self.grapple is None and mind.gap(self.rival) < REACH * mind.controller.arm:
             self.grapple, self.began = Grapple(self.rival), mind.now
         if self.grapple is None:
             return steer(mind, place, target=self.rival, touching=True)

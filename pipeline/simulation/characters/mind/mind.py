@@ -13,7 +13,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pipeline.simulation.characters.behaviours.potential_field import Way
+from pipeline.simulation.characters.behaviours.potential_field import DetourState
 from pipeline.simulation.characters.behaviours.registry import Behaviour, MotorCommand
 from pipeline.simulation.characters.contact_tasks import Hug
 from pipeline.simulation.characters.mind.perception import (
@@ -24,7 +24,7 @@ from pipeline.simulation.characters.mind.perception import (
     Surroundings,
     felt,
 )
-from pipeline.simulation.characters.person_controller import Actor
+from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
@@ -57,8 +57,8 @@ class Mind:
     """One who has a mind.
 
     Attributes:
-        actor: its body's controls.
-        around: all characters.
+        controller: its body's controls.
+        surroundings: all characters.
         traits: how it is minded.
         rng: its chances.
         slapstick: whether it runs into whom it hugs.
@@ -75,18 +75,20 @@ class Mind:
         cried: when it last cried [s].
     """
 
-    def __init__(self, actor: Actor, around: Surroundings, traits: Traits, bond: int) -> None:
-        self.actor, self.around, self.traits = actor, around, traits
-        self.me = int(actor.me.owner)
+    def __init__(
+        self, controller: PersonController, surroundings: Surroundings, traits: Traits, bond: int
+    ) -> None:
+        self.controller, self.surroundings, self.traits = controller, surroundings, traits
+        self.me = int(controller.record.owner)
         self.rng = np.random.default_rng(0)
         self.slapstick = False
-        self.memory = Memory(around)
-        self.attention = Attention(around.kinds, self.me, bond, traits.curiosity)
+        self.memory = Memory(surroundings)
+        self.attention = Attention(surroundings.kinds, self.me, bond, traits.curiosity)
         self.bond = bond
-        self.way = Way()
-        self.slim = float(around.radius[self.me])
-        self.solid = np.array([kind != "ball" for kind in around.kinds])
-        self.acting = np.zeros(len(around.kinds), dtype=bool)
+        self.way = DetourState()
+        self.slim = float(surroundings.radius[self.me])
+        self.solid = np.array([kind != "ball" for kind in surroundings.kinds])
+        self.acting = np.zeros(len(surroundings.kinds), dtype=bool)
         self.anxiety = self.anger = self.anxious_before = 0.0
         self.struck: tuple[float, int] = (-math.inf, -1)
         self.cried = -math.inf
@@ -96,16 +98,16 @@ class Mind:
         self.doing = ""
         self.motor = MotorCommand()
         self.now = 0.0
-        away = around.places[max(bond, 0)] - around.places[self.me]
+        away = surroundings.places[max(bond, 0)] - surroundings.places[self.me]
         self.distance = math.hypot(away[0], away[2]) if bond >= 0 else 0.0
         self.at = np.zeros(2)
-        self.root = math.sqrt(GRAVITY * float(actor.me.hip_height))
+        self.root = math.sqrt(GRAVITY * float(controller.record.hip_height))
         self.glances: Glances
 
     def begin(self, rng: np.random.Generator, behaviours: Mapping[str, Behaviour]) -> None:
         """Give it its chances, and what it may do."""
         self.rng, self.behaviours = rng, behaviours
-        self.glances = Glances(len(self.around.kinds), rng)
+        self.glances = Glances(len(self.surroundings.kinds), rng)
 
     # --- what behaviours ask ---------------------------------------------------------
 
@@ -121,7 +123,7 @@ class Mind:
 
     def number(self, name: str) -> int:
         """Return the number of a character."""
-        return self.around.stage.number(name)
+        return self.surroundings.view.number(name)
 
     def place(self, owner: int) -> Array:
         """Return (2,) x and z where it believes a character to be [m]."""
@@ -139,7 +141,7 @@ class Mind:
 
     def gap(self, owner: int) -> float:
         """Return how far from its own surface that of a character is [m]."""
-        return self.away(owner) - float(self.around.radius[owner]) - self.slim
+        return self.away(owner) - float(self.surroundings.radius[owner]) - self.slim
 
     def heading_to(self, place: Array) -> float:
         """Return the heading of a place."""
@@ -154,14 +156,14 @@ class Mind:
     def opens_arms(self, owner: int) -> bool:
         """Tell whether another one holds both arms out for somebody, as far as can be seen."""
         arms = self.arms.get(owner)
-        return arms is not None and min(int(arms.arm[0]), int(arms.arm[1])) >= PLACED
+        return arms is not None and min(int(arms.arm_mode[0]), int(arms.arm_mode[1])) >= PLACED
 
     def hands_apart(self, owner: int) -> float:
         """Return how far apart the hands of another one are [m], as somebody in them feels."""
         arms = self.arms.get(owner)
         if arms is None:
             return 0.0
-        p, first = self.around.stage.crowd.p, int(arms.node) + HAND
+        p, first = self.surroundings.view.arrays.p, int(arms.node) + HAND
         away = p[first] - p[first + 1]
         return math.sqrt(float((away * away).sum()))
 
@@ -177,7 +179,7 @@ class Mind:
             return False
         self.struck = (now, by)
         self.anxiety = min(self.anxiety + SHOCK * min(pain, 2.0), 1.0)
-        if by >= 0 and self.around.people[by]:
+        if by >= 0 and self.surroundings.people[by]:
             fears = self.attention.fears
             fears[by] = min(fears[by] + ALARM * min(pain, 2.0), 1.0)
             self.anger = min(self.anger + ANGERS * self.traits.aggression * 2.0, 1.0)
@@ -190,27 +192,27 @@ class Mind:
 
     def _holds(self, owner: int) -> bool:
         """Tell whether it has a character in its hand, which then does not come as a shock."""
-        nodes = self.around.stage.crowd.nodes
-        held = [self.actor.held(k) for k in range(2)]
+        nodes = self.surroundings.view.arrays.nodes
+        held = [self.controller.held(k) for k in range(2)]
         return any(node >= 0 and int(nodes[node].owner) == owner for node in held)
 
     def notice(self, now: float, dt: float) -> None:
         """See, remember, feel, and attend, `dt` [s] after the last time."""
-        me = self.actor.me
+        me = self.controller.record
         self.now = now
-        self.at = self.around.places[self.me, [0, 2]]
-        self.memory.look(self.around, self.me, float(me.gaze[0]))
+        self.at = self.surroundings.places[self.me, [0, 2]]
+        self.memory.look(self.surroundings, self.me, float(me.gaze[0]))
         self.attention.fears *= math.exp(-FORGETS * dt)
         self.anger *= math.exp(-COOLS * dt)
         if self.bond >= 0:
             away = self.away(self.bond)
-            to = self.around.places[self.bond, [0, 2]] - self.at
+            to = self.surroundings.places[self.bond, [0, 2]] - self.at
             self.distance = math.hypot(to[0], to[1])
             trait = self.traits.anxiety * (RETURNING if self.doing == "attachment" else 1.0)
             self.anxiety = felt(self.anxiety, trait, away, self.hugging, dt)
         else:
             self.anxiety *= math.exp(-0.1 * dt)
-        chance = 2.0 * self.rng.random(len(self.around.kinds)) - 1.0
+        chance = 2.0 * self.rng.random(len(self.surroundings.kinds)) - 1.0
         self.attention.appraise(self.memory, self.anxiety, chance, now)
 
     def choose(self) -> None:
@@ -231,7 +233,7 @@ class Mind:
         """Leave off what is done."""
         if self.doing:
             self.behaviours[self.doing].end(self)
-        self.doing, self.motor, self.way = "", MotorCommand(), Way()
+        self.doing, self.motor, self.way = "", MotorCommand(), DetourState()
 
     def look(self, dt: float) -> None:
         """Choose where to look."""

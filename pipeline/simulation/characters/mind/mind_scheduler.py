@@ -18,13 +18,13 @@ from pipeline.simulation.characters.mind.perception import Surroundings
 from pipeline.simulation.characters.person_record import REACHING
 from pipeline.simulation.characters.person_tasks import SitDown
 from pipeline.simulation.characters.step_report import CRIES, WHIMPER, loudness
-from pipeline.simulation.characters.task_dispatcher import Direction
+from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
 from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 from pipeline.spec.script import SetUrges
 
 EVERY = 0.1
@@ -40,13 +40,13 @@ GLANCING_BACK = 1.2
 """Beyond this angle from the way one goes it stops to look [rad]."""
 
 
-class Minds:
+class MindScheduler:
     """All minds of a troupe.
 
     Args:
         cast: all characters.
-        direction: what the script tells them, and through which minds act.
-        around: all characters as they are seen.
+        dispatcher: what the script tells them, and through which minds act.
+        surroundings: all characters as they are seen.
         seed: of the scene.
         dt: a step [s].
         sub_step: of it [s].
@@ -55,31 +55,33 @@ class Minds:
     def __init__(
         self,
         cast: Sequence[Character],
-        direction: Direction,
-        around: Surroundings,
+        dispatcher: TaskDispatcher,
+        surroundings: Surroundings,
         seed: int,
         dt: float,
         sub_step: float,
     ) -> None:
-        self.direction, self.around = direction, around
+        self.dispatcher, self.surroundings = dispatcher, surroundings
         self.dt, self.sub_step = dt, sub_step
         self.every = max(round(EVERY / dt), 1)
         self.minds: list[Mind] = []
         self.places: list[int] = []
-        for k, actor in enumerate(direction.actors):
-            member = cast[int(actor.me.owner)]
+        for k, controller in enumerate(dispatcher.controllers):
+            member = cast[int(controller.record.owner)]
             if member.has_mind:
-                self.minds.append(_mind(member, cast, actor, around, seed))
+                self.minds.append(_mind(member, cast, controller, surroundings, seed))
                 self.places.append(k)
-        direction.minded = frozenset(self.places)
+        dispatcher.minded = frozenset(self.places)
         acting = np.array([member.acts for member in cast], dtype=bool)
-        arms = {int(actor.me.owner): actor.me for actor in direction.actors}
+        arms = {
+            int(controller.record.owner): controller.record for controller in dispatcher.controllers
+        }
         for mind in self.minds:
             mind.acting, mind.arms = acting, arms
         owners = np.array([mind.me for mind in self.minds], dtype=np.int64)
         self._owners = owners
         self._pain = np.zeros(len(owners))
-        self._pains_now = around.stage.crowd.owners["pain"]
+        self._pains_now = surroundings.view.arrays.owners["pain"]
         self.cries: list[tuple[int, int, float]] = []
 
     @property
@@ -87,7 +89,7 @@ class Minds:
         """What of minds is kept in the take."""
         kinds = (("anxiety", "1"), ("distance", "m"), ("focus", "1"), ("gaze", "1"))
         return tuple(
-            Channel(f"{mind.actor.name}.{what}", unit)
+            Channel(f"{mind.controller.name}.{what}", unit)
             for mind in self.minds
             for what, unit in (*kinds, ("behaviour", "1"))
         )
@@ -107,7 +109,7 @@ class Minds:
     def read(self, orders: Orders) -> None:
         """Take in what the script gives somebody a mind to."""
         for mind in self.minds:
-            for do in orders.get(mind.actor.name, ()):
+            for do in orders.get(mind.controller.name, ()):
                 if isinstance(do, SetUrges):
                     mind.biases = {} if not do.urge else {**mind.biases, **do.urge}
 
@@ -117,17 +119,17 @@ class Minds:
         for n, (k, mind) in enumerate(zip(self.places, self.minds, strict=True)):
             if (step + n) % self.every and n not in hurt:
                 continue
-            self.around.look(now, self.sub_step)
+            self.surroundings.look(now, self.sub_step)
             dt = now - mind.now
             mind.notice(now, dt)
-            if self.direction.is_told(k):
+            if self.dispatcher.is_told(k):
                 mind.leave()
             else:
                 mind.choose()
                 self._act(k, mind)
                 self._cry(k, mind)
             mind.look(dt)
-            self.direction.glance(k, mind.glances.at)
+            self.dispatcher.glance(k, mind.glances.at)
 
     def _cry(self, k: int, mind: Mind) -> None:
         """Let one cry that is on its way back in distress, and not in its caregiver's arms yet."""
@@ -156,37 +158,37 @@ class Minds:
 
     def _by_whom(self, owner: int) -> int:
         """Return whose touch was the hardest in the last step, -1 for the ground's."""
-        crowd = self.around.stage.crowd
-        first, count = (int(n) for n in crowd.owners["links"][owner])
-        links = crowd.links[first : first + count]
+        arrays = self.surroundings.view.arrays
+        first, count = (int(n) for n in arrays.owners["links"][owner])
+        links = arrays.links[first : first + count]
         hardest = int(np.argmax(links["energy"]))
         return max(int(links["touched_owner"][hardest]), NOBODY)
 
     def _act(self, k: int, mind: Mind) -> None:
         """Hand on to the controls what a mind has chosen."""
-        motor, actor, direction = mind.motor, mind.actor, self.direction
-        me = actor.me
+        motor, controller, dispatcher = mind.motor, mind.controller, self.dispatcher
+        me = controller.record
         me.frozen = motor.frozen
         me.pace = max(motor.pace, 0.05)
         if motor.sits:
-            if not isinstance(direction.errand(k), SitDown):
-                direction.begin(k, SitDown())
+            if not isinstance(dispatcher.errand(k), SitDown):
+                dispatcher.begin(k, SitDown())
             return
         if motor.task is not None:
-            if direction.errand(k) is not motor.task:
-                direction.begin(k, motor.task)
+            if dispatcher.errand(k) is not motor.task:
+                dispatcher.begin(k, motor.task)
             return
-        if direction.errand(k) is not None:
-            direction.end(k)
+        if dispatcher.errand(k) is not None:
+            dispatcher.end(k)
         _walk(mind, motor)
         for hand in range(2):
-            if actor.held(hand) < 0:
-                me.arm[hand] = REACHING if motor.reaching else 0
+            if controller.held(hand) < 0:
+                me.arm_mode[hand] = REACHING if motor.reaching else 0
 
 
 def _walk(mind: Mind, motor: MotorCommand) -> None:
     """Walk, or stand, as a motor vector says."""
-    actor = mind.actor
+    controller = mind.controller
     goal = motor.goal
     if goal is not None and mind.glances.glancing and motor.facing is None and mind.anxiety > 0.2:
         # Who looks back stops for it.
@@ -194,14 +196,14 @@ def _walk(mind: Mind, motor: MotorCommand) -> None:
         turn = abs(_wrapped(mind.heading_to(place) - mind.heading_to(np.array(goal))))
         goal = None if turn > GLANCING_BACK else goal
     if goal is not None:
-        actor.go(*goal, whom=motor.target if motor.touching else NOBODY)
+        controller.go(*goal, whom=motor.target if motor.touching else NOBODY)
     else:
-        actor.stop()
-        actor.me.posture = 0
+        controller.stop()
+        controller.record.posture = 0
     if motor.facing is not None:
-        actor.me.faces, actor.me.facing = True, motor.facing
+        controller.record.has_facing, controller.record.facing = True, motor.facing
     elif goal is None:
-        actor.me.faces = False
+        controller.record.has_facing = False
 
 
 def _wrapped(angle: float) -> float:
@@ -209,13 +211,17 @@ def _wrapped(angle: float) -> float:
 
 
 def _mind(
-    member: Character, cast: Sequence[Character], actor: object, around: Surroundings, seed: int
+    member: Character,
+    cast: Sequence[Character],
+    controller: object,
+    surroundings: Surroundings,
+    seed: int,
 ) -> Mind:
     """Return the mind of a member."""
     asked = member.behaviours or _usual(member, cast)
     bonds = [one.attachment for one in asked if isinstance(one, Attachment)]
-    bond = around.stage.number(bonds[0]) if bonds else NOBODY
-    mind = Mind(actor, around, member.traits or Traits(), bond)  # type: ignore[arg-type]
+    bond = surroundings.view.number(bonds[0]) if bonds else NOBODY
+    mind = Mind(controller, surroundings, member.traits or Traits(), bond)  # type: ignore[arg-type]
     mind.slapstick = member.slapstick
     mind.begin(generator(seed, f"{member.name}.mind"), behaviours_of(asked, mind))
     return mind

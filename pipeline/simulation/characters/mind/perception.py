@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.characters.body_arrays import Numbers
-from pipeline.simulation.characters.person_controller import SLIM, Stage
+from pipeline.simulation.characters.body_arrays import IntArray
+from pipeline.simulation.characters.person_controller import SLIM, CharacterView
 from pipeline.simulation.characters.person_record import PELVIS
 from pipeline.simulation.spatial import Array
 
@@ -18,7 +18,7 @@ class Surroundings:
     """All characters by arrays, one row each.
 
     Attributes:
-        stage: where they are.
+        view: where they are.
         kinds: what they are.
         people: (C,) who has the joints of people.
         radius: (C,) of the circle on the ground around each [m].
@@ -29,17 +29,17 @@ class Surroundings:
         now: the time [s].
     """
 
-    def __init__(self, stage: Stage, kinds: Sequence[str], heights: Sequence[float]) -> None:
-        self.stage, self.kinds = stage, tuple(kinds)
-        owners = stage.crowd.owners
-        self._firsts: Numbers = owners["nodes"][:, 0].copy()
+    def __init__(self, view: CharacterView, kinds: Sequence[str], heights: Sequence[float]) -> None:
+        self.view, self.kinds = view, tuple(kinds)
+        owners = view.arrays.owners
+        self._firsts: IntArray = owners["nodes"][:, 0].copy()
         self._counts: Array = owners["nodes"][:, 1].astype(float)
-        self.people = np.array([k in stage.people for k in range(len(kinds))], dtype=bool)
+        self.people = np.array([k in view.people for k in range(len(kinds))], dtype=bool)
         self._pelvises = self._firsts[self.people] + PELVIS
-        self.radius = np.array([stage.circle(k)[1] for k in range(len(kinds))])
+        self.radius = np.array([view.circle(k)[1] for k in range(len(kinds))])
         self.radius[self.people] = SLIM * np.array(heights)[self.people]
-        self.low, self.high = stage.edges
-        self._p, self._before = stage.crowd.p, stage.crowd.before
+        self.low, self.high = view.edges
+        self._p, self._before = view.arrays.p, view.arrays.previous
         self.now = -1.0
         self.look(0.0, 1.0)
 
@@ -81,28 +81,28 @@ class Memory:
         away: (C,) how far over the ground each is believed to be [m].
     """
 
-    def __init__(self, around: Surroundings) -> None:
+    def __init__(self, surroundings: Surroundings) -> None:
         # Whoever begins a film knows who is there.
-        self.places = around.places.copy()
+        self.places = surroundings.places.copy()
         self.velocities = np.zeros_like(self.places)
         self.seen = np.zeros(len(self.places))
         self.in_view: NDArray[np.bool_] = np.ones(len(self.places), dtype=bool)
         self.away = np.zeros(len(self.places))
 
-    def look(self, around: Surroundings, me: int, gaze: float) -> None:
+    def look(self, surroundings: Surroundings, me: int, gaze: float) -> None:
         """Take in what is in view of one who looks along a heading [rad]."""
-        x, z, _ = self._from(around.places, around.places[me])
+        x, z, _ = self._from(surroundings.places, surroundings.places[me])
         distance = np.sqrt(x * x + z * z)
         ahead = x * math.cos(gaze) - z * math.sin(gaze)
-        near = distance < around.radius + TOUCH_RANGE
+        near = distance < surroundings.radius + TOUCH_RANGE
         self.in_view = near | (
             (distance < SIGHT_RANGE) & (ahead > math.cos(VIEW_HALF_ANGLE) * distance)
         )
         self.in_view[me] = False
-        self.places[self.in_view] = around.places[self.in_view]
-        self.velocities[self.in_view] = around.velocities[self.in_view]
-        self.seen[self.in_view] = around.now
-        _, _, self.away = self._from(self.places, around.places[me])
+        self.places[self.in_view] = surroundings.places[self.in_view]
+        self.velocities[self.in_view] = surroundings.velocities[self.in_view]
+        self.seen[self.in_view] = surroundings.now
+        _, _, self.away = self._from(self.places, surroundings.places[me])
 
     @staticmethod
     def _from(places: Array, me: Array) -> tuple[Array, Array, Array]:

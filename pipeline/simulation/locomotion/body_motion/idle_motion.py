@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.figures.skeleton import BODY, Limb
 from pipeline.simulation.locomotion.body_motion.follow_through import FreeLimb, SoftJointLimits, joint_turns
@@ -58,7 +58,7 @@ class FreeJoints:
         raises: whether they raise a tail.
     """
 
-    tree: Tree
+    tree: JointTree
     owner: NDArray[np.int64]
     names: tuple[str, ...]
     number: NDArray[np.int64]
@@ -141,7 +141,7 @@ def collect_free_joints(herd: Herd, seed: int) -> FreeJoints:
     chances = [generator(seed, f"{name}.idle.{joint}").random(2) for name, joint in joints]
     chance = np.array(chances).reshape(-1, 2)
     return FreeJoints(
-        tree=Tree(
+        tree=JointTree(
             np.array([parent for _, _, parent, *_ in rows], dtype=np.int64),
             collected("axes", 3),
             collected("places", 3),

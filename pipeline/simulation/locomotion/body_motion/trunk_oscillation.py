@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.curves import bounded
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.pace import Pace
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
@@ -148,7 +148,7 @@ class HerdTrunks:
         figure = herd.figures[c]
         key = figure.name, figure.scale
         if key not in self._masses:
-            self._masses[key] = Inertia(figure).at_rest
+            self._masses[key] = FigureMass(figure).at_rest
         hips = herd.hips[herd.owner == c][~pace.held]
         return TrunkOscillation.of(pace.carrying, hips, self._masses[key], pace.cycle)
 

@@ -1,0 +1,1 @@
+"""The camera: what it follows, how it frames and moves, and what it focuses on."""

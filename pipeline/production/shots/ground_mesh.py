@@ -1,0 +1,126 @@
+"""Landscape: the ground as it is filmed, with a far field around it.
+
+Where feet go the mesh is the terrain itself. Beyond its edge the ground goes on to
+the horizon in widening rings that start at the edge's own vertices, so that no seam
+and no end of the world is seen. Forbidden zones can be tinted, cell by cell.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import TerrainRecord
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
+from render.footprints import Prints
+from render.shot import Mesh
+
+RINGS = 26
+"""Number of rings between the terrain's edge and the horizon."""
+
+GROWTH = 1.32
+"""How much wider each ring is than the one before."""
+
+
+def ground_meshes(
+    terrain: TerrainRecord, show_forbidden: bool = False, prints: Prints | None = None
+) -> tuple[Mesh, ...]:
+    """Return the terrain and its far field, with texture coordinates in metres.
+
+    Args:
+        terrain: the ground.
+        show_forbidden: whether its forbidden zones are hatched.
+        prints: what is pressed into it over the film.
+    """
+    near = Mesh(
+        name="terrain",
+        vertices=terrain.vertices.astype(np.float32),
+        faces=terrain.faces,
+        material=terrain.material,
+        uv=terrain.vertices[:, [0, 2]].astype(np.float32),
+        tinted=_tinted(terrain) if show_forbidden else None,
+        prints=prints,
+    )
+    vertices, faces = _far_field(terrain)
+    far = Mesh(
+        name="horizon",
+        vertices=vertices.astype(np.float32),
+        faces=faces,
+        material=terrain.material,
+        uv=vertices[:, [0, 2]].astype(np.float32),
+    )
+    return near, far
+
+
+def _tinted(terrain: TerrainRecord) -> NDArray[np.bool_]:
+    """Return which faces lie in forbidden zones: those of a cell stand together, row by row."""
+    forbidden = terrain.forbidden.ravel()
+    return np.repeat(forbidden, len(terrain.faces) // len(forbidden))
+
+
+def _far_field(terrain: TerrainRecord) -> tuple[Array, NDArray[np.uint32]]:
+    """Return rings of vertices around the terrain and the triangles between them.
+
+    Hills go on rolling beyond the edge: along a ring a vertex takes its height from the
+    terrain mirrored at its edge, ever smoother and calmer with the distance.
+    """
+    n_x, n_z = terrain.cells
+    field = surface_of_vertices(terrain.vertices, terrain.cells)
+    grid = terrain.vertices[: field.heights.size].reshape(n_z + 1, n_x + 1, 3)
+    loop = _border(n_x, n_z)
+    edge = grid[loop[:, 1], loop[:, 0]]
+    # Rings lie about the middle of the grid, along its own axes.
+    rim = np.stack(field.to_grid(edge[:, 0], edge[:, 2]), axis=-1)
+    half = np.array(field.size) / 2
+    middle = float(grid[..., 1].mean())
+    cell = float((half * 2).min() / max(n_x, n_z))
+    rings, width, out = [edge], cell * 2.0, 0.0
+    for _ in range(RINGS):
+        out += width
+        width *= GROWTH
+        # Each ring is the border of a rectangle grown by the same factor on all sides.
+        xz = rim * (1.0 + out / half)
+        calm = float(np.exp(-out / (1.2 * half.min())))
+        height = middle + calm * (_mirrored_height(grid, half, xz) - middle)
+        height = _smoothed(height, out / cell)
+        x, z = field.to_world(xz[:, 0], xz[:, 1])
+        rings.append(np.stack([x, height, z], axis=-1))
+    n = len(edge)
+    a = np.arange(RINGS)[:, None] * n + np.arange(n)
+    b = np.arange(RINGS)[:, None] * n + (np.arange(n) + 1) % n
+    quads = np.stack([a, b, b + n, a, b + n, a + n], axis=-1)
+    return np.concatenate(rings), quads.reshape(-1, 3).astype(np.uint32)
+
+
+def _border(n_x: int, n_z: int) -> NDArray[np.int64]:
+    """Return the grid's border as (i, j), once around so that faces look upward."""
+    i, j = np.arange(n_x + 1), np.arange(n_z + 1)
+    sides = [
+        np.stack([i[:-1], np.zeros_like(i[:-1])], axis=-1),
+        np.stack([np.full_like(j[:-1], n_x), j[:-1]], axis=-1),
+        np.stack([i[:0:-1], np.full_like(i[1:], n_z)], axis=-1),
+        np.stack([np.zeros_like(j[1:]), j[:0:-1]], axis=-1),
+    ]
+    return np.concatenate(sides)
+
+
+def _mirrored_height(grid: Array, half: Array, xz: Array) -> Array:
+    """Return the terrain's heights at `xz`, mirrored at its edges as often as needed."""
+    n_z, n_x = grid.shape[0] - 1, grid.shape[1] - 1
+    cells = np.array([n_x, n_z])
+    place = (xz / half + 1.0) * 0.5 * cells
+    period = 2 * cells
+    place = np.abs(np.mod(place + period, period))
+    place = np.where(place > cells, period - place, place)
+    index = np.rint(place).astype(np.int64)
+    heights: Array = grid[index[:, 1], index[:, 0], 1]
+    return heights
+
+
+def _smoothed(values: Array, width: float) -> Array:
+    """Return closed-loop `values` averaged over about `width` neighbours."""
+    n = len(values)
+    k = np.fft.rfftfreq(n)
+    result: Array = np.fft.irfft(np.fft.rfft(values) * np.exp(-0.5 * (k * width) ** 2), n)
+    return result

@@ -1,0 +1,101 @@
+"""Shooting: take and scene -> the shot of a frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.production.camera.cuts import camera_poses, first_frames
+from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
+from pipeline.production.camera.pose_interpolation import Panning
+from pipeline.production.shots.footprint_raster import footprints
+from pipeline.production.shots.ground_mesh import ground_meshes
+from pipeline.production.shots.lamp_placement import CarriedLamps
+from pipeline.production.shots.pattern_coordinates import rests
+from pipeline.production.shots.skinning import Skin, seen_parts
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.take import Take
+from pipeline.spec.scene import Scene
+from render.config import MATERIALS, Material
+from render.shot import Mesh, Moment, Shot
+
+
+class Shooting:
+    """Makes the shots of one take under one scene's looks.
+
+    Attributes:
+        poses: of the camera at every frame.
+
+    Raises:
+        SceneError: a camera or a lamp goes along with a part that nobody has, or a camera focuses
+            on one.
+    """
+
+    def __init__(self, scene: Scene, take: Take) -> None:
+        self.take = take
+        self.film = scene.film.resolved()
+        self.light = scene.light
+        header = take.header
+        self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
+        aspect = self.film.size[0] / self.film.size[1]
+        mounts, sharp = mounts_of(scene, take.nodes), sharp_nodes_of(scene, take.nodes)
+        self.poses = camera_poses(take, scene.camera, aspect, mounts, sharp)
+        self._panning = Panning(self.poses, first_frames(scene.camera, header.rate))
+        self.materials = _materials(scene, take)
+        words = scene.terrain
+        texture = self.materials[take.terrain.material].texture
+        self._prints = footprints(take, texture) if words.footprints else None
+        raster = self._prints.prints if self._prints else None
+        self._ground = ground_meshes(take.terrain, words.show_forbidden, raster)
+        self._skin = Skin.of(take)
+        self._parts = seen_parts(take)
+        self._rests = rests(take, self.materials)
+        self._lamps = CarriedLamps.of(scene, take)
+
+    def shot(self, frame: int) -> Shot:
+        """Return the shot of the 1-based `frame`."""
+        first, *later = (self._moment(frame, part) for part in self.film.exposures)
+        return Shot(
+            meshes=first.meshes,
+            materials=self.materials,
+            light=self.light,
+            camera=first.camera,
+            film=self.film,
+            later=tuple(later),
+            lamps=first.lamps,
+        )
+
+    def _moment(self, frame: int, part: float) -> Moment:
+        """Return where all stands a part of a frame after its begin."""
+        row = self.clock.row_of_frame(frame)
+        at = row + part * self.clock.samples
+        vertices = self._skin.posed(self.take, at)
+        meshes = list(self._trodden(at))
+        for i, piece in enumerate(self._parts):
+            mesh = self.take.meshes[piece.seen]
+            placed = vertices[self._skin.starts[i] : self._skin.starts[i + 1]]
+            if not piece.life[0] <= row < piece.life[1]:
+                # Hidden by collapsing: the topology of a build stays as it is.
+                placed = np.zeros_like(placed)
+            rest = self._rests[i]
+            meshes.append(Mesh(piece.name, placed, mesh.faces, piece.material, rest=rest))
+        return Moment(
+            tuple(meshes), self._panning.at(frame, part), self._lamps.placed(self.take, at)
+        )
+
+    def _trodden(self, row: float) -> tuple[Mesh, ...]:
+        """Return the ground with the footprints that have been made by a row of the take."""
+        near, *others = self._ground
+        made = self._prints.made(row) if self._prints else 0
+        if near.printed != made:
+            self._ground = replace(near, printed=made), *others
+        return self._ground
+
+
+def _materials(scene: Scene, take: Take) -> Mapping[str, Material]:
+    """Return the materials that the take names: the author's own before the presets."""
+    names = {part.material for part in take.parts} | {take.terrain.material}
+    own = scene.materials
+    return {name: own[name] if name in own else MATERIALS[name] for name in sorted(names)}

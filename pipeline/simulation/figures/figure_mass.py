@@ -1,0 +1,132 @@
+"""Inertia: what a figure weighs, link by link, from its visible solids and its density.
+
+Several solids may follow one link, as eyes do a head. Where solids overlap, what they have
+in common counts in each of them: a link's mass is its own, whatever stands beside it. The
+whole is too heavy by that, a little in every joint, and more where a thick neck or tail
+begins deep in the body.
+
+Source: Sims 1987, 7.1.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.dynamics.bones import WORLD, Bone, Joint
+from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_solid, volume_of_solid
+from pipeline.simulation.figures.base_change import displacement_at
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.kinematics import JointTree
+from pipeline.simulation.figures.skeleton import BODY
+from pipeline.simulation.spatial import Array
+
+
+@dataclass(frozen=True, eq=False)
+class FigureMass:
+    """Mass properties of a figure; what is not asked for is not computed.
+
+    Attributes:
+        figure: any.
+    """
+
+    figure: Figure
+
+    @cached_property
+    def links(self) -> tuple[MassProperties, ...]:
+        """Of each link, in the creation frame."""
+        return tuple(map(self.of_link, range(len(self.figure.skeleton.links))))
+
+    def of_link(self, number: int) -> MassProperties:
+        """Return those of one link, in the creation frame."""
+        solids = [piece.solid for piece in self.figure.pieces if piece.link == number]
+        return joined(mass_of_solid(s.vertices, s.faces, self.figure.density) for s in solids)
+
+    def mass_of(self, links: Sequence[int]) -> float:
+        """Return the mass of some links together [kg]."""
+        solids = (piece.solid for piece in self.figure.pieces if piece.link in links)
+        return self.figure.density * sum(volume_of_solid(s.vertices, s.faces) for s in solids)
+
+    def at(self, q: Array) -> MassProperties:
+        """Return those of the whole figure, its links held as they are, in the body's frame.
+
+        Args:
+            q: (J,) joint values [rad or m].
+        """
+        skeleton = self.figure.skeleton
+        tree = JointTree.of(skeleton)
+        X_BJ = tree.pose(q)
+        return joined(
+            mass if link.joint == BODY else mass.in_frame(displacement_at(tree, X_BJ, link.joint))
+            for link, mass in zip(skeleton.links, self.links, strict=True)
+        )
+
+    @cached_property
+    def at_rest(self) -> MassProperties:
+        """Of the whole figure in its preferred pose, in the body's frame."""
+        return self.at(self.figure.skeleton.preferred)
+
+
+HULL_DIRECTIONS = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 3), axis=-1).reshape(-1, 3)
+HULL_DIRECTIONS = HULL_DIRECTIONS[np.abs(HULL_DIRECTIONS).max(axis=-1) == 1.0]
+"""Directions in which the corners of a hull are looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class FigureBones:
+    """The bones of a figure.
+
+    Attributes:
+        bones: one for each of its links, numbered alike.
+        joints: (J,) numbers of the figure's joints, in the order of the bones' own.
+    """
+
+    bones: tuple[Bone, ...]
+    joints: NDArray[np.int64]
+
+
+def build_bones(figure: Figure) -> FigureBones:
+    """Return the bones of a figure; each has the hull of all that is visible of its link."""
+    skeleton, masses = figure.skeleton, FigureMass(figure).links
+    link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
+    bones, order = list[Bone](), list[int]()
+    for i, (link, mass) in enumerate(zip(skeleton.links, masses, strict=True)):
+        corners = _hull_corners(figure, i)
+        if link.joint == BODY:
+            bones.append(Bone(WORLD, np.zeros(3), (), mass, corners))
+            continue
+        # Joints of one ball have no links of their own between them.
+        chain, above = [link.joint], int(skeleton.parents[link.joint])
+        while above not in link_of:
+            chain.append(above)
+            above = int(skeleton.parents[above])
+        chain.reverse()
+        joints = tuple(
+            Joint(
+                skeleton.axes[j],
+                bool(skeleton.prismatic[j]),
+                float(skeleton.lower[j]),
+                float(skeleton.upper[j]),
+                float(skeleton.preferred[j]),
+            )
+            for j in chain
+        )
+        order += chain
+        bones.append(Bone(link_of[above], skeleton.places[link.joint], joints, mass, corners))
+    return FigureBones(tuple(bones), np.array(order, dtype=np.int64))
+
+
+def _hull_corners(figure: Figure, number: int) -> Array:
+    """Return the points of a link's solids that lie farthest out (k, 3) [m]."""
+    solids = [piece.solid.vertices for piece in figure.pieces if piece.link == number]
+    vertices = np.concatenate(solids)
+    middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+    # By the extents of the solid, so that those of a long one are not all at its ends.
+    extent = np.maximum(np.ptp(vertices, axis=0), 1e-12)
+    far = ((vertices - middle) / extent) @ HULL_DIRECTIONS.T
+    result: Array = vertices[np.unique(far.argmax(axis=0))]
+    return result

@@ -1,0 +1,359 @@
+"""Goals: what a limb is asked for, each said as a task at the pose that it is in.
+
+Any of them can be the first, and any can follow it at lower priority. An error of
+orientation is a rotation vector, the axis times the angle that is left; differences of
+Euler angles are no velocity and depend on the way they are counted.
+
+Source: Sims 1987, 6.2, B.2 and B.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from pipeline.simulation.figures.kinematics import (
+    LimbBatch,
+    LimbPose,
+    LimbRows,
+    hessian,
+    rotation_axes,
+)
+from pipeline.simulation.figures.obstacle_avoidance import Obstacles, nearest_obstacles
+from pipeline.simulation.figures.task_priority import Task, solve_priorities
+from pipeline.simulation.spatial import Array, cross, quaternion, turn
+
+
+class Goal(Protocol):
+    """Anything that can be asked of limbs."""
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Return what it asks for at `pose`."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class TipPlacement:
+    """The tips at certain places, and in certain orientations if they are given.
+
+    Attributes:
+        places: (L, 3) relative to the base [m].
+        orientations: (L, 3, 3) R_BF, the identity being that of joint values zero.
+    """
+
+    places: Array
+    orientations: Array | None = None
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for the whole way; an angle of one radian counts as one length of the limb."""
+        size = batch.lengths[:, None]
+        J = pose.jacobian / size[..., None]
+        error = (self.places - pose.tips) / size
+        if self.orientations is not None:
+            J = np.concatenate([J, rotation_axes(batch, pose)], axis=-1)
+            left = rotation_vector(self.orientations @ pose.R_BF.transpose(0, 2, 1))
+            error = np.concatenate([error, left], axis=-1)
+        return Task(J.transpose(0, 2, 1), error)
+
+    def rows(self, chosen: LimbRows) -> TipPlacement:
+        """Return the goals of some limbs alone."""
+        turned = None if self.orientations is None else self.orientations[chosen]
+        return TipPlacement(self.places[chosen], turned)
+
+
+@dataclass(frozen=True, eq=False)
+class TipOrientation:
+    """The tips in certain orientations, wherever they are.
+
+    Attributes:
+        orientations: (L, 3, 3) R_BF.
+    """
+
+    orientations: Array
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for the whole way."""
+        left = rotation_vector(self.orientations @ pose.R_BF.transpose(0, 2, 1))
+        return Task(rotation_axes(batch, pose).transpose(0, 2, 1), left)
+
+
+@dataclass(frozen=True, slots=True)
+class PreferredValues:
+    """The preferred joint values, as near as may be.
+
+    Attributes:
+        gain: α, the part of the way that one step goes.
+    """
+
+    gain: float = 0.5
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for z = θ_preferred - θ; B.2 has the sign the other way round."""
+        return Task.wish(self.gain * (batch.preferred - pose.q))
+
+
+@dataclass(frozen=True, slots=True)
+class MaximumDexterity:
+    """Far from singularities.
+
+    Attributes:
+        gain: α, joint values [rad] for a gradient of one.
+    """
+
+    gain: float = 1.0
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for the way that raises dexterity the most."""
+        return Task.wish(self.gain * dexterity_gradient(batch, pose))
+
+
+@dataclass(frozen=True, eq=False)
+class AvoidObstacles:
+    """All links clear of obstacles.
+
+    Attributes:
+        obstacles: in the frame that the limbs are relative to.
+        margin: gap that the lines of the limbs shall keep, their thickness included [m].
+    """
+
+    obstacles: Obstacles
+    margin: float
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask every link that is too near for what it lacks; those that are clear are free."""
+        near = nearest_obstacles(batch, pose, self.obstacles)
+        size = batch.lengths[:, None]
+        lacks = np.maximum(self.margin - near.gap, 0.0) / size
+        rows = np.einsum("lknx,lkx->lkn", near.jacobian, near.away) / size[..., None]
+        return Task(rows * (lacks > 0.0)[..., None], lacks)
+
+
+@dataclass(frozen=True)
+class WeightedGoals:
+    """Several goals at once, each with its weight; they may act against one another.
+
+    Attributes:
+        parts: weight and goal of each.
+    """
+
+    parts: tuple[tuple[float, Goal], ...]
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for z = w₁ z₁ + w₂ z₂ + ..., each z what its goal would do alone.
+
+        Source: Sims 1987, eq. B.10.
+        """
+        z = np.zeros_like(pose.q)
+        for weight, goal in self.parts:
+            z = z + weight * solve_priorities([goal.task(batch, pose)], 1e-3)
+        return Task.wish(z)
+
+
+def rotation_vector(R: Array) -> Array:
+    """Return axis times angle (..., 3) [rad] of rotations (..., 3, 3), the shorter way round."""
+    q = quaternion(R)
+    q = np.where(q[..., :1] < 0.0, -q, q)
+    sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, q[..., :1])
+    # Near the identity the angle is twice the sine, to the last digit.
+    factor = np.where(sine > 1e-12, angle / np.where(sine > 1e-12, sine, 1.0), 2.0)
+    result: Array = factor * q[..., 1:]
+    return result
+
+
+def singular_values(batch: LimbBatch, pose: LimbPose) -> Array:
+    """Return those of the translate Jacobian (L, min(3, n)), the greatest first."""
+    J = pose.jacobian / batch.lengths[:, None, None]
+    # The explicit type is what numpy promises for doubles, and its stubs do not.
+    return np.asarray(np.linalg.svd(J, compute_uv=False), dtype=np.float64)
+
+
+def dexterity(batch: LimbBatch, pose: LimbPose) -> Array:
+    """Return w = √det(J Jᵀ) (L,); the volume over the directions it has, for n < 3 joints."""
+    result: Array = np.prod(singular_values(batch, pose), axis=-1)
+    return result
+
+
+def dexterity_gradient(batch: LimbBatch, pose: LimbPose) -> Array:
+    """Return ∂w/∂θ (L, n), padding zero.
+
+    ∂w/∂θ_k = w tr(J⁺ ∂J/∂θ_k): with singular values, Σ_i (∏_{j≠i} σ_j) u_iᵀ ∂J/∂θ_k v_i,
+    which stays finite where one of them is zero.
+    """
+    scale = batch.lengths[:, None, None]
+    U, σ, Vt = np.linalg.svd((pose.jacobian / scale).transpose(0, 2, 1), full_matrices=False)
+    others = np.stack(
+        [np.prod(np.delete(σ, i, axis=-1), axis=-1) for i in range(σ.shape[-1])], axis=-1
+    )
+    change = hessian(batch, pose)[..., :3] / scale[..., None]
+    G = (U * others[:, None, :]) @ Vt
+    result: Array = np.einsum("lxj,lkjx->lk", G, change)
+    return result
+
+
+@dataclass(frozen=True, eq=False)
+class LimbPoint:
+    """A node of a limb, on the link that ends there.
+
+    Attributes:
+        column: which of the limb's joints moves that link.
+        place: (3,) of the node in the creation frame [m].
+        along: (3,) unit direction of the link in the creation frame.
+    """
+
+    column: int
+    place: Array
+    along: Array
+
+    def at(self, batch: LimbBatch, pose: LimbPose) -> Array:
+        """Return where it is (L, 3), relative to the limb's base [m]."""
+        X = pose.X_BJ[:, self.column]
+        result: Array = X[:, :3, 3] + turn(X[:, :3, :3], self.place - batch.places[:, self.column])
+        return result
+
+    def turned(self, pose: LimbPose) -> Array:
+        """Return how its link is turned (L, 3, 3)."""
+        R: Array = pose.X_BJ[:, self.column, :3, :3]
+        return R
+
+    def levers(self, batch: LimbBatch, pose: LimbPose) -> Array:
+        """Return Jᵀ (L, n, 3) of its place [m/rad or 1]."""
+        axes = turn(pose.X_BJ[..., :3, :3], batch.axes)
+        J = cross(axes, self.at(batch, pose)[:, None] - pose.X_BJ[..., :3, 3])
+        J = np.where(batch.prismatic[..., None], axes, J)
+        J[:, self.column + 1 :] = 0.0
+        return J
+
+    def turns(self, batch: LimbBatch, pose: LimbPose) -> Array:
+        """Return Jᵀ (L, n, 3) of its link's orientation [1]."""
+        J = rotation_axes(batch, pose)
+        J[:, self.column + 1 :] = 0.0
+        return J
+
+
+@dataclass(frozen=True, eq=False)
+class PointPlacement:
+    """A node at a place.
+
+    Attributes:
+        point: the node.
+        place: (L, 3) relative to the limb's base [m].
+    """
+
+    point: LimbPoint
+    place: Array
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for the whole way, in lengths of the limb."""
+        size = batch.lengths[:, None]
+        J = self.point.levers(batch, pose) / size[..., None]
+        error = (self.place - self.point.at(batch, pose)) / size
+        return Task(J.transpose(0, 2, 1), error)
+
+
+@dataclass(frozen=True, eq=False)
+class PointOrientation:
+    """The link that ends at a node in a certain orientation.
+
+    Attributes:
+        point: the node.
+        orientation: (L, 3, 3), the identity being the way it was drawn.
+    """
+
+    point: LimbPoint
+    orientation: Array
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for the whole turn [rad]."""
+        left = rotation_vector(self.orientation @ self.point.turned(pose).transpose(0, 2, 1))
+        return Task(self.point.turns(batch, pose).transpose(0, 2, 1), left)
+
+
+@dataclass(frozen=True, eq=False)
+class PointDirection:
+    """The link that ends at a node pointing in a direction; free to roll about it.
+
+    Attributes:
+        point: the node.
+        direction: (L, 3) unit vectors.
+    """
+
+    point: LimbPoint
+    direction: Array
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for the shortest turn [rad]."""
+        now = turn(self.point.turned(pose), self.point.along)
+        axis = cross(now, self.direction)
+        sine = np.linalg.norm(axis, axis=-1, keepdims=True)
+        cosine = np.sum(now * self.direction, axis=-1, keepdims=True)
+        # Right behind it every axis across will do.
+        behind = cross(now, np.where(np.abs(now[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 0, 1.0]]))
+        axis = np.where((sine < 1e-9) & (cosine < 0.0), behind, axis)
+        length = np.linalg.norm(axis, axis=-1, keepdims=True)
+        error = np.arctan2(sine, cosine) * axis / np.where(length > 0.0, length, 1.0)
+        J = self.point.turns(batch, pose).transpose(0, 2, 1)
+        across = np.eye(3) - now[:, :, None] * now[:, None, :]
+        return Task(across @ J, error)
+
+
+@dataclass(frozen=True, eq=False)
+class JointTargets:
+    """Some joints at certain values.
+
+    Attributes:
+        columns: (n,) 1 for those that are asked for, 0 for the others.
+        values: (L, n) [rad or m].
+    """
+
+    columns: Array
+    values: Array
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for the whole way."""
+        del batch
+        rows = np.broadcast_to(np.diag(self.columns), (len(pose.q), *np.diag(self.columns).shape))
+        return Task(rows, self.columns * (self.values - pose.q))
+
+
+@dataclass(frozen=True, eq=False)
+class JointPull:
+    """All joints a little nearer to certain values.
+
+    Attributes:
+        values: (L, n) [rad or m].
+        gain: the part of the way that one step goes.
+    """
+
+    values: Array
+    gain: float
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for a part of the way."""
+        del batch
+        return Task.wish(self.gain * (self.values - pose.q))
+
+
+@dataclass(frozen=True)
+class LeastSquaresGoals:
+    """Several goals at once, the sum of whose squared errors is to be least.
+
+    The thesis adds the joint velocities that each goal would have alone (eq. B.10, see
+    `WeightedGoals`); goals that agree would then be served twice.
+
+    Attributes:
+        parts: weight and goal of each.
+    """
+
+    parts: Sequence[tuple[float, Goal]]
+
+    def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
+        """Ask for all, each error times the root of its weight."""
+        tasks = [(weight**0.5, goal.task(batch, pose)) for weight, goal in self.parts]
+        return Task(
+            np.concatenate([w * task.jacobian for w, task in tasks], axis=1),
+            np.concatenate([w * task.velocity for w, task in tasks], axis=1),
+        )

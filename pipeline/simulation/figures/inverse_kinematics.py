@@ -1,0 +1,305 @@
+"""Inverse kinematics: where a tip shall be -> joint values, for many limbs at once.
+
+Pseudo-inverse iterations along a path that is cut into segments no longer than the
+linearisation bears; what redundancy is left pulls towards the preferred values.
+
+Notation of the thesis: x tip position, θ joint values (here q), J Jacobian.
+
+Source: Sims 1987, 6.1, 6.2 and appendix B.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.ik_goals import Goal, TipPlacement
+from pipeline.simulation.figures.kinematics import IDENTITY, LimbBatch, LimbPose, hessian
+from pipeline.simulation.figures.task_priority import Task, bounded_priority_step
+from pipeline.simulation.spatial import Array
+
+SEGMENT = 0.15
+"""Longest step of a tip in one iteration, as a part of the limb's length."""
+
+DAMPING = 1e-4
+"""λ as a part of the limb's length: bounds joint speeds near singularities and, the
+tip being corrected again in the next iteration, leaves no error behind."""
+
+REST_GAIN = 0.25
+"""Gain of the secondary goal (α in eq. B.7): the part of the way to the preferred
+values that one iteration may go."""
+
+REDUNDANCY_CUTOFF = 1e-2
+"""Once a tip is this near its goal, as a part of the limb's length, the redundancy is
+left alone after the first iteration: what it stirs up would have to be settled again."""
+
+TOLERANCE = 1e-6
+"""Accepted distance of tip from goal, as a part of the limb's length."""
+
+
+@dataclass(frozen=True, eq=False)
+class IKSolution:
+    """What the iterations came to.
+
+    Attributes:
+        batch: the limbs.
+        pose: their pose, joint values within their limits.
+        residual: (L,) distance of tip from goal [m].
+        iterations: how many there were.
+        turn: (L,) angle of tip from goal [rad]; None where no orientation was asked for.
+    """
+
+    batch: LimbBatch
+    pose: LimbPose
+    residual: Array
+    iterations: int
+    turn: Array | None = None
+
+    @property
+    def at_limit(self) -> NDArray[np.bool_]:
+        """(L, n) which joints have come to one of their limits."""
+        q, batch = self.pose.q, self.batch
+        result: NDArray[np.bool_] = (q <= batch.lower) | (q >= batch.upper)
+        return result & batch.is_joint
+
+
+def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> IKSolution:
+    """Bring the tips to `goals`, starting from the pose `start`.
+
+    Args:
+        batch: the limbs.
+        start: where to start from, within the limits; along a motion the pose of the
+            step before, so that a limb keeps its branch and its knee never flips.
+        goals: (L, 3) relative to the body [m]. An unreachable goal gives the closest
+            pose that the iterations find, with its residual.
+        most: bound on the iterations.
+    """
+    pose, error = start, goals - start.tips
+    distance = _norm(error)
+    enough, near = TOLERANCE * batch.lengths, REDUNDANCY_CUTOFF * batch.lengths
+    longest, damping = batch.lengths * SEGMENT, damping_matrix(batch)
+    iteration = 0
+    while iteration < most and (far := distance > enough).any():
+        # A limb that has arrived stays as it is: what it does must not depend on others.
+        part = far * np.minimum(1.0, longest / np.maximum(distance, enough))
+        gain = np.where(far if iteration == 0 else distance > near, REST_GAIN, 0.0)
+        candidate = batch.pose(damped_step(batch, pose, error * part[:, None], gain, damping))
+        error_then = goals - candidate.tips
+        distance_then = _norm(error_then)
+        iteration += 1
+        # A segment after which the tip is further away was too long: take it back and
+        # shorten it. One that went well may be longer next time (Sims 1987, figure 6.3).
+        good = distance_then < distance + enough
+        longest = np.where(good, np.minimum(longest * 2.0, batch.lengths), longest * 0.25)
+        if good.all():
+            pose, error, distance = candidate, error_then, distance_then
+        else:
+            pose = candidate.where(good, pose)
+            error = np.where(good[:, None], error_then, error)
+            distance = np.where(good, distance_then, distance)
+    return IKSolution(batch, pose, distance, iteration)
+
+
+def damping_matrix(batch: LimbBatch) -> Array:
+    """Return λ² I (L, 3, 3) [m²], which all iterations of these limbs share."""
+    result: Array = ((DAMPING * batch.lengths) ** 2)[:, None, None] * IDENTITY
+    return result
+
+
+def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, damping: Array) -> Array:
+    """Return the joint values (L, n) after one step of the tips, within the limits.
+
+    Joints that the step would push through a limit are held there and the others
+    carry the motion, by a second pass with their columns taken out.
+
+    Args:
+        batch: the limbs.
+        pose: where they are.
+        dx: (L, 3) the step [m].
+        gain: (L,) α, the part of the way to the preferred values that redundancy goes.
+        damping: see `damping_matrix`.
+    """
+    q, jacobian = pose.q, pose.jacobian
+    z = gain[:, None] * (batch.preferred - q)
+    wanted = q + _pseudo_inverse_step(jacobian, dx, z, damping)
+    bounded = np.minimum(np.maximum(wanted, batch.lower), batch.upper)
+    held = bounded != wanted
+    if not held.any():
+        return wanted
+    free = ~held
+    moved = np.where(held, bounded - q, 0.0)
+    rest = dx - _apply_jacobian(jacobian, moved)
+    again = _pseudo_inverse_step(jacobian * free[..., None], rest, z * free, damping)
+    again = q + np.where(held, moved, again)
+    result: Array = np.minimum(np.maximum(again, batch.lower), batch.upper)
+    return result
+
+
+def _pseudo_inverse_step(jacobian: Array, dx: Array, z: Array, damping: Array) -> Array:
+    """Return J⁺ dx + (I - J⁺ J) z with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, λ² I being given.
+
+    Written as z + J⁺ (dx - J z), which needs no projector.
+
+    Source: Sims 1987, eq. B.4 and B.7, with z = preferred - q (B.2 has the sign the
+    other way round); damping after Wampler 1986.
+    """
+    square = np.add.reduce(jacobian[..., None] * jacobian[..., None, :], axis=1)
+    square += damping
+    y = np.linalg.solve(square, (dx - _apply_jacobian(jacobian, z))[..., None])[..., 0]
+    result: Array = z + (jacobian @ y[..., None])[..., 0]
+    return result
+
+
+def _apply_jacobian(jacobian: Array, q: Array) -> Array:
+    """Return J q (L, 3) for Jᵀ (L, n, 3) and q (L, n).
+
+    Summed joint after joint, as a BLAS would not: padding then leaves the last bit alone.
+    """
+    result: Array = np.add.reduce(jacobian * q[..., None], axis=1)
+    return result
+
+
+def _norm(v: Array) -> Array:
+    result: Array = np.sqrt(np.einsum("li,li->l", v, v))
+    return result
+
+
+FLAT_SLOPE = 1e-9
+"""Slope of half the squared error, per radian, at which there is no way further down."""
+
+MIN_CURVATURE = 1e-6
+"""Least curvature that a step counts on."""
+
+MAX_NEWTON_MOVE = 0.3
+"""Longest movement of a joint in one step [rad or m]."""
+
+LINE_SEARCH_HALVINGS = 12
+
+
+def closest_pose(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, most: int = 40) -> LimbPose:
+    """Return the limbs at a pose from which no small movement brings them nearer to `aim`."""
+    for _ in range(most):
+        task = aim.task(batch, pose)
+        down = (task.velocity[:, None] @ task.jacobian)[:, 0]
+        stopped = (pose.q <= batch.lower) & (down < 0.0) | (pose.q >= batch.upper) & (down > 0.0)
+        free = batch.is_joint & ~stopped
+        down = down * free
+        if (np.abs(down).max(axis=1, initial=0.0) < FLAT_SLOPE).all():
+            break
+        step = _newton_step(batch, pose, aim, down, free)
+        after = _downhill(batch, pose, aim, step)
+        if after is None:
+            break
+        pose = after
+    return pose
+
+
+def _newton_step(
+    batch: LimbBatch, pose: LimbPose, aim: TipPlacement, down: Array, free: NDArray[np.bool_]
+) -> Array:
+    """Return the step (L, n) to the minimum of a convex model, in which `free` joints move."""
+    task = aim.task(batch, pose)
+    size = batch.lengths[:, None, None]
+    curved = np.einsum("lijx,lx->lij", hessian(batch, pose)[..., :3], task.velocity[:, :3]) / size
+    # Of orientations the change of the axes is left out: a model only has to lead down.
+    H = task.jacobian.transpose(0, 2, 1) @ task.jacobian - 0.5 * (
+        curved + curved.transpose(0, 2, 1)
+    )
+    both = free[:, :, None] & free[:, None, :]
+    H = np.where(both, H, 0.0) + (~free)[:, :, None] * np.eye(free.shape[1])
+    w, V = np.linalg.eigh(H)
+    model = (V.transpose(0, 2, 1) @ down[..., None])[..., 0] / np.maximum(np.abs(w), MIN_CURVATURE)
+    step: Array = (V @ model[..., None])[..., 0] * free
+    largest = np.abs(step).max(axis=1, keepdims=True, initial=0.0)
+    step *= MAX_NEWTON_MOVE / np.maximum(largest, MAX_NEWTON_MOVE)
+    return step
+
+
+def _downhill(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, step: Array) -> LimbPose | None:
+    """Return the limbs one step on, halved until it leads nearer; None if none of them gets on."""
+    before = np.linalg.norm(aim.task(batch, pose).velocity, axis=-1)
+    moved = np.zeros(len(before), dtype=bool)
+    result = pose
+    for _ in range(LINE_SEARCH_HALVINGS):
+        q = np.clip(pose.q + step, batch.lower, batch.upper)
+        candidate = batch.pose(q)
+        nearer = np.linalg.norm(aim.task(batch, candidate).velocity, axis=-1) < before
+        result = candidate.where(nearer & ~moved, result)
+        moved |= nearer
+        if moved.all():
+            break
+        step = 0.5 * step
+    return result if moved.any() else None
+
+
+PURSUIT_STIFFNESS = 0.7
+"""λ as a part of the error, λ² = |e|²/2 (Sugihara 2011): out of reach it keeps joints calm, and
+where the goal is reached it vanishes."""
+
+PURSUIT_DAMPING = 1e-3
+"""Least λ: near full extension a joint's speed stays bounded."""
+
+MAX_JOINT_MOVE = 0.25
+"""Most that a joint moves in one step [rad or m]."""
+
+PURSUIT_TOLERANCE = 1e-5
+"""Error of the first goals, in lengths of the limb and radians, that is good enough."""
+
+STALL_FRACTION = 1e-3
+"""Part of the error that a step must take away to be worth another one."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedPose:
+    """Limbs with their goals.
+
+    Attributes:
+        pose: within the limits.
+        error: (L,) what is left of the first goals, in lengths of the limb and radians.
+    """
+
+    pose: LimbPose
+    error: Array
+
+
+def track_goals(
+    batch: LimbBatch, start: Array, goals: Sequence[Goal], *, least: int = 1, most: int = 12
+) -> TrackedPose:
+    """Follow goals from joint values that are near them.
+
+    Args:
+        batch: the limbs.
+        start: (L, n) joint values of the moment before [rad or m].
+        goals: at least one, the first before all; the last is best a wish for joint values,
+            such as `Preferred`, so that redundancy does not drift.
+        least: steps that are taken anyhow, for what comes after the first goal.
+        most: bound on the steps.
+    """
+    pose = batch.pose(np.clip(start, batch.lower, batch.upper))
+    error = np.full(len(start), np.inf)
+    for count in range(most + 1):
+        tasks = [goal.task(batch, pose) for goal in goals]
+        before, error = error, np.linalg.norm(tasks[0].velocity, axis=-1)
+        if count == most or (count >= least and _is_converged(error, before)):
+            break
+        pose = _pursuit_step(batch, pose, tasks, error)
+    return TrackedPose(pose, error)
+
+
+def _is_converged(error: Array, before: Array) -> bool:
+    return bool(((error < PURSUIT_TOLERANCE) | (error > (1.0 - STALL_FRACTION) * before)).all())
+
+
+def _pursuit_step(
+    batch: LimbBatch, pose: LimbPose, tasks: Sequence[Task], error: Array
+) -> LimbPose:
+    q, _ = bounded_priority_step(
+        batch, pose.q, tasks, PURSUIT_DAMPING + PURSUIT_STIFFNESS * np.minimum(error, 1.0)
+    )
+    largest = np.abs(q - pose.q).max(axis=1, keepdims=True, initial=0.0)
+    return batch.pose(
+        pose.q + (q - pose.q) * (MAX_JOINT_MOVE / np.maximum(largest, MAX_JOINT_MOVE))
+    )

@@ -1,0 +1,277 @@
+"""Stance: limits and preferred values of the joints of each kind of appendage.
+
+An insect is created flat, fully extended. The preferred value of a joint so near its
+full extension is altered, so that a limb at rest is bent and away from the
+singularity (Sims 1987, 5.2 and 6.3.1). A mammal's limbs keep the bends that they were
+drawn with, and those drawn straight are bent a little. Positive pitch raises a limb or
+swings it forward; an inner joint of a leg bends one way only, as a knee does.
+"""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
+from pipeline.simulation.spatial import Array
+from pipeline.spec.figure import JointWords
+
+
+@dataclass(frozen=True, slots=True)
+class JointRange:
+    """Limits and values of one joint; zero is how it was created [rad].
+
+    Attributes:
+        lower, upper: limits.
+        preferred: value at rest.
+        extended: value at which the links that it joins are as straight as can be.
+    """
+
+    lower: float
+    upper: float
+    preferred: float
+    extended: float = 0.0
+
+
+def range_in_degrees(
+    lower: float, upper: float, preferred: float, extended: float = 0.0
+) -> JointRange:
+    """Return a stance given in degrees."""
+    return JointRange(*(math.radians(angle) for angle in (lower, upper, preferred, extended)))
+
+
+LEG_RISE_DEG = 24.0
+"""Elevation of the first link of an insect's leg at rest."""
+
+LEG_FALL_DEG = (-54.0, -72.0)
+"""Elevations of the second and of the last link of a leg at rest: over the knee and
+steeply down, to stand on its point."""
+
+ROOT_RANGES = {
+    HEAD: (
+        range_in_degrees(-60, 60, 0),
+        range_in_degrees(-50, 50, -8),
+        range_in_degrees(-40, 40, 0),
+    ),
+    TAIL: (
+        range_in_degrees(-60, 60, 0),
+        range_in_degrees(-40, 70, 6),
+        range_in_degrees(-40, 40, 0),
+    ),
+    FEELER: (
+        range_in_degrees(-40, 40, 0),
+        range_in_degrees(-30, 80, 34),
+        range_in_degrees(-40, 40, 0),
+    ),
+    ARM: (
+        range_in_degrees(-80, 80, 0),
+        range_in_degrees(-80, 80, 20),
+        range_in_degrees(-60, 60, 0),
+    ),
+}
+"""Yaw, pitch and roll at the root of what is no leg."""
+
+BEND_RANGES = {
+    HEAD: range_in_degrees(-50, 50, 0),
+    TAIL: range_in_degrees(-60, 60, 4),
+    FEELER: range_in_degrees(-70, 40, -24),
+    ARM: range_in_degrees(-150, 0, -35),
+}
+"""Inner joints of what is no leg."""
+
+STRAIGHT_LIMIT_DEG = 8.0
+"""A joint drawn with less of a bend than this is taken to be drawn straight."""
+
+REST_BEND_DEG = {LEG: -22.0, ARM: 26.0}
+"""How a limb that is drawn straight is bent at rest: a knee backward, an elbow forward."""
+
+MAX_BEND_DEG = {LEG: 160.0, ARM: 150.0}
+"""How far a knee or an elbow bends from straight: calf on thigh, forearm on upper arm."""
+
+SHOULDER_RANGES = {"pitch": range_in_degrees(-60, 170, 4), "yaw": range_in_degrees(-80, 80, 0)}
+"""A mammal's shoulder: back and forward, and about the arm itself. A person's, whose arms
+reach farther than most (American Academy of Orthopaedic Surgeons 1965)."""
+
+SHOULDER_ROLL_DEG = (-35.0, 150.0, 6.0)
+"""How far a mammal's arm goes inward and outward at the shoulder, and hangs clear at rest."""
+
+WRIST_DEG = (-60.0, 70.0, 8.0)
+"""A wrist back and forward, and at rest; unlike an elbow it bends both ways."""
+
+
+def insect_joint_ranges(kind: str, links: int) -> list[dict[str, JointRange]]:
+    """Return, for each node of an insect's appendage but its tip, its joints in their order.
+
+    Args:
+        kind: leg, arm, head, tail or feeler.
+        links: number of links of the appendage.
+    """
+    if kind != LEG:
+        return _root_and_bends(kind, links)
+    elevations = insect_leg_elevations(links)
+    base = {
+        "yaw": range_in_degrees(-75, 75, 0),
+        "pitch": range_in_degrees(-85, 88, elevations[0]),
+        "roll": range_in_degrees(-55, 55, 0),
+    }
+    bends = (after - before for before, after in itertools.pairwise(elevations))
+    return [base] + [{"bend": range_in_degrees(-165, 0, bend)} for bend in bends]
+
+
+def _root_and_bends(kind: str, links: int) -> list[dict[str, JointRange]]:
+    yaw, pitch, roll = ROOT_RANGES[kind]
+    bends = [{"bend": BEND_RANGES[kind]} for _ in range(links - 1)]
+    return [{"yaw": yaw, "pitch": pitch, "roll": roll}, *bends]
+
+
+def insect_leg_elevations(links: int) -> list[float]:
+    """Return the elevations of an insect's leg at rest [degrees], from hip to foot.
+
+    A leg of one link leans outward.
+    """
+    if links == 1:
+        return [-50.0]
+    if links == 2:
+        return [LEG_RISE_DEG, LEG_FALL_DEG[1]]
+    second, last = LEG_FALL_DEG
+    step = (last - second) / (links - 2)
+    return [LEG_RISE_DEG] + [second + step * i for i in range(links - 1)]
+
+
+def mammal_joint_ranges(kind: str, side: str, steps: Array) -> list[dict[str, JointRange]]:
+    """Return, for each node of a mammal's appendage but its tip, its joints in their order.
+
+    Args:
+        kind: leg, arm, head, tail or feeler.
+        side: l, m or r.
+        steps: (n, 3) its links in the creation frame, from base to tip [m].
+    """
+    if kind not in REST_BEND_DEG:
+        return _root_and_bends(kind, len(steps))
+    # In the plane in which the limb swings: forward, and down.
+    angles = np.unwrap(np.arctan2(steps[:, 0], -steps[:, 1]))
+    inner = [_inner_range(kind, math.degrees(bend)) for bend in np.diff(angles)]
+    if kind == ARM:
+        base = {
+            "pitch": SHOULDER_RANGES["pitch"],
+            "roll": _shoulder_roll(side),
+            "yaw": SHOULDER_RANGES["yaw"],
+        }
+        if len(inner) > 1:
+            inner[-1] = _wrist_range(math.degrees(inner[-1].extended))
+    else:
+        # A leg that runs back over its own hip cannot come under it.
+        under = math.degrees(_hip_pitch(steps, angles, inner))
+        base = {"pitch": range_in_degrees(-85, 85, min(max(under, -85.0), 85.0))}
+        base |= {"roll": range_in_degrees(-40, 40, 0), "yaw": range_in_degrees(-45, 45, 0)}
+    return [base, *({"bend": stance} for stance in inner)]
+
+
+def _shoulder_roll(side: str) -> JointRange:
+    """Return the roll of a shoulder, which is positive towards the left."""
+    inward, outward, rest = SHOULDER_ROLL_DEG
+    if side == "l":
+        return range_in_degrees(inward, outward, rest)
+    if side == "r":
+        return range_in_degrees(-outward, -inward, -rest)
+    return range_in_degrees(inward, -inward, 0.0)
+
+
+def _wrist_range(straight: float) -> JointRange:
+    """Return the stance of a wrist whose hand follows the forearm at `straight` [degrees]."""
+    back, forward, rest = WRIST_DEG
+    if abs(straight) >= STRAIGHT_LIMIT_DEG:
+        rest = -straight
+    # However sharply it was drawn, what it was drawn at is within its limits.
+    lower, upper = min(straight + back, 0.0), max(straight + forward, 0.0)
+    return range_in_degrees(lower, upper, straight + rest, straight)
+
+
+def _hip_pitch(steps: Array, angles: Array, inner: Sequence[JointRange]) -> float:
+    """Return the pitch of a hip that brings the foot under it, its leg being at rest [rad]."""
+    turned = angles + np.cumsum([0.0, *(stance.preferred for stance in inner)])
+    lengths = np.hypot(steps[:, 0], steps[:, 1])
+    return -math.atan2(float(lengths @ np.sin(turned)), float(lengths @ np.cos(turned)))
+
+
+def _inner_range(kind: str, bend: float) -> JointRange:
+    """Return the stance of an inner joint drawn with `bend` [degrees]."""
+    rest = 0.0
+    if abs(bend) < STRAIGHT_LIMIT_DEG:
+        rest = REST_BEND_DEG[kind]
+    way = math.copysign(1.0, rest or bend)
+    # However sharply it was drawn, what it was drawn at is within its limits.
+    far = -bend + way * max(MAX_BEND_DEG[kind], abs(bend))
+    return range_in_degrees(min(-bend, far), max(-bend, far), rest, -bend)
+
+
+@dataclass(frozen=True, eq=False)
+class AdjustedJoints:
+    """Limits and values of all joints, and which of them slide."""
+
+    stances: list[JointRange]
+    prismatic: NDArray[np.bool_]
+
+
+def apply_joint_overrides(
+    words: Mapping[str, Mapping[str, JointWords]],
+    names: Sequence[str],
+    stances: Sequence[JointRange],
+    scale: float,
+) -> AdjustedJoints:
+    """Apply an author's words on joints.
+
+    Args:
+        words: by limb and joint.
+        names: of the joints, "limb.joint".
+        stances: as the style makes them.
+        scale: factor from the drawing to the world, for what slides.
+
+    Raises:
+        SceneError: if a joint is named that there is not, or rests outside its limits.
+    """
+    told = {f"{limb}.{joint}": w for limb, joints in words.items() for joint, w in joints.items()}
+    problems = [
+        Problem(f"joints.{name}", f"the figure has no such joint{_name_hint(name, names)}")
+        for name in told
+        if name not in names
+    ]
+    result = [
+        _override(told[name], stance, scale) if name in told else stance
+        for name, stance in zip(names, stances, strict=True)
+    ]
+    problems += [
+        Problem(f"joints.{name}", "rests outside its limits")
+        for name, stance in zip(names, result, strict=True)
+        if not stance.lower <= stance.preferred <= stance.upper
+    ]
+    if problems:
+        raise SceneError(problems)
+    slides = [name in told and told[name].slide is not None for name in names]
+    return AdjustedJoints(result, np.array(slides, dtype=bool))
+
+
+def _override(words: JointWords, stance: JointRange, scale: float) -> JointRange:
+    if words.slide is not None:
+        lower, upper = (scale * value for value in words.slide)
+        rest = lower if words.rest is None else scale * words.rest
+        return JointRange(lower, upper, rest, upper)
+    if words.limits_deg is not None:
+        lower, upper = (math.radians(value) for value in words.limits_deg)
+        rest = min(max(stance.preferred, lower), upper)
+        stance = replace(stance, lower=lower, upper=upper, preferred=rest)
+    if words.rest_deg is not None:
+        stance = replace(stance, preferred=math.radians(words.rest_deg))
+    return stance
+
+
+def _name_hint(name: str, names: Sequence[str]) -> str:
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.0)
+    return f", did you mean '{close[0]}'?" if close else ": it has no joints"

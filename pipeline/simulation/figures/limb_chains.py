@@ -1,0 +1,205 @@
+"""Chains: limbs of one make as arrays that run along limbs and moments, for speed.
+
+Arrays are (components, joints, limbs, moments), so that one operation does thousands of
+limbs in memory that stays in the cache. Each joint has a frame whose z is its axis and
+whose x is perpendicular to the next axis as well: its value turns x and y in their plane,
+and a constant turn about x, the bend, leads to the next axis. This is a third of the work
+of turning about constant axes of the creation frame.
+
+Limbs of one make have as many joints, of the same kinds, and the same constants vanish,
+which then cost nothing. So what comes out for a limb does not depend, to the last bit, on
+who is computed beside it; nothing here is summed in an order that hangs on sizes.
+
+Source: Denavit and Hartenberg 1955, Sims 1987, 5.2; the origins stay at the joints, so that
+axes may be parallel.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.spatial import Array, cross, normalized
+
+ROUNDING = 1e-12
+"""What is nearer to 0 than this is rounding, as a part of 1 or of a limb's length."""
+
+Frame = tuple[Array, Array, Array, Array]
+"""x, y and z of a frame and its origin relative to the base link, (3, l, m) each [m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class ChainGroup:
+    """The constants of l limbs with k joints each; a last axis of 1 stands for the moments.
+
+    Attributes:
+        rows: (l,) which limbs of their batch.
+        slides: for each joint whether it slides along its axis instead of turning about it.
+        used: for each joint which numbers of its way are not 0, whether the cosine of its
+            bend is not, and whether there is a bend.
+        base: (3, 3, l, 1) x, y, z of the first joint's frame before it moves.
+        first: (3, l, 1) place of the first joint relative to the base link [m].
+        offset: (k, l, 1) turn about z at joint value zero [rad].
+        bend: (k, 2, l, 1) cosine and sine of the constant turn about x to the next axis.
+        way: (k, 3, l, 1) to the next joint, or to the tip, in the joint's frame [m].
+        home: (k, 3, 3, l, 1) x, y, z of the frames at joint values zero.
+        lower, upper, preferred: (k, l, 1) [rad or m].
+        lengths: (l, 1) stretched [m].
+    """
+
+    rows: NDArray[np.int64]
+    slides: tuple[bool, ...]
+    used: tuple[tuple[bool, ...], ...]
+    base: Array
+    first: Array
+    offset: Array
+    bend: Array
+    way: Array
+    home: Array
+    lower: Array
+    upper: Array
+    preferred: Array
+    lengths: Array
+
+    def some(self, which: slice | NDArray[np.int64]) -> ChainGroup:
+        """Return the limbs `which` alone; numbers may occur more than once."""
+        of_limbs: dict[str, Any] = {
+            name: _pick_limbs(getattr(self, name), which)
+            for name in self.__dataclass_fields__
+            if name not in ("rows", "slides", "used")
+        }
+        return replace(self, rows=self.rows[which], **of_limbs)
+
+    def along(self, q: Array) -> Iterator[Frame]:
+        """Yield the frames of the joints at values `q` (k, l, m) [rad or m], then the tip's."""
+        turns = [not slides for slides in self.slides]
+        angle = self.offset + (q if all(turns) else q * np.reshape(turns, (-1, 1, 1)))
+        cosines, sines = np.cos(angle), np.sin(angle)
+        x, y, z = self.base
+        p = self.first
+        for j, (c, s) in enumerate(zip(cosines, sines, strict=True)):
+            x, y = c * x + s * y, c * y - s * x
+            if self.slides[j]:
+                p = p + q[j] * z
+            yield x, y, z, p
+            *goes, leans, bends = self.used[j]
+            for axis, far, there in zip((x, y, z), self.way[j], goes, strict=True):
+                if there:
+                    p = p + far * axis
+            cosine, sine = self.bend[j]
+            if bends and leans:
+                y, z = cosine * y + sine * z, cosine * z - sine * y
+            elif bends:
+                y, z = sine * z, -sine * y
+        yield x, y, z, p
+
+    def turned(self, j: int, frame: Frame) -> Array:
+        """Return R_BJ (3, 3, l, m) of joint `j`, the identity at joint values zero."""
+        x, y, z, _ = frame
+        u, v, w = self.home[j]
+        R = np.empty((3, *np.broadcast_shapes(x.shape, z.shape)))
+        for column in range(3):
+            R[:, column] = x * u[column] + y * v[column] + z * w[column]
+        return R
+
+
+def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]:
+    """Sort limbs by their makes; those without joints are left out.
+
+    Args:
+        batch: the limbs.
+        owner: (L,) whose they are. Limbs of one creature that have the same joints are of one
+            make, so that few legs are still done together.
+    """
+    base, offset, bend, way, home = _constants(batch)
+    joints = np.concatenate([batch.is_joint, batch.prismatic], axis=1)
+    leans, bends = bend[..., :1] != 0.0, (bend != [1.0, 0.0]).any(axis=-1, keepdims=True)
+    used = np.concatenate([way != 0.0, leans, bends], axis=-1)
+    families = defaultdict[tuple[int, bytes], list[int]](list)
+    for row, own in enumerate(joints):
+        families[int(owner[row]), own.tobytes()].append(row)
+    makes = defaultdict[bytes, list[int]](list)
+    for (_, own), alike in families.items():
+        used[alike] = used[alike].any(axis=0)
+        makes[own + used[alike[0]].tobytes()].extend(alike)
+    found = []
+    for numbers in makes.values():
+        rows = np.array(numbers)
+        k = int(batch.is_joint[rows[0]].sum())
+        if not k:
+            continue
+
+        def last(values: Array, rows: NDArray[np.int64] = rows) -> Array:
+            return np.ascontiguousarray(np.moveaxis(values[rows], 0, -1)[..., None])
+
+        found.append(
+            ChainGroup(
+                rows=rows,
+                slides=tuple(batch.prismatic[rows[0], :k].tolist()),
+                used=tuple(map(tuple, used[rows[0], :k].tolist())),
+                base=last(base),
+                first=last(batch.places[:, 0]),
+                offset=last(offset[:, :k]),
+                bend=last(bend[:, :k]),
+                way=last(way[:, :k]),
+                home=last(home[:, :k]),
+                lower=last(batch.lower[:, :k]),
+                upper=last(batch.upper[:, :k]),
+                preferred=last(batch.preferred[:, :k]),
+                lengths=last(batch.lengths),
+            )
+        )
+    return found
+
+
+def _constants(batch: LimbBatch) -> tuple[Array, Array, Array, Array, Array]:
+    """Return base (L, 3, 3), offset (L, n), bend (L, n, 2), way (L, n, 3), home (L, n, 3, 3)."""
+    z, ends = batch.axes.copy(), np.concatenate([batch.places[:, 1:], batch.tips[:, None]], axis=1)
+    for j in range(1, z.shape[1]):
+        # Padding goes on as the joint before it.
+        z[:, j] = np.where(batch.is_joint[:, j, None], z[:, j], z[:, j - 1])
+    after = np.concatenate([z[:, 1:], z[:, -1:]], axis=1)
+    far = ends - batch.places
+    normal = cross(z, after)
+    sine = np.linalg.norm(normal, axis=-1, keepdims=True)
+    # Along a common normal; between parallel axes along the link, whose way has one number then.
+    least = np.eye(3)[np.argmin(np.abs(z), axis=-1)]
+    sideways = _perpendicular(far, z)
+    short = np.linalg.norm(sideways, axis=-1, keepdims=True) < 1e-6 * batch.lengths[:, None, None]
+    x = np.where(sine > ROUNDING, normal / np.maximum(sine, ROUNDING), 0.0)
+    x = np.where(sine > ROUNDING, x, np.where(short, least, sideways))
+    # Twice: a normal of axes that are almost parallel is not quite perpendicular to them.
+    x = normalized(_perpendicular(normalized(_perpendicular(x, z)), z))
+    home = np.stack([x, cross(z, x), z], axis=-2)
+    bend = np.stack([_dot(z, after), _dot(normal, x)], axis=-1)
+    bend[np.abs(bend) < ROUNDING] = 0.0
+    bend[..., 0] = np.where(bend[..., 1] == 0.0, np.sign(bend[..., 0]), bend[..., 0])
+    way = np.stack([_dot(far, home[:, :, i]) for i in range(3)], axis=-1)
+    way[np.abs(way) < ROUNDING * batch.lengths[:, None, None]] = 0.0
+    before = np.concatenate([x[:, :1], x[:, :-1]], axis=1)
+    offset = np.arctan2(_dot(cross(before, x), z), _dot(before, x))
+    return home[:, 0], offset, bend, way, home
+
+
+def _pick_limbs(values: Array, which: slice | NDArray[np.int64]) -> Array:
+    """Return `values` (..., l, 1) of the limbs `which`, with limbs last in memory."""
+    if isinstance(which, slice):
+        return values[..., which, :]
+    return values.take(which, axis=-2)
+
+
+def _dot(a: Array, b: Array) -> Array:
+    result: Array = (a * b).sum(axis=-1)
+    return result
+
+
+def _perpendicular(v: Array, z: Array) -> Array:
+    """Return the parts of `v` perpendicular to the unit vectors `z`."""
+    result: Array = v - _dot(v, z)[..., None] * z
+    return result

@@ -1,0 +1,251 @@
+"""Settling: the joint values nearest to the preferred ones that bring tips to goals.
+
+Unlike `solve`, which follows a motion from pose to pose, this always begins at the
+preferred values and takes the same number of iterations. So a limb's pose is a function
+of its goal alone, as smooth as the goal is; poses of many moments can be worked out at
+once, in any order, and a limb comes back to the same pose with its foot.
+
+It does what `inverse.iterate` does, written out for speed: limbs of one make, block by
+block, as `chains` lays them out. Sums go joint after joint, and the three equations of a tip
+are solved by their own elimination, so that a limb's last bit does not hang on how many
+there are.
+
+Source: Sims 1987, 6.1, 6.2, B.2, B.4 and B.7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.simulation.figures.inverse_kinematics import (
+    DAMPING,
+    TOLERANCE,
+    IKSolution,
+    solve,
+)
+from pipeline.simulation.figures.kinematics import LimbBatch, LimbRows
+from pipeline.simulation.figures.limb_chains import ChainGroup
+from pipeline.simulation.spatial import Array
+
+SEGMENT = 0.35
+"""Longest step of a tip in one iteration, as a part of the limb's length."""
+
+REST_GAINS = (0.6, 0.6, 0.6, 0.6, 0.3, 0.0, 0.0)
+"""Gain α of the pull towards the preferred values, iteration by iteration; at the end
+the tip is only brought home."""
+
+BLOCK_SIZE = 5000
+"""Limbs and moments at once: so many stay in a processor's cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class RestSolution:
+    """L limbs at their goals at m moments.
+
+    Attributes:
+        q: (m, L, n) joint values within their limits [rad or m].
+        X_BJ: (m, L, n, 4, 4) frames of the joints relative to the body; padding has none.
+        residual: (m, L) distance of tip from goal [m].
+    """
+
+    q: Array
+    X_BJ: Array
+    residual: Array
+
+
+def solve_near_rest(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array) -> RestSolution:
+    """Bring the tips to `goals` with joint values as near the preferred as can be.
+
+    Args:
+        batch: L limbs.
+        chains: the same limbs by their makes.
+        goals: (m, L, 3) at m moments, relative to the body [m].
+    """
+    moments, limbs, n = len(goals), *batch.is_joint.shape
+    q = np.tile(batch.preferred, (moments, 1, 1))
+    X = np.zeros((moments, limbs, n, 4, 4))
+    X[..., 3, 3] = 1.0
+    residual = np.linalg.norm(goals - batch.tips, axis=-1)
+    for chain, when in _blocks(chains, moments):
+        at = when, chain.rows
+        goal = np.ascontiguousarray(goals[at].transpose(2, 1, 0))
+        values = _solve_block(chain, goal)
+        k = len(values)
+        for j, frame in enumerate(chain.along(values)):
+            p = frame[3]
+            if j < k:
+                R = chain.turned(j, frame)
+                X[when, :, j, :3, :3][:, chain.rows] = R.transpose(3, 2, 0, 1)
+                X[when, :, j, :3, 3][:, chain.rows] = p.transpose(2, 1, 0)
+        residual[at] = _norm(goal - p).T
+        q[when, :, :k][:, chain.rows] = values.transpose(2, 1, 0)
+    moment, far = np.nonzero(residual > TOLERANCE * batch.lengths)
+    if len(far):
+        found = _continue_solving(batch, far, q[moment, far], goals[moment, far])
+        q[moment, far], X[moment, far] = found.pose.q, found.pose.X_BJ
+        residual[moment, far] = found.residual
+    return RestSolution(q, X, residual)
+
+
+def solve_each_near_rest(
+    batch: LimbBatch, chains: Sequence[ChainGroup], rows: LimbRows, goals: Array
+) -> tuple[Array, Array]:
+    """Return what `solve_near_rest` makes of limbs, each brought to a goal of its own.
+
+    Args:
+        batch: L limbs.
+        chains: the same limbs by their makes.
+        rows: (N,) which limb for each goal.
+        goals: (N, 3) relative to the body [m].
+
+    Returns:
+        Joint values (N, n) [rad or m], and how far the tips stay from their goals (N,) [m].
+    """
+    residual: Array = np.linalg.norm(goals - batch.tips[rows], axis=-1)
+    q = batch.preferred[rows]
+    for chain in chains:
+        place = np.full(len(batch.lengths), -1)
+        place[chain.rows] = np.arange(len(chain.rows))
+        mine = np.flatnonzero(place[rows] >= 0)
+        if not len(mine):
+            continue
+        some = chain.some(place[rows[mine]])
+        goal = np.ascontiguousarray(goals[mine].T)[..., None]
+        values = _solve_block(some, goal)
+        *_, (_, _, _, p) = some.along(values)
+        residual[mine] = _norm(goal - p)[:, 0]
+        q[mine, : len(values)] = values[..., 0].T
+        far = mine[residual[mine] > TOLERANCE * batch.lengths[rows[mine]]]
+        if len(far):
+            found = _continue_solving(batch, rows[far], q[far], goals[far])
+            q[far], residual[far] = found.pose.q, found.residual
+    return q, residual
+
+
+def _continue_solving(batch: LimbBatch, rows: LimbRows, q: Array, goals: Array) -> IKSolution:
+    """Go on to goals at the rim of what limbs reach: it takes smaller and more segments."""
+    rest = batch.rows(rows)
+    return solve(rest, rest.pose(q), goals, most=100)
+
+
+def _blocks(chains: Sequence[ChainGroup], moments: int) -> Iterator[tuple[ChainGroup, slice]]:
+    """Cut limbs and moments into blocks."""
+    most = min(moments, BLOCK_SIZE)
+    limbs = max(BLOCK_SIZE // max(most, 1), 1)
+    for chain in chains:
+        for first in range(0, len(chain.rows), limbs):
+            some = chain.some(slice(first, first + limbs))
+            for moment in range(0, moments, most):
+                yield some, slice(moment, moment + most)
+
+
+def _solve_block(chain: ChainGroup, goal: Array) -> Array:
+    """Return the joint values (k, l, m) of a block for goals (3, l, m) [m]."""
+    limbs, moments = goal.shape[1:]
+    shape = len(chain.slides), limbs, moments
+    lower, upper, preferred = (
+        np.broadcast_to(bound, shape).reshape(shape[0], -1)
+        for bound in (chain.lower, chain.upper, chain.preferred)
+    )
+    longest = np.broadcast_to(SEGMENT * chain.lengths, (limbs, moments))
+    damping = np.broadcast_to((DAMPING * chain.lengths) ** 2, (limbs, moments)).ravel()
+    # At the preferred values, where all begin, moments do not differ yet.
+    tip, J = _jacobian(chain, chain.preferred)
+    J, q = np.broadcast_to(J, (3, *shape)), preferred
+    for i, gain in enumerate(REST_GAINS):
+        if i:
+            tip, J = _jacobian(chain, q.reshape(shape))
+        error = goal - tip
+        error *= np.minimum(1.0, longest / np.maximum(_norm(error), 1e-300))
+        J, dx = J.reshape(3, len(q), -1), error.reshape(3, -1)
+        z = gain * (preferred - q) if gain and i else None
+        wanted = q + _damped_step(J, dx, z, damping)
+        bounded = np.minimum(np.maximum(wanted, lower), upper)
+        at = np.flatnonzero((bounded != wanted).any(axis=0))
+        if len(at):
+            # Joints that would go through a limit are held there, and the others carry on.
+            held = bounded[:, at] != wanted[:, at]
+            moved = np.where(held, bounded[:, at] - q[:, at], 0.0)
+            rest = dx[:, at] - _apply_jacobian(J[..., at], moved)
+            pull = None if z is None else z[:, at] * ~held
+            again = _damped_step(J[..., at] * ~held, rest, pull, damping[at])
+            again = q[:, at] + np.where(held, moved, again)
+            bounded[:, at] = np.minimum(np.maximum(again, lower[:, at]), upper[:, at])
+        q = bounded
+    return q.reshape(shape)
+
+
+def _jacobian(chain: ChainGroup, q: Array) -> tuple[Array, Array]:
+    """Return the tips (3, l, m) [m] and how they move with each joint (3, k, l, m)."""
+    axes, lever = np.empty((2, 3, *q.shape))
+    for j, (_, _, z, p) in enumerate(chain.along(q)):
+        if j < len(q):
+            axes[:, j], lever[:, j] = z, p
+    np.subtract(p[:, None], lever, out=lever)
+    J = np.empty_like(axes)
+    for i in range(3):
+        a, b = (i + 1) % 3, (i + 2) % 3
+        np.multiply(axes[a], lever[b], out=J[i])
+        J[i] -= axes[b] * lever[a]
+    for j, slides in enumerate(chain.slides):
+        if slides:
+            J[:, j] = axes[:, j]
+    return p, J
+
+
+def _damped_step(J: Array, dx: Array, z: Array | None, damping: Array) -> Array:
+    """Return z + J⁺ (dx - J z) (k, N) with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹.
+
+    Args:
+        J: (3, k, N).
+        dx: (3, N) [m].
+        z: (k, N) pull of the redundancy; None for none.
+        damping: (N,) λ² [m²].
+    """
+    square = _sum_joints(J * J) + damping
+    mixed = _sum_joints(J * J[[1, 2, 0]])
+    y = _solve_symmetric(square, mixed, dx if z is None else dx - _apply_jacobian(J, z))
+    step: Array = J[0] * y[0]
+    step += J[1] * y[1]
+    step += J[2] * y[2]
+    return step if z is None else step + z
+
+
+def _solve_symmetric(d: Array, m: Array, b: Array) -> tuple[Array, Array, Array]:
+    """Solve symmetric equations by elimination (L D Lᵀ).
+
+    Args:
+        d: (3, N) diagonal.
+        m: (3, N) elements xy, yz and zx.
+        b: (3, N) right sides.
+    """
+    xy, yz, zx = m
+    l_yx, l_zx = xy / d[0], zx / d[0]
+    d_y = d[1] - l_yx * xy
+    l_zy = (yz - l_zx * xy) / d_y
+    d_z = d[2] - l_zx * zx - l_zy * l_zy * d_y
+    b_y = b[1] - l_yx * b[0]
+    z = (b[2] - l_zx * b[0] - l_zy * b_y) / d_z
+    y = b_y / d_y - l_zy * z
+    return b[0] / d[0] - l_yx * y - l_zx * z, y, z
+
+
+def _apply_jacobian(J: Array, q: Array) -> Array:
+    """Return J q (3, N)."""
+    return _sum_joints(J * q)
+
+
+def _sum_joints(terms: Array) -> Array:
+    """Return the sums (3, N) over joints of `terms` (3, k, N), one joint after the other."""
+    total: Array = terms[:, 0].copy()
+    for j in range(1, terms.shape[1]):
+        total += terms[:, j]
+    return total
+
+
+def _norm(v: Array) -> Array:
+    result: Array = np.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return result

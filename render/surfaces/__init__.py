@@ -1,0 +1,1 @@
+"""Surfaces: materials and their patterns as Mitsuba BSDFs."""

@@ -1,0 +1,143 @@
+"""Patterns of things and of creatures. What has a direction runs along the rows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from render.textures.ground_patterns import Drawn
+from render.textures.noise import TILE, cells, noise
+
+
+def wood(rng: np.random.Generator) -> Drawn:
+    """Draw year rings and fibres of a board."""
+    fibre = noise(rng, 0.9, first=14, stretch=24.0)
+    flow = noise(rng, 2.2, first=2, stretch=5.0)
+    y = np.mgrid[0:TILE, 0:TILE][0] / TILE
+    ring = np.sin(2 * np.pi * 7 * y + 2.2 * flow) ** 3
+    shade = 1 + 0.2 * ring + 0.1 * fibre
+    return shade.clip(0.4, 1.6), 0.3 * ring, 0.0003 * fibre + 0.0004 * ring, 0.5
+
+
+def mottle(rng: np.random.Generator) -> Drawn:
+    """Draw soft spots."""
+    spots = np.tanh(1.6 * noise(rng, 1.8, first=5))
+    fine = noise(rng, 0.8, first=40)
+    return 1 + 0.22 * spots + 0.05 * fine, 0.3 * spots, 0.002 * fine, 1.0
+
+
+def planks(rng: np.random.Generator) -> Drawn:
+    """Draw a floor of eight boards across, laid end to end."""
+    boards, size = 8, 1.6
+    y, x = np.mgrid[0:TILE, 0:TILE] / TILE
+    row = (y * boards).astype(int)
+    x = x + np.array([0.0, 0.55, 0.2, 0.8, 0.4, 0.05, 0.65, 0.3])[row]
+    gap = np.minimum(y * boards - row, 1 - (y * boards - row)) / boards
+    gap = np.minimum(gap, np.minimum(x % 1, 1 - x % 1))
+    groove = np.exp(-((gap * size / 0.0016) ** 2))
+    shade, warmth, relief, _ = wood(rng)
+    # Every board is cut from another place of the log.
+    at = rng.integers(0, TILE, (2, boards))
+    rows = (np.arange(TILE)[:, None] + at[0][row]) % TILE
+    columns = (np.arange(TILE)[None, :] + at[1][row]) % TILE
+    tone = rng.normal(0, 0.09, boards)[row]
+    shade = (0.65 + 0.35 * shade[rows, columns] + tone) * (1 - 0.75 * groove)
+    return shade.clip(0.1, 1.8), warmth[rows, columns], relief[rows, columns] - 0.002 * groove, size
+
+
+def shell(rng: np.random.Generator) -> Drawn:
+    """Draw the pits and clouds of a beetle's wing-case, in rows along it."""
+    first, _, _ = cells(rng, 40)
+    pit = np.exp(-((first / 0.28) ** 2))
+    y = np.mgrid[0:TILE, 0:TILE][0] / TILE
+    stria = np.cos(2 * np.pi * 14 * y) ** 8
+    cloud = np.tanh(noise(rng, 1.9, first=4))
+    shade = 1 + 0.08 * cloud - 0.16 * pit - 0.05 * stria + 0.03 * noise(rng, 0.8, first=40)
+    relief = -0.0006 * pit - 0.0003 * stria + 0.0004 * cloud
+    return shade.clip(0.4, 1.6), 0.35 * cloud, relief, 0.3
+
+
+def fur(rng: np.random.Generator) -> Drawn:
+    """Draw hair that lies along the rows, in tufts."""
+    hair, tuft = noise(rng, 0.7, first=40, stretch=14.0), noise(rng, 1.5, first=9, stretch=4.0)
+    patch = noise(rng, 1.8, first=4)
+    shade = 1 + 0.11 * hair + 0.1 * tuft + 0.06 * patch
+    return shade.clip(0.35, 1.8), 0.25 * patch + 0.15 * tuft, 0.0005 * hair + 0.0012 * tuft, 0.32
+
+
+def plumage(rng: np.random.Generator) -> Drawn:
+    """Draw rows of vanes that overlap like shingles."""
+    y, x = np.mgrid[0:TILE, 0:TILE] / TILE
+    rows = 8
+    row = np.floor(x * rows)
+    along, across = x * rows - row, (y * 12 + 0.5 * (row % 2)) % 1.0 - 0.5
+    # A vane ends in a round tip; beyond it the next row begins to show.
+    end = 0.55 + 0.45 * np.sqrt(np.clip(1 - (2 * across) ** 2, 0, 1))
+    under = along > end
+    barbs = noise(rng, 0.6, first=60, stretch=10.0)
+    height = np.where(under, 0.15, along / end)
+    shade = 0.7 + 0.45 * height - 0.25 * np.exp(-((across / 0.03) ** 2)) * ~under + 0.12 * barbs
+    return (
+        shade.clip(0.3, 1.7),
+        0.2 * noise(rng, 1.7, first=4),
+        0.006 * height + 0.0004 * barbs,
+        0.5,
+    )
+
+
+def pores(rng: np.random.Generator) -> Drawn:
+    """Draw skin: pores between fine folds, and where the blood shows."""
+    first, second, _ = cells(rng, 70, warp=0.2)
+    fold = np.exp(-(((second - first) / 0.12) ** 2))
+    pore = np.exp(-((first / 0.15) ** 2))
+    flush = noise(rng, 1.9, first=4)
+    shade = 1 + 0.05 * flush - 0.06 * fold - 0.1 * pore
+    return shade.clip(0.5, 1.4), 0.35 * flush.clip(-2, 2), -0.0002 * fold - 0.0002 * pore, 0.12
+
+
+def weave(rng: np.random.Generator) -> Drawn:
+    """Draw threads that go over and under one another."""
+    threads = 40
+    y, x = np.mgrid[0:TILE, 0:TILE] * (threads / TILE)
+    over = (np.floor(x) + np.floor(y)) % 2 == 0
+    warp, weft = np.abs(np.sin(np.pi * x)), np.abs(np.sin(np.pi * y))
+    height = np.where(over, warp * (0.6 + 0.4 * weft), weft * (0.6 + 0.4 * warp))
+    slub = noise(rng, 0.9, first=10, stretch=6.0) + noise(rng, 0.9, first=10, stretch=6.0).T
+    shade = 0.5 + 0.7 * height + 0.06 * slub + 0.05 * noise(rng, 1.6, first=4)
+    return shade.clip(0.2, 1.6), 0.1 * slub.clip(-3, 3), 0.0012 * height, 0.22
+
+
+def scratches(rng: np.random.Generator) -> Drawn:
+    """Draw lacquer with fine scratches along the rows and some dust."""
+    fine = noise(rng, 0.5, first=60, stretch=40.0)
+    worn = np.clip(noise(rng, 1.1, first=6) - 1.6, 0, 1)
+    shade = 1 + 0.03 * fine + 0.5 * worn + 0.04 * noise(rng, 1.6, first=4)
+    return shade.clip(0.5, 1.8), -0.2 * worn, 0.00002 * fine - 0.0002 * worn, 0.4
+
+
+def brushed(rng: np.random.Generator) -> Drawn:
+    """Draw metal that was brushed along the rows."""
+    line, stain = noise(rng, 0.5, first=40, stretch=60.0), noise(rng, 1.8, first=4)
+    return 1 + 0.07 * line + 0.05 * stain, 0.3 * stain.clip(-2, 2), 0.00004 * line, 0.3
+
+
+def plaster(rng: np.random.Generator) -> Drawn:
+    """Draw what was smoothed by hand."""
+    trowel, grain = noise(rng, 1.8, first=4), noise(rng, 0.7, first=50)
+    shade = 1 + 0.035 * trowel + 0.025 * grain
+    return shade, 0.12 * trowel.clip(-2, 2), 0.0016 * trowel + 0.00015 * grain, 1.0
+
+
+def clay(rng: np.random.Generator) -> Drawn:
+    """Draw fired clay: grooves of the wheel, grains, pale bloom."""
+    groove, grain = noise(rng, 1.0, first=12, stretch=30.0), noise(rng, 0.6, first=60)
+    bloom = np.tanh(noise(rng, 1.9, first=4))
+    shade = 1 + 0.05 * groove + 0.06 * grain + 0.1 * bloom
+    return shade.clip(0.5, 1.6), -0.3 * bloom, 0.0005 * groove + 0.0001 * grain, 0.4
+
+
+def marble(rng: np.random.Generator) -> Drawn:
+    """Draw veins."""
+    vein = np.exp(-np.abs(noise(rng, 2.0, first=4)) / 0.07)
+    fine = np.exp(-np.abs(noise(rng, 1.7, first=9)) / 0.04)
+    shade = 1.06 - 0.42 * vein - 0.15 * fine + 0.04 * noise(rng, 1.6, first=5)
+    return shade.clip(0.3, 1.3), 0.2 * vein, np.zeros_like(shade), 0.6

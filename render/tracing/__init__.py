@@ -1,0 +1,1 @@
+"""Tracing: rays through the pixels of a Mitsuba scene, pass by pass."""

@@ -1,0 +1,277 @@
+"""What is there and still right is kept; what is not is made again, and nothing else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+from pipeline.production.run.production import score_only, simulate_only, take_key
+from pipeline.production.run.progress import Reporter
+from pipeline.production.shots.frame_rendering import frame_key
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.simulation.take import Take
+from pipeline.simulation.take_store import read_take
+
+if TYPE_CHECKING:
+    from tests.production.conftest import Studio
+
+SLOW = pytest.mark.slow
+"""Further cases of one kind."""
+
+ALL = {f"frames/{f:04d}.png" for f in range(1, 9)}
+FILM = {"tiny.mp4", "manifest.json"}
+
+
+def test_all_outputs_are_there(film: Studio) -> None:
+    assert {path.name for path in film.made.iterdir()} == {
+        *(".lock", "frames", "take.zarr", "events.jsonl", "manifest.json"),
+        *("tiny.mp4", "tiny.mid", "tiny.wav", "tiny.edl", "tiny_labels.txt", "events.csv"),
+    }
+    assert {path.name for path in (film.made / "frames").iterdir()} == {
+        f"{f:04d}.png" for f in range(1, 9)
+    }
+    manifest = json.loads((film.made / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["digests"]["take"] == read_take(film.made / "take.zarr").digest
+    assert manifest["events"] == {"written": 6, "after_the_last_frame": 0}
+    assert manifest["midi"]["notes"] + manifest["midi"]["merged"] == 6
+
+
+def test_a_second_run_changes_nothing(studio: Studio) -> None:
+    before = studio.state()
+    studio.render()
+    assert studio.changes(before) == set()
+
+
+def test_scoring_and_simulating_what_is_made_changes_nothing(studio: Studio) -> None:
+    before = studio.state()
+    score_only(studio.order(), Reporter())
+    simulate_only(studio.order(), Reporter())
+    assert studio.changes(before) == set()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("word", "due"),
+    [
+        ("sound.voices=[{pitch: C4}]", {"tiny.mid", "tiny.wav", *FILM}),
+        # The steps of the scale are for the score alone.
+        ("sound.scale=A dorian", {"tiny.mid", "manifest.json"}),
+        ("sound.volume_db=-12", {"tiny.mid", "tiny.wav", *FILM}),
+        # The listener goes with the camera, so the score is another one too.
+        ("camera.distance=9", {*ALL, "tiny.mid", "tiny.wav", *FILM}),
+        ("materials.ground.color='#804020'", {*ALL, *FILM}),
+        pytest.param("light.preset=noon", {*ALL, *FILM}, marks=SLOW),
+        pytest.param("film.exposure=1", {*ALL, *FILM}, marks=SLOW),
+    ],
+)
+def test_a_changed_word_makes_again_what_hangs_on_it(
+    studio: Studio, word: str, due: set[str]
+) -> None:
+    before = studio.state()
+    studio.render(word)
+    assert studio.changes(before) == due
+
+
+@SLOW
+def test_changed_words_taken_back_give_the_same_film(studio: Studio, film: Studio) -> None:
+    studio.render("camera.distance=9")
+    assert studio.contents() != film.contents()
+    studio.render()
+    assert studio.contents() == film.contents()
+
+
+@pytest.mark.slow
+def test_a_changed_walk_is_simulated_again(studio: Studio) -> None:
+    before = studio.state()
+    studio.render("cast.bug.walk.cycle=0.4")
+    changes = studio.changes(before)
+    assert {"take.zarr", "events.jsonl", "events.csv", "tiny.mid", "tiny.wav"} <= changes
+    assert {"tiny.edl", "tiny_labels.txt"} <= changes
+    # The first frame may be the same: nobody has moved in it yet.
+    assert {f"frames/{f:04d}.png" for f in range(2, 9)} <= changes
+
+
+def test_simulating_is_due_only_for_words_that_the_simulation_reads(unmade: Studio) -> None:
+    same = ["camera.view=top", "sound.volume_db=3", "light.preset=noon", "film.samples=4"]
+    same += ["materials.ground.color='#804020'"]
+    other = ["seed=4", "fps=25", "terrain.cells=[9,9]", "cast.bug.walk.speed=0.8", "steps=8"]
+    key = take_key(unmade.load())
+    assert [word for word in same if take_key(unmade.load(word)) != key] == []
+    assert [word for word in other if take_key(unmade.load(word)) == key] == []
+
+
+def test_a_frames_key_follows_what_the_renderer_is_given(unmade: Studio, take: Take) -> None:
+    def keys(*sets: str, extra: str = "llvm") -> list[str]:
+        shooting = Shooting(unmade.load(*sets), take)
+        return [frame_key(shooting, frame, extra) for frame in range(1, 9)]
+
+    own = keys()
+    assert len(set(own)) == 8
+    assert keys("sound.volume_db=3", "title=Other") == own
+    # A material that nobody wears is not seen.
+    assert keys("materials.unused={preset: brass}") == own
+    for other in (
+        keys("camera.fov_deg=36"),
+        keys("film.depth=3"),
+        keys("materials.ground.roughness=0.123"),
+        keys("light.studio.fill=0.31"),
+        keys(extra="scalar"),
+    ):
+        assert set(own).isdisjoint(other)
+
+
+@pytest.mark.parametrize(
+    "harm", ["truncated", *(pytest.param(h, marks=SLOW) for h in ("deleted", "emptied", "torn"))]
+)
+def test_one_harmed_frame_is_made_again_alone(studio: Studio, film: Studio, harm: str) -> None:
+    before = studio.state()
+    frame = studio.frame(4)
+    data = frame.read_bytes()
+    if harm == "deleted":
+        frame.unlink()
+    else:
+        left = {"truncated": data[: len(data) // 2], "emptied": b"", "torn": b"\xff" * 999}
+        frame.write_bytes(left[harm])
+    studio.render()
+    # Its pixels are the same, and so is the film.
+    assert studio.changes(before) == {"frames/0004.png", "manifest.json"}
+    assert studio.contents() == film.contents()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "tiny.mp4",
+        *(
+            pytest.param(n, marks=SLOW)
+            for n in ("tiny.mid", "tiny.wav", "events.jsonl", "tiny.edl")
+        ),
+    ],
+)
+def test_a_deleted_output_is_made_again_alone(studio: Studio, film: Studio, name: str) -> None:
+    before = studio.state()
+    (studio.made / name).unlink()
+    studio.render()
+    # The manifest tells how long it took, which may be as long as before.
+    assert studio.changes(before) - {"manifest.json"} == {name}
+    assert studio.contents() == film.contents()
+
+
+@pytest.mark.parametrize("text", ["{", '{"seconds": 3}'])
+def test_a_manifest_that_cannot_be_read_is_written_anew(studio: Studio, text: str) -> None:
+    before = json.loads((studio.made / "manifest.json").read_text(encoding="utf-8"))
+    (studio.made / "manifest.json").write_text(text, encoding="utf-8")
+    studio.render()
+    after = json.loads((studio.made / "manifest.json").read_text(encoding="utf-8"))
+    # Nothing had to be made, so nothing took any time.
+    assert {**before, "seconds": {}} == after
+
+
+def _chunk(take: Path) -> Path:
+    return max(take.glob("positions/c/**/*"), key=lambda path: path.is_file())
+
+
+def _delete_chunk(take: Path) -> None:
+    _chunk(take).unlink()
+
+
+def _truncate_chunk(take: Path) -> None:
+    chunk = _chunk(take)
+    chunk.write_bytes(chunk.read_bytes()[:-9])
+
+
+def _garbage_chunk(take: Path) -> None:
+    _chunk(take).write_bytes(b"\xff" * 500)
+
+
+def _delete_array(take: Path) -> None:
+    (take / "rotations" / "zarr.json").unlink()
+
+
+def _change_attribute(take: Path) -> None:
+    words = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
+    words["attributes"]["tables"]["events"].pop()
+    (take / "zarr.json").write_text(json.dumps(words), encoding="utf-8")
+
+
+def _attributes(value: object) -> Callable[[Path], None]:
+    def harm(take: Path) -> None:
+        words = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
+        for name in words["attributes"]:
+            if name != "header":
+                words["attributes"][name] = value
+        (take / "zarr.json").write_text(json.dumps(words), encoding="utf-8")
+
+    return harm
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        _delete_chunk,
+        _truncate_chunk,
+        pytest.param(_garbage_chunk, marks=SLOW),
+        pytest.param(_delete_array, marks=SLOW),
+        _change_attribute,
+        *(pytest.param(_attributes(value), marks=SLOW) for value in (None, "x", [[1]])),
+    ],
+)
+def test_a_damaged_take_is_simulated_again_with_a_note(
+    studio: Studio,
+    film: Studio,
+    pronk: Callable[..., tuple[int, str, str]],
+    harm: Callable[[Path], None],
+) -> None:
+    harm(studio.made / "take.zarr")
+    code, _, err = pronk("simulate", studio.scene, "--out", studio.made.parent)
+    assert code == 0
+    assert "take.zarr" in err
+    assert "made again" in err
+    assert studio.contents() == film.contents()
+
+
+def _file_for_folder(take: Path) -> None:
+    for path in sorted(take.rglob("*"), reverse=True):
+        path.rmdir() if path.is_dir() else path.unlink()
+    take.rmdir()
+    take.write_text("no take", encoding="utf-8")
+
+
+def _empty(take: Path) -> None:
+    (take / "zarr.json").write_text("", encoding="utf-8")
+
+
+def _no_json(take: Path) -> None:
+    (take / "zarr.json").write_text("\x00\xff{", encoding="utf-8")
+
+
+def _words(text: str) -> Callable[[Path], None]:
+    def harm(take: Path) -> None:
+        words = json.loads((take / "zarr.json").read_text(encoding="utf-8"))
+        words["attributes"]["header"] = json.loads(text)
+        (take / "zarr.json").write_text(json.dumps(words), encoding="utf-8")
+
+    return harm
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        _file_for_folder,
+        pytest.param(_empty, marks=SLOW),
+        pytest.param(_no_json, marks=SLOW),
+        _words("null"),
+        *(pytest.param(_words(t), marks=SLOW) for t in ("3", '"x"', "[1]", '{"rate": 0}')),
+    ],
+)
+def test_what_is_no_take_is_replaced_by_one(
+    studio: Studio, film: Studio, harm: Callable[[Path], None]
+) -> None:
+    harm(studio.made / "take.zarr")
+    simulate_only(studio.order(), Reporter())
+    assert studio.contents() == film.contents()
+    assert not list(studio.made.rglob("*.partial*"))

@@ -1,0 +1,147 @@
+"""The ground as it is filmed: no seam, no end of the world."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+from pipeline.production.shots.ground_mesh import GROWTH, RINGS, ground_meshes
+from pipeline.simulation.take import Take, TerrainRecord
+from pipeline.simulation.terrain import build_ground
+from pipeline.spec import Terrain
+from pipeline.spec.terrain.kinds import FlatTerrain, FractalTerrain, HillsTerrain
+
+TERRAINS: list[Terrain] = [
+    FlatTerrain(size=(8, 8), cells=(8, 8)),
+    HillsTerrain(size=(20, 9), cells=(40, 18), height=2.0),
+    FractalTerrain(size=(7, 16), cells=(23, 31), height=3.0),
+    FractalTerrain(size=(4, 4), cells=(2, 2), height=1.0),
+    FractalTerrain(size=(7, 16), cells=(23, 31), height=3.0, at=(40, -7)),
+    HillsTerrain(size=(20, 9), cells=(40, 18), height=2.0, at=(-3, 9), heading_deg=200),
+    FractalTerrain(size=(7, 16), cells=(23, 31), height=3.0, at=(40, -7), polygons="quads"),
+]
+
+TOUCH = 1e-5
+"""What float32 and Mitsuba's own search leave of a hit, within 20 m [m]."""
+
+
+def record(terrain: Terrain) -> TerrainRecord:
+    ground = build_ground(terrain, seed=5)
+    field = ground.field
+    return TerrainRecord(field.vertices, field.faces, field.cells, ground.forbidden, "dry soil")
+
+
+def normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    a, b, c = vertices[faces.astype(int)].astype(float).transpose(1, 0, 2)
+    return np.cross(b - a, c - a)
+
+
+@pytest.mark.parametrize("terrain", TERRAINS)
+def test_the_far_field_begins_at_the_edges_own_vertices(terrain: Terrain) -> None:
+    near, far = ground_meshes(record(terrain))
+    n_x, n_z = terrain.cells
+    rim = 2 * (n_x + n_z)
+    grid = near.vertices[: (n_z + 1) * (n_x + 1)].reshape(n_z + 1, n_x + 1, 3)
+    sides = (grid[0], grid[-1], grid[:, 0], grid[:, -1])
+    edge = {tuple(v) for side in sides for v in side.tolist()}
+    assert len(edge) == rim
+    # Exactly: a difference in the last bit lets the sky through.
+    assert {tuple(v) for v in far.vertices[:rim].tolist()} == edge
+
+
+@pytest.mark.parametrize("terrain", TERRAINS)
+def test_all_faces_look_up_and_are_finite(terrain: Terrain) -> None:
+    for mesh in ground_meshes(record(terrain)):
+        assert np.isfinite(mesh.vertices).all()
+        assert np.isfinite(mesh.uv).all()
+        assert mesh.faces.max() == len(mesh.vertices) - 1
+        assert (normals(mesh.vertices, mesh.faces)[:, 1] > 0).all()
+
+
+@pytest.mark.parametrize("terrain", TERRAINS)
+def test_the_far_field_leaves_no_hole_and_reaches_the_horizon(terrain: Terrain) -> None:
+    terrain = terrain.model_copy(update={"at": (0.0, 0.0), "heading_deg": 0.0})
+    near, far = ground_meshes(record(terrain))
+    # Seen from above, triangles that all look up cover the area of the outline once.
+    rim = len(far.vertices) // (RINGS + 1)
+    outline = far.vertices[-rim:, [0, 2]].astype(float)
+    reach = np.abs(outline).max(axis=0)
+    covered = 0.5 * sum(normals(m.vertices, m.faces)[:, 1].sum() for m in (near, far))
+    assert covered == pytest.approx(4 * reach.prod(), rel=1e-4)
+    cell = min(terrain.size) / max(terrain.cells)
+    assert reach.min() > cell * GROWTH**RINGS
+    np.testing.assert_array_equal(far.uv, far.vertices[:, [0, 2]])
+
+
+def test_the_far_field_is_no_higher_than_the_ground(hills: tuple[object, Take]) -> None:
+    terrain = hills[1].terrain
+    _, far = ground_meshes(terrain)
+    low, high = terrain.vertices[:, 1].min(), terrain.vertices[:, 1].max()
+    assert far.vertices[:, 1].min() >= low - 1e-4
+    assert far.vertices[:, 1].max() <= high + 1e-4
+
+
+def test_the_far_field_goes_with_the_terrain() -> None:
+    home = HillsTerrain(size=(20, 9), cells=(40, 18), height=2.0)
+    away = home.model_copy(update={"at": (30.0, -4.0), "heading_deg": 90.0})
+    here, there = (ground_meshes(record(words))[1].vertices for words in (home, away))
+    x, y, z = here.astype(float).T
+    # A quarter turn about +Y takes x to -z and z to x.
+    expected = np.stack([z + 30.0, y, -x - 4.0], axis=-1)
+    assert np.abs(there - expected).max() < 1e-6 * np.abs(here).max()
+
+
+@pytest.mark.parametrize("terrain", TERRAINS)
+def test_forbidden_zones_are_tinted_and_nothing_else(terrain: Terrain) -> None:
+    ground = record(terrain)
+    plain, marked = ground_meshes(ground), ground_meshes(ground, show_forbidden=True)
+    assert all(mesh.tinted is None for mesh in plain)
+    assert plain[0].digest != marked[0].digest
+    assert plain[1].digest == marked[1].digest
+    near = marked[0]
+    field = build_ground(terrain, seed=5)
+    middles = near.vertices[near.faces.astype(int)].astype(float).mean(axis=1)
+    assert near.tinted is not None
+    assert (near.tinted == ~field.steppable(middles[:, 0], middles[:, 2])).all()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        {"kind": "stairs", "cells": (600, 6)},
+        {"kind": "stones", "size": (8, 6), "cells": (200, 150), "at": (2, 1), "heading_deg": 40},
+        {"kind": "boulders", "size": (8, 8), "cells": (128, 128), "heading_deg": -100},
+        {"kind": "fractal", "size": (8, 8), "cells": (40, 40), "height": 3, "polygons": "quads"},
+    ],
+    ids=lambda words: words["kind"],
+)
+def test_rays_hit_the_drawn_ground_where_feet_stand(words: dict[str, object]) -> None:
+    """Mitsuba's own rays, from above, on the mesh that it is given."""
+    from render.backend import choose
+    from render.config import MATERIALS
+
+    choose().activate()
+    import drjit as dr
+    import mitsuba as mi
+
+    from render.meshes import built, groups
+
+    made = TypeAdapter(Terrain).validate_python(words)
+    ground = build_ground(made, seed=5)
+    (near, _) = ground_meshes(record(made), show_forbidden=True)
+    (group,) = groups([near], MATERIALS)
+    scene = mi.load_dict({"type": "scene", "ground": built(group, [near], MATERIALS["dry soil"])})
+    half = 0.49 * np.array(made.size)
+    local = np.random.default_rng(3).uniform(-half, half, (4000, 2))
+    x, z = ground.field.to_world(*local.T)
+    # A ray starts at a float32: so does the question.
+    x, z = x.astype(np.float32), z.astype(np.float32)
+    rays = mi.Ray3f(mi.Point3f(x, np.full_like(x, 4.0), z), mi.Vector3f(0, -1, 0))
+    hit = scene.ray_intersect(rays)
+    assert bool(dr.all(hit.is_valid()))
+    off = np.abs(np.array(hit.p.y) - ground.height(x, z))
+    steep = np.hypot(*np.moveaxis(ground.field.gradient(x, z), -1, 0))
+    # On a wall a step aside of one rounding is a step up of that many times more.
+    assert (off < TOUCH * (1.0 + steep)).all()
+    assert steep.max() > 2.0

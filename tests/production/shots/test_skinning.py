@@ -1,0 +1,166 @@
+"""Skinning and shots: every vertex where its nodes take it, evaluated slowly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.shots.skinning import Skin, seen_parts
+from pipeline.simulation.spatial import matrix, rotation
+from pipeline.simulation.take import Mesh, Take
+from pipeline.spec import Scene
+
+
+def rotated(q: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rotate a vector by a quaternion wxyz: v + 2w (u × v) + 2 u × (u × v)."""
+    w, u = q[0], q[1:]
+    return v + 2 * w * np.cross(u, v) + 2 * np.cross(u, np.cross(u, v))
+
+
+def slowly(take: Take, mesh: Mesh, vertex: int, row: int) -> NDArray[np.float64]:
+    """Move a vertex by a part of the screw that takes its first node's frame to its second's.
+
+    A screw turns by θ about a line and slides by d along it. With weights 1 - w and w of its
+    ends the mean of the two dual quaternions is a screw about the same line, by
+    φ = 2 atan2(w sin θ/2, 1 - w + w cos θ/2) and d ∂φ/∂θ.
+    """
+    (a, b), w = mesh.nodes[vertex], float(mesh.weights[vertex, 1])
+    rest = [np.array(take.nodes[node].rest) for node in (a, b)]
+    p, q = take.positions[row], take.rotations[row]
+    here = p[a] + rotated(q[a], mesh.vertices[vertex].astype(float) - rest[0])
+    if w == 0.0:
+        return here
+    there = p[b] + rotated(q[b], mesh.vertices[vertex].astype(float) - rest[1])
+    turn = matrix(q[b]) @ matrix(q[a]).T
+    angle = float(np.arccos(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0)))
+    shift = there - turn @ here
+    if angle < 1e-9:
+        return here + w * shift
+    axis = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    axis /= 2.0 * np.sin(angle)
+    slide = float(axis @ shift)
+    point = np.linalg.pinv(np.eye(3) - turn) @ (shift - slide * axis)
+    A, B = 1.0 - w + w * np.cos(angle / 2), w * np.sin(angle / 2)
+    part = 2.0 * np.arctan2(B, A)
+    slope = (w * np.cos(angle / 2) * A + w * np.sin(angle / 2) * B) / (A * A + B * B)
+    return point + rotation(axis, part) @ (here - point) + slide * slope * axis
+
+
+def rigid(skin: Skin, node: int) -> NDArray[np.bool_]:
+    """Return which vertices follow one node alone."""
+    found: NDArray[np.bool_] = (skin.nodes[0] == node) & (skin.weights[1, :, 0] == 0.0)
+    return found
+
+
+def blended(take: Take) -> Take:
+    """Return the take with every vertex shared between its node and another."""
+    random = np.random.default_rng(5)
+    meshes = []
+    for mesh in take.meshes:
+        share = random.random((len(mesh.vertices), 1)).astype(np.float32)
+        nodes = mesh.nodes.copy()
+        nodes[:, 1] = random.integers(len(take.nodes), size=len(nodes))
+        meshes.append(replace(mesh, nodes=nodes, weights=np.hstack([1 - share, share])))
+    return replace(take, meshes=tuple(meshes))
+
+
+@pytest.mark.parametrize("shared", [False, True])
+def test_vertices_stand_where_a_slow_evaluation_puts_them(take: Take, shared: bool) -> None:
+    take = blended(take) if shared else take
+    skin = Skin.of(take)
+    random = np.random.default_rng(1)
+    for row in (0, 13, len(take.positions) - 1):
+        posed = skin.posed(take, row)
+        for i, part in enumerate(seen_parts(take)):
+            mesh = take.meshes[part.seen]
+            own = posed[skin.starts[i] : skin.starts[i + 1]]
+            assert len(own) == len(mesh.vertices)
+            for vertex in random.integers(len(own), size=5):
+                np.testing.assert_allclose(own[vertex], slowly(take, mesh, vertex, row), atol=2e-6)
+
+
+def test_a_hinge_keeps_the_distance_of_what_lies_around_it(take: Take) -> None:
+    """Two nodes that meet in one place: whatever its weights, what is between keeps its radius."""
+    chance = np.random.default_rng(7)
+    one = blended(take)
+    positions = take.positions.copy()
+    positions[3] = [0.4, 1.0, -0.2]
+    rotations = chance.normal(size=take.rotations.shape)
+    rotations /= np.linalg.norm(rotations, axis=-1, keepdims=True)
+    nodes = tuple(replace(node, rest=(0.0, 0.0, 0.0)) for node in take.nodes)
+    one = replace(one, nodes=nodes, positions=positions, rotations=rotations)
+    before = np.concatenate([one.meshes[part.seen].vertices for part in seen_parts(one)])
+    radius = np.linalg.norm(Skin.of(one).posed(one, 3) - [0.4, 1.0, -0.2], axis=-1)
+    np.testing.assert_allclose(radius, np.linalg.norm(before, axis=-1), rtol=1e-5, atol=1e-6)
+
+
+def test_nodes_that_move_apart_stretch_what_is_between_them(take: Take) -> None:
+    one = blended(take)
+    turned = np.broadcast_to(take.rotations[:, :1], take.rotations.shape)
+    one = replace(one, rotations=turned)
+    skin = Skin.of(one)
+    R, p = matrix(turned[3]), one.positions[3]
+    ends = [p[skin.nodes[k]] + (R[0] @ skin.vertices[k].T).T for k in (0, 1)]
+    expected = skin.weights[0] * ends[0] + skin.weights[1] * ends[1]
+    np.testing.assert_allclose(skin.posed(one, 3), expected, atol=2e-6)
+
+
+def test_a_scale_is_along_the_axes_of_its_node(take: Take) -> None:
+    factors = np.tile([2.0, 0.5, 3.0], (len(take.positions), 1, 1))
+    scaled = replace(take, scales=factors, scaled=(1,))
+    row = 7
+    posed, skin = Skin.of(scaled).posed(scaled, row), Skin.of(take)
+    plain = skin.posed(take, row)
+    own = rigid(skin, 1)
+    others = (skin.nodes != 1).all(axis=0)
+    np.testing.assert_array_equal(posed[others], plain[others])
+    offsets = skin.vertices[0, own] * factors[0, 0]
+    expected = [rotated(take.rotations[row, 1], offset) for offset in offsets]
+    np.testing.assert_allclose(posed[own] - take.positions[row, 1], expected, atol=2e-6)
+
+
+def test_what_is_not_alive_is_not_seen(take: Take) -> None:
+    alive = take.alive.copy()
+    alive[5, 1] = False
+    dead = replace(take, alive=alive)
+    skin = Skin.of(take)
+    own = skin.nodes[0] == 1
+    assert own.any()
+    np.testing.assert_array_equal(skin.posed(dead, 5)[own], 0.0)
+    np.testing.assert_array_equal(skin.posed(dead, 5)[~own], skin.posed(take, 5)[~own])
+    np.testing.assert_array_equal(skin.posed(dead, 4), skin.posed(take, 4))
+
+
+def test_a_shot_shows_its_frame(tiny: Scene, take: Take) -> None:
+    shooting = Shooting(tiny, take)
+    skin = Skin.of(take)
+    for frame in (1, 8):
+        shot = shooting.shot(frame)
+        ground, bodies = shot.meshes[:2], shot.meshes[2:]
+        assert [mesh.name for mesh in ground] == ["terrain", "horizon"]
+        assert [mesh.name for mesh in bodies] == [part.name for part in seen_parts(take)]
+        posed = skin.posed(take, (frame - 1) * take.header.samples)
+        np.testing.assert_array_equal(np.concatenate([m.vertices for m in bodies]), posed)
+        assert shot.camera == shooting.poses[frame - 1]
+        assert {mesh.material for mesh in shot.meshes} <= shot.materials.keys()
+    # What stands still is one and the same object, which is not digested again.
+    assert shooting.shot(1).meshes[0] is shooting.shot(2).meshes[0]
+
+
+def test_a_part_is_seen_only_in_its_life(tiny: Scene, take: Take) -> None:
+    first, *others = take.parts
+    samples = take.header.samples
+    short = replace(first, life=(2 * samples, 4 * samples))
+    shooting = Shooting(tiny, replace(take, parts=(short, *others)))
+    seen = [float(np.ptp(shooting.shot(f).meshes[2].vertices, axis=0).max()) for f in range(1, 9)]
+    assert [extent > 0 for extent in seen] == [f in (3, 4) for f in range(1, 9)]
+
+
+@pytest.fixture(scope="module")
+def tiny(request: pytest.FixtureRequest) -> Scene:
+    scene: Scene = request.getfixturevalue("unmade").load()
+    return scene

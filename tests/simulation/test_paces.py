@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.locomotion.gaits.gait_transition import (
-    PaceSchedule,
-    PaceTransition,
-)
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceTransition
 from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec.mood import MOODS

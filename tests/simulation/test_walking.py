@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 
 if TYPE_CHECKING:
     from tests.simulation.conftest import Walk

@@ -8,17 +8,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.goals import Placement, Preferred
+from pipeline.simulation.figures.figure_posture import (
+    FIRST_POSE_STEPS,
+    REST_PULL,
+    TRACKING_STEPS,
+    FigureFrames,
+    FigurePosture,
+    GoalMiss,
+)
+from pipeline.simulation.figures.ik_goals import PreferredValues, TipPlacement
+from pipeline.simulation.figures.inverse_kinematics import track_goals
 from pipeline.simulation.figures.pose_plan import plan_poses
-from pipeline.simulation.figures.posed_limb import FIRST, LATER, PULL, Miss
-from pipeline.simulation.figures.posture import Posture
-from pipeline.simulation.figures.pursuit import pursue
-from pipeline.simulation.figures.surroundings import Surroundings
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, turn
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 
 
 class AuthoredPoses:
@@ -36,8 +41,8 @@ class AuthoredPoses:
         seed: int,
     ) -> None:
         self.herd, self.free_joints = herd, free_joints
-        self.postures: Mapping[int, Posture] = {
-            c: Posture(
+        self.postures: Mapping[int, FigurePosture] = {
+            c: FigurePosture(
                 figure,
                 plan_poses(member.pose, figure, f"cast[{number}].pose"),
                 generator(seed, f"{member.name}.pose"),
@@ -81,19 +86,21 @@ class AuthoredPoses:
             batch = self.herd.legs.rows(legs)
             before = self._legs.get(c, batch.preferred)
             for row in range(len(q)):
-                wanted = Placement(goals[row, legs]), Preferred(PULL)
+                wanted = TipPlacement(goals[row, legs]), PreferredValues(REST_PULL)
                 first = row == 0 and c not in self._legs
-                pursued = pursue(batch, before, wanted, most=FIRST if first else LATER)
+                pursued = track_goals(
+                    batch, before, wanted, most=FIRST_POSE_STEPS if first else TRACKING_STEPS
+                )
                 q[row, legs] = before = pursued.pose.q
                 residual[row, legs] = pursued.error * batch.lengths
             self._legs[c] = before
 
     def move_joints(
         self,
-        around: Mapping[int, Surroundings],
+        around: Mapping[int, FigureFrames],
         legs: tuple[Array, Array],
         others: tuple[Array, Array],
-    ) -> list[tuple[int, Miss]]:
+    ) -> list[tuple[int, GoalMiss]]:
         """Set joints to their authored poses.
 
         Args:
@@ -104,7 +111,7 @@ class AuthoredPoses:
         Returns:
             Creatures and their misses.
         """
-        misses = list[tuple[int, Miss]]()
+        misses = list[tuple[int, GoalMiss]]()
         for c, posture in self.postures.items():
             places = self._places(c)
             q = np.zeros((len(legs[0]), len(posture.figure.skeleton.joint_names)))

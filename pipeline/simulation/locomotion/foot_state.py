@@ -20,8 +20,10 @@ class FootState:
         start, end: (L, 3) tips at the ends of each leg's swing; a standing leg stands at `end` [m].
         arch: (L,) height of the swing's arch [m].
         bend: (L, m, 3) deviation of the swings from plain arches, None if all are plain [m].
-        lowering: (2, L) of the body for each leg's foothold before `end`, and for that at `end` [m].
-        held_up: (2, L) whether each foot was held up before this swing and will be after it, 0 or 1.
+        lowering: (2, L) of the body for each leg's foothold before `end`, and for that at `end`
+            [m].
+        held_up: (2, L) whether each foot was held up before this swing and will be after it, 0 or
+            1.
         lift_phase: (L,) phase at which the swing began, whole cycles counted.
         swing_length: (L,) duration of the swing, in cycles.
         swinging: (L,) which feet are in the air.

@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.chains import Chains, chains_of
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import LimbBatch
+from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
 from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
 from pipeline.simulation.locomotion.gaits.pace import Pace, choose_pace
 from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood
 
 
@@ -86,9 +86,9 @@ class Herd:
         return [(owners, self.first_leg[owners] + k) for k, owners in enumerate(owners_of_rank)]
 
     @cached_property
-    def chains(self) -> list[Chains]:
+    def chains(self) -> list[ChainGroup]:
         """The legs, grouped by their kinds of joints."""
-        return chains_of(self.legs, self.owner)
+        return group_chains(self.legs, self.owner)
 
     @property
     def hips(self) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
@@ -213,7 +213,7 @@ def foot_materials(herd: Herd, materials: Sequence[str]) -> list[str]:
 def leg_masses(herd: Herd) -> Array:
     """Return the masses of the legs (L,) [kg]."""
     masses = {
-        figure: [Inertia(figure).mass_of(limb.links) for limb in figure.skeleton.legs]
+        figure: [FigureMass(figure).mass_of(limb.links) for limb in figure.skeleton.legs]
         for figure in dict.fromkeys(herd.figures)
     }
     return np.array([mass for figure in herd.figures for mass in masses[figure]])

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.curves import ease, hinge
-from pipeline.simulation.figures.posed_limb import Miss
-from pipeline.simulation.figures.settling import Settled, settle
-from pipeline.simulation.figures.surroundings import Surroundings
+from pipeline.simulation.figures.figure_posture import FigureFrames, GoalMiss
+from pipeline.simulation.figures.rest_ik import RestSolution, solve_near_rest
 from pipeline.simulation.locomotion.authored_poses import AuthoredPoses
 from pipeline.simulation.locomotion.body_motion.damped_springs import BodySuspension
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimbMotion
@@ -33,8 +32,8 @@ from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import NodeTable
-from pipeline.simulation.locomotion.leaping.aloft import Aloft, Carried
-from pipeline.simulation.locomotion.pronking.reaching import Reaching
+from pipeline.simulation.locomotion.leaping.jump_handover import JumpHandover, JumpingBody
+from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, RouteSet
 from pipeline.simulation.locomotion.routes.route import Route
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
@@ -81,7 +80,7 @@ class HerdSnapshot:
     routes: Sequence[Route]
     look_targets: Mapping[int, LookTarget]
     bend: Array | None = None
-    aloft: Mapping[int, Aloft] = field(default_factory=dict)
+    aloft: Mapping[int, JumpingBody] = field(default_factory=dict)
 
     @staticmethod
     def of(
@@ -89,7 +88,7 @@ class HerdSnapshot:
         progress: RouteProgress,
         feet: FootState,
         routes: Sequence[Route],
-        aloft: Mapping[int, Aloft],
+        aloft: Mapping[int, JumpingBody],
     ) -> HerdSnapshot:
         """Take a snapshot; the arrays of the feet are copied because they are written to."""
         return HerdSnapshot(
@@ -173,7 +172,7 @@ class PoseSolver:
         creature = np.tile(np.arange(len(herd.names)), n)
         tall = self.trajectory.paces.value("body_height", creature, phase.ravel())
         tall = tall.reshape(phase.shape)
-        carried = Carried(herd, [moment.aloft for moment in moments])
+        carried = JumpHandover(herd, [moment.aloft for moment in moments])
         carried.bodies(R_WB, p_WB)
         self.suspension.apply(R_WB, p_WB)
         times = steps * self.dt
@@ -238,7 +237,7 @@ class PoseSolver:
 
     def _pose_authored_bodies(
         self, times: Array, distance: Array, tall: Array, R_WB: Array, p_WB: Array
-    ) -> dict[int, Surroundings]:
+    ) -> dict[int, FigureFrames]:
         """Move bodies to their authored poses; return the surroundings of their creatures."""
         if not self.authored.postures:
             return {}
@@ -251,7 +250,7 @@ class PoseSolver:
             grounds[c] = heading(headings[:, c]), p_WG
         self.authored.move_bodies(times, headings, R_WB, p_WB)
         return {
-            c: Surroundings(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)
+            c: FigureFrames(times, self.row_dt, R_WB[:, c], p_WB[:, c], *ground)
             for c, ground in grounds.items()
         }
 
@@ -346,14 +345,16 @@ class PoseSolver:
         held = np.stack([back, height, np.broadcast_to(z, height.shape)], axis=-1)
         return p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], held)
 
-    def _solve_legs(self, goals: Array, R_WB: Array, p_WB: Array, carried: Carried) -> Settled:
-        """Return the legs at goals (n, L, 3) relative to their bodies; see `Reaching`."""
+    def _solve_legs(
+        self, goals: Array, R_WB: Array, p_WB: Array, carried: JumpHandover
+    ) -> RestSolution:
+        """Return the legs at goals (n, L, 3) relative to their bodies; see `LegSolver`."""
         herd = self.herd
         if carried.down.all():
-            return settle(herd.legs, herd.chains, goals)
-        reaching = Reaching(herd, self.trajectory.ground, self.pelvis_height.shortest)
+            return solve_near_rest(herd.legs, herd.chains, goals)
+        reaching = LegSolver(herd, self.trajectory.ground, self.pelvis_height.shortest)
         limp = carried.limp[:, herd.owner]
-        return reaching.settled(goals, R_WB, p_WB, carried.down, limp)
+        return reaching.solve(goals, R_WB, p_WB, carried.down, limp)
 
     # --- joints and channels ----------------------------------------------------------
 
@@ -372,7 +373,7 @@ class PoseSolver:
         speeds = paces.value("stride", creature, at) / paces.value("cycle", creature, at)
         return speeds.reshape(phase.shape)
 
-    def _limb_note(self, step: int, c: int, miss: Miss) -> Note:
+    def _limb_note(self, step: int, c: int, miss: GoalMiss) -> Note:
         text = f"misses its authored place by {100.0 * miss.gap:.2g} % of its length"
         return Note("clamped", step, f"{self.herd.names[c]}.{miss.limb}", text)
 
@@ -396,8 +397,9 @@ def _between(values: Array, s: Array) -> Array:
 def total_lowering(herd: Herd, lowering: Array, s: Array) -> Array:
     """Return how far the bodies are lowered (n, C) for their feet's footholds [m].
 
-    The lowering (n, 2, L) of each foothold comes and goes within the swings before and after it. The
-    norm of order 4 is never less than the greatest and has no corner where another one becomes that.
+    The lowering (n, 2, L) of each foothold comes and goes within the swings before and after it.
+    The norm of order 4 is never less than the greatest and has no corner where another one becomes
+    that.
     """
     wanted = _between(lowering, s) ** 4
     sums = np.zeros((len(s), len(herd.names)))

@@ -219,7 +219,7 @@ def _make_contacts(stepping: Stepping, step: int, before: Array, phase: Array) -
 
 
 def _next_foot_up(stepping: Stepping, phase_before: Array, before: Array) -> Array:
-    """Return the phases (L,) of the first foot-up after phases (C,) and (L,) of the step's start."""
+    """Return the phases (L,) of the first foot-up since the step's start, at (C,) and (L,)."""
     feet, progress = stepping.feet, stepping.progress
     up_at: Array = before + np.mod(feet.up - before, 1.0)
     for c in sorted(feet.changing):
@@ -232,9 +232,7 @@ def _next_foot_up(stepping: Stepping, phase_before: Array, before: Array) -> Arr
     return up_at
 
 
-def _stuck_first(
-    stepping: Stepping, lifting: list[tuple[int, float]]
-) -> list[tuple[int, float]]:
+def _stuck_first(stepping: Stepping, lifting: list[tuple[int, float]]) -> list[tuple[int, float]]:
     """Sort legs without a foothold first: others that would lift with them then stay down."""
     owners = [int(stepping.herd.owner[leg]) for leg, _ in lifting]
     if len(set(owners)) == len(owners):
@@ -310,7 +308,7 @@ def _lift(stepping: Stepping, step: int, leg: int, phase: float) -> None:
 def _predict(
     stepping: Stepping, lifting: Sequence[tuple[int, float]], with_upcoming: bool = False
 ) -> None:
-    """Predict the footholds of legs that go up at their phases, and perhaps of those that soon do."""
+    """Predict the footholds of legs that go up at their phases, and of those that soon will."""
     now = stepping.progress.sample
     requests = [
         _request_at(stepping, leg, phase, now)
@@ -355,10 +353,8 @@ def _is_steady(stepping: Stepping, request: StepRequest) -> bool:
     return left > needed and not stepping.feet.lowering[:, own].any()
 
 
-def _request_at(
-    stepping: Stepping, leg: int, phase: float, sample: ProgressSample
-) -> StepRequest:
-    """Return the request of a foot that lifts at `phase`, within the step that ends with `sample`."""
+def _request_at(stepping: Stepping, leg: int, phase: float, sample: ProgressSample) -> StepRequest:
+    """Return the request of a foot that lifts at `phase`, in the step that ends at `sample`."""
     paces, c = stepping.progress.paces, int(stepping.herd.owner[leg])
     fraction = float(sample.speed_fraction[c])
     back = paces.distance(c, float(sample.phase[c]), phase)
@@ -368,7 +364,7 @@ def _request_at(
 
 
 def _request(stepping: Stepping, leg: int, phase: float) -> StepRequest:
-    """Return the request of a foot that lifts at `phase` in this step, with braking and lowering."""
+    """Return the request of a foot that lifts in this step, with braking and lowering."""
     progress, feet, owner = stepping.progress, stepping.feet, int(stepping.herd.owner[leg])
     request = _request_at(stepping, leg, phase, progress.sample)
     others: NDArray[np.bool_] = stepping.herd.owner == owner

@@ -1,7 +1,7 @@
 """Walking: the troupe of creatures on legs.
 
-The phase of the gait grows, the body follows its route, and the feet step, see `stepping`. The poses
-that join them are solved for many moments at once, when they are written, see `pose_solver`.
+The phase of the gait grows, the body follows its route, and the feet step, see `stepping`. The
+poses that join them are solved for many moments at once, when they are written, see `pose_solver`.
 
 Source: Sims 1987, ch. 10.
 """
@@ -22,11 +22,12 @@ from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
-from pipeline.simulation.locomotion.leaping.leaps import Leaps
+from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
+from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import plan_route
-from pipeline.simulation.locomotion.routes.route_progress import advance, start_progress
+from pipeline.simulation.locomotion.routes.route_progress import advance, is_blocked, start_progress
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.locomotion.stepping import (
     Stepping,
@@ -36,19 +37,19 @@ from pipeline.simulation.locomotion.stepping import (
 )
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
-from pipeline.simulation.locomotion.routes.route_progress import is_blocked
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
-from pipeline.simulation.troupe import Facts, Rows, World
-from pipeline.spec.cast import Creature
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
+from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 
 # Greatest factor on a creature's speed by a change of mood or speed, and by unknown orders.
 MAX_SPEEDUP, UNKNOWN_SPEEDUP = 2.0, 10.0
 
 
-class Walkers:
+class Walkers(Troupe):
     """All creatures on legs: their state, and how it advances.
 
     Attributes:
@@ -81,11 +82,11 @@ class Walkers:
         swings = SwingPlanner.of(cast, self.progress, world.ground)
         contacts = FootContacts(herd, world, self.authored, materials)
         self.stepping = Stepping.of(world, self.progress, swings, contacts)
-        self.leaps = Leaps(cast, world, self.progress, self.stepping, materials)
+        self.leaps = WalkerJumps(cast, world, self.progress, self.stepping, materials)
         self._order_notes: list[Note] = []
         self._pose_notes: list[Note] = []
         self._arrived: list[str] = []
-        self._kept: list[HerdSnapshot] = []
+        self._buffered: list[HerdSnapshot] = []
         place_feet(self.stepping)
         self._notes: list[Note] = list(self.stepping.notes)
 
@@ -106,11 +107,11 @@ class Walkers:
 
     # --- the passes of the step -------------------------------------------------
 
-    def sought(self, orders: Orders) -> Collection[str]:
+    def solids_needed(self, orders: Orders) -> Collection[str]:
         """Return the names of what creatures are to jump over."""
         return self.leaps.sought(orders)
 
-    def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
+    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
         """Take in where those are."""
         self.leaps.see(solids)
 
@@ -145,18 +146,18 @@ class Walkers:
         self._order_notes = []
         self.step = step + 1
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
+    def prepare(self, instruction: Instruction, path: str) -> None:
         """Refuse what legs cannot do, and be ready for jumps."""
         if isinstance(instruction.do, ChangeGait) and instruction.who in self.herd.names:
             c = self.herd.names.index(instruction.who)
-            self.progress.moods.neutral_pace(c, instruction.do, f"{where}.do")
-        self.leaps.prepare(instruction, where)
+            self.progress.moods.neutral_pace(c, instruction.do, f"{path}.do")
+        self.leaps.prepare(instruction, path)
 
-    def keep(self) -> None:
+    def buffer_row(self) -> None:
         """Keep the present state as the next row."""
         aloft = self.leaps.aloft(self.step * self.world.clock.dt)
         routes, feet = self.leaps.routes(), self.stepping.feet
-        self._kept.append(HerdSnapshot.of(self.step, self.progress, feet, routes, aloft))
+        self._buffered.append(HerdSnapshot.of(self.step, self.progress, feet, routes, aloft))
 
     def write(self, rows: Rows) -> None:
         """Write nodes and channels of all rows kept."""
@@ -164,7 +165,7 @@ class Walkers:
         present = trajectory.route_set
         # With the routes of their time: a later one is the same so far but for the last bit, which
         # may not depend on how many rows are written at once.
-        for trajectory.route_set, moments in groupby(self._kept, key=lambda row: row.route_set):
+        for trajectory.route_set, moments in groupby(self._buffered, key=lambda row: row.route_set):
             poses = self.poses.solve(list(moments))
             here = slice(first, first + len(poses.positions))
             rows.positions[here], rows.rotations[here] = poses.positions, poses.rotations
@@ -173,7 +174,7 @@ class Walkers:
             first = here.stop
         trajectory.route_set = present
         rows.alive[:] = True
-        self._kept.clear()
+        self._buffered.clear()
 
     def facts(self) -> Facts:
         """Return the contacts and notes of the last step."""
@@ -181,6 +182,14 @@ class Walkers:
         # Rows may have been written before the step, too.
         notes, self._pose_notes = (*self._notes, *self._pose_notes), []
         return Facts(contacts, notes, tuple(self._arrived))
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Return the joints and masses of the creatures."""
+        return mechanisms_of(self.herd)
+
+    def legs(self) -> list[Leg]:
+        """Return the legs of the creatures, with the stances planned so far."""
+        return legs_of(self.herd, self.progress.paces, self.phase)
 
     # --- parts ------------------------------------------------------------------
 

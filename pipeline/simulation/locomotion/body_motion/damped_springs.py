@@ -33,7 +33,8 @@ SUSPENSION_FREQUENCY, SUSPENSION_DAMPING = 2.5, 0.55
 # Pitch for an acceleration of 1 g, and greatest pitch [rad].
 PITCH_PER_G, MAX_PITCH = 0.25, math.radians(3.5)
 
-# Part of the springs' deflection that the height takes on, and greatest change of it in body heights.
+# Part of the springs' deflection that the height takes on, and greatest change of it in body
+# heights.
 SINK_FRACTION, MAX_SINK = 0.15, 0.02
 
 

@@ -1,8 +1,9 @@
-"""Follow-through: tails, feelers, heads and arms that follow what they hang on, and swing on after it.
+"""Follow-through: tails, feelers, heads and arms that swing on after what they hang on.
 
-The tip of such a limb, were it stiff, would move with what the limb hangs on. For each of its joints
-a point on a spring trails behind that tip, and turns the joint as far as it lies off. Springs get
-softer towards the tip. A limb that hangs on another one follows that one's swinging too.
+The tip of such a limb, were it stiff, would move with what the limb hangs on. For each of its
+joints a point on a spring trails behind that tip, and turns the joint as far as it lies off.
+Springs get softer towards the tip. A limb that hangs on another one follows that one's swinging
+too.
 
 Source: Lasseter 1987.
 """
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import bounded
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.figures.kinematics import Tree
+from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, TAIL
 from pipeline.simulation.figures.skeleton import BODY, Limb, Skeleton
 from pipeline.simulation.locomotion.body_motion.damped_springs import Oscillators, SpringFollower
@@ -107,7 +108,7 @@ class FollowThrough:
 
     def __init__(
         self,
-        tree: Tree,
+        tree: JointTree,
         limits: SoftJointLimits,
         owner: NDArray[np.int64],
         limbs: Sequence[FreeLimb],
@@ -159,7 +160,7 @@ class FollowThrough:
         return [np.flatnonzero(depth == d) for d in range(int(depth.max(initial=-1)) + 1)]
 
     @cached_property
-    def _carriers(self) -> tuple[NDArray[np.int64], Tree, NDArray[np.int64]]:
+    def _carriers(self) -> tuple[NDArray[np.int64], JointTree, NDArray[np.int64]]:
         """Joints that carry limbs, with all before them, their tree, and their numbers in it."""
         carries, above = np.zeros(len(self.owner), dtype=bool), np.unique(self._carrier)
         while (above := above[above != BODY]).size:
@@ -170,7 +171,9 @@ class FollowThrough:
         number[chosen] = np.arange(len(chosen))
         t = self.tree
         # Number -1, the last entry, stands for the body.
-        tree = Tree(number[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen])
+        tree = JointTree(
+            number[t.parents[chosen]], t.axes[chosen], t.places[chosen], t.prismatic[chosen]
+        )
         return chosen, tree, number
 
     def apply(self, wishes: Array, R_WB: Array, p_WB: Array, looseness: Array) -> Array:

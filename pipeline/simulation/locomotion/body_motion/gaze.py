@@ -46,8 +46,8 @@ MAX_ELEVATION = math.radians(60.0)
 # Iterations in which the eyes' own motion is taken into account.
 EYE_ITERATIONS = 3
 
-# Iterations of Newton's method for necks: the error of an angle of 1 is then below a thousandth; and
-# damping of the inverse, for necks that cannot turn some way.
+# Iterations of Newton's method for necks: the error of an angle of 1 is then below a thousandth;
+# and damping of the inverse, for necks that cannot turn some way.
 NECK_ITERATIONS, NECK_REGULARIZATION = 3, 1e-3
 
 # Share of a neck's first joint in nodding; that of the last is 1.

@@ -14,7 +14,11 @@ from numpy.typing import NDArray
 from pipeline.simulation.figures.kinematics import JointTree
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.figures.skeleton import BODY, Limb
-from pipeline.simulation.locomotion.body_motion.follow_through import FreeLimb, SoftJointLimits, joint_turns
+from pipeline.simulation.locomotion.body_motion.follow_through import (
+    FreeLimb,
+    SoftJointLimits,
+    joint_turns,
+)
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
@@ -52,9 +56,10 @@ class FreeJoints:
         number: in the figure's skeleton.
         limits: of the joints.
         limbs: that they make up.
-        sway, lag, times: amplitude of the sway [rad], its lag in cycles, and oscillations in a cycle.
-        wander, frequency, offset: amplitude [rad], frequency [1/s] and start phase [rad] of the idle
-            motion.
+        sway, lag, times: amplitude of the sway [rad], its lag in cycles, and oscillations in a
+            cycle.
+        wander, frequency, offset: amplitude [rad], frequency [1/s] and start phase [rad] of the
+            idle motion.
         raises: whether they raise a tail.
     """
 

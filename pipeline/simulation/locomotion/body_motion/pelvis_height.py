@@ -1,8 +1,8 @@
 """Pelvis height: raises and lowers bodies so that no leg is folded or stretched too far.
 
 This covers what no plan foresaw: a body rises where a leg would fold too far, and sinks where one
-would be overstretched. A body in flight is caught at touchdown: a foot in the air that reaches ahead
-does not pull it down, because it comes down by itself; it is lowered by as much as the leg is
+would be overstretched. A body in flight is caught at touchdown: a foot in the air that reaches
+ahead does not pull it down, because it comes down by itself; it is lowered by as much as the leg is
 stretched at touchdown, from a while before to a while after.
 """
 

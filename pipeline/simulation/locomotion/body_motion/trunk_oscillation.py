@@ -107,9 +107,7 @@ class TrunkOscillation:
         waves = self.pitch, self.roll
         if number is not None:
             waves = self.pitch[number], self.roll[number]
-        pitch, roll = (
-            2.0 * (wave.real * cosine - wave.imag * sine).sum(axis=-1) for wave in waves
-        )
+        pitch, roll = (2.0 * (wave.real * cosine - wave.imag * sine).sum(axis=-1) for wave in waves)
         return pitch, roll
 
 

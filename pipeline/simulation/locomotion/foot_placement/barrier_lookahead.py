@@ -192,7 +192,7 @@ class BarrierLookahead:
     def _belly_barrier(
         self, c: int, distance: float, braking: float, nearest: float
     ) -> Barrier | None:
-        """Return the ground that is too high for the belly, on the part of the route that is new."""
+        """Return ground too high for the belly, on the part of the route that is new."""
         nose, support = float(self.herd.footprint[c, 0]), self.trajectory.surface.of(c)
         last = distance + braking + float(self.progress.stride[c])
         first = max(self._clear[c], distance)

@@ -158,9 +158,7 @@ class FootholdPlanner:
         rows = [i for i in np.flatnonzero(~good).tolist() if requests[i].present is not None]
         if rows:
             present = [np.asarray(requests[i].present)[[0, 2]] for i in rows]
-            backward = [
-                search.retreat(neutral[i], xz) for i, xz in zip(rows, present, strict=True)
-            ]
+            backward = [search.retreat(neutral[i], xz) for i, xz in zip(rows, present, strict=True)]
             self._take_first(batch, stances, np.array(rows), np.array(backward), (xz, good))
         rows = np.flatnonzero(~good).tolist()
         if rows:
@@ -185,7 +183,7 @@ class FootholdPlanner:
     def _in_reach(
         self, batch: StepBatch, stances: Stances, rows: NDArray[np.int64], xz: Array
     ) -> NDArray[np.bool_]:
-        """Return which places (n, k, 2) the legs of some rows may stand on and are long enough for."""
+        """Return which places (n, k, 2) are allowed and within the leg length of some rows."""
         legs, owner = batch.legs[rows], np.repeat(batch.owner[rows], xz.shape[1])
         tips = self.search.tip_positions(legs, xz)
         lowering = self.search.required_lowering(legs, tips, stances.R[rows], stances.p[rows])

@@ -59,8 +59,8 @@ MIN_HIP_HEIGHT = {"insect": -0.5, "mammal": 0.4}
 # Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
 PLANNED_REACH = 0.98 * MAX_REACH
 
-# Candidates checked by inverse kinematics: chunk boundaries (the first is mostly good), and greatest
-# number of one kind.
+# Candidates checked by inverse kinematics: chunk boundaries (the first is mostly good), and
+# greatest number of one kind.
 IK_CHUNKS, MAX_IK_CANDIDATES = np.array([1, 9]), 41
 
 # Fractions of a swing at which reach is checked.
@@ -171,7 +171,8 @@ class FootholdSearch:
         """Return the neutral place (2,) of a foot below a body that has gone `distance` [m]."""
         legs, now = np.array([leg]), np.array([phase])
         R, p = self.trajectory.pose(self.herd.owner[legs], np.array([distance]), now)
-        return neutral_positions(self.trajectory, legs, now, R, p)[0]
+        place: Array = neutral_positions(self.trajectory, legs, now, R, p)[0]
+        return place
 
     def tip_positions(self, legs: NDArray[np.int64], xz: Array) -> Array:
         """Return the tips (N, k, 3) of legs (N,) with their soles on the ground at (N, k, 2)."""
@@ -181,9 +182,7 @@ class FootholdSearch:
         tips: Array = np.stack([x, heights, z], axis=-1) + radii * normals
         return tips
 
-    def required_lowering(
-        self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array
-    ) -> Array:
+    def required_lowering(self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array) -> Array:
         """Return how far bodies must be lowered (N, k) [m] for legs to reach `tips` (N, k, 3).
 
         By leg length alone. Zero where they reach anyway, infinite where lowering does not help.
@@ -215,7 +214,7 @@ class FootholdSearch:
 
     @cached_property
     def can_lift_usual(self) -> NDArray[np.bool_]:
-        """(L,) whether each leg can lift its foot to its usual step height near its neutral place."""
+        """(L,) whether each leg can lift its foot to its usual step height."""
         return self._lifts(np.arange(len(self.herd.owner)), self.herd.step_height)
 
     def _lifts_to(self, leg: int, height: float) -> bool:
@@ -240,7 +239,9 @@ class FootholdSearch:
 
     # --- candidates ---------------------------------------------------------------
 
-    def _candidates(self, leg: int, neutral: Array, present: Array | None = None) -> Iterator[Array]:
+    def _candidates(
+        self, leg: int, neutral: Array, present: Array | None = None
+    ) -> Iterator[Array]:
         """Yield candidate places (n, 2) [m], the best first."""
         # Mostly the first is good and the others are not looked at.
         yield neutral[None]
@@ -309,7 +310,7 @@ class FootholdSearch:
     def _reached(
         self, leg: int, tips: Array, lowering: Array, usable: NDArray[np.bool_], R: Array, p: Array
     ) -> Iterator[int]:
-        """Yield the usable tips (n, 3) that the joints reach, in order; of many, a regular sample."""
+        """Yield the usable tips (n, 3) that the joints reach; of many, a regular sample."""
         numbers = np.flatnonzero(usable)
         if len(numbers) > MAX_IK_CANDIDATES:
             sample = np.linspace(0, len(numbers) - 1, MAX_IK_CANDIDATES).astype(np.int64)

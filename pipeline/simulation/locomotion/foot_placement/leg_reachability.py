@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.figures.chains import chains_of
-from pipeline.simulation.figures.settling import brought, settle
+from pipeline.simulation.figures.limb_chains import group_chains
+from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
@@ -53,7 +53,7 @@ class LegReachability:
         row, sample = np.nonzero(~reached)
         if len(row):
             herd, asked = self.herd, legs[row]
-            _, residual = brought(herd.legs, herd.chains, asked, goals[row, sample])
+            _, residual = solve_each_near_rest(herd.legs, herd.chains, asked, goals[row, sample])
             reached[row, sample] = residual <= REACHED_DISTANCE * herd.legs.lengths[asked]
         return reached
 
@@ -65,7 +65,7 @@ class LegReachability:
         """
         herd, shape = self.herd, paths.shape[:2]
         rows = np.repeat(legs, shape[1])
-        q, residual = brought(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
+        q, residual = solve_each_near_rest(herd.legs, herd.chains, rows, paths.reshape(-1, 3))
         within = residual <= REACHED_DISTANCE * herd.legs.lengths[rows]
         joint_steps = np.abs(np.diff(q.reshape(*shape, -1), axis=1))
         return np.asarray(
@@ -93,7 +93,7 @@ def _fold_limits(herd: Herd, own: NDArray[np.int64]) -> Array:
     at_rest = np.linalg.norm(direction, axis=-1)
     direction /= np.maximum(at_rest, 1e-9)[:, None]
     goals = herd.hips[own] + (FOLD_DISTANCES[:, None] * legs.lengths)[..., None] * direction
-    residual = settle(legs, chains_of(legs, herd.owner[own]), goals).residual
+    residual = solve_near_rest(legs, group_chains(legs, herd.owner[own]), goals).residual
     # The neutral position is reached by definition, whatever limits stretched legs meet.
     nearer = FOLD_DISTANCES[:, None] * legs.lengths < at_rest
     missed = nearer & (residual > REACHED_DISTANCE * legs.lengths)

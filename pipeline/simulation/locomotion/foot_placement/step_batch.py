@@ -94,9 +94,8 @@ class StepBatch:
         """Collect requests of legs of a herd."""
         legs = np.array([r.leg for r in requests])
         rows = [
-            (r.distance, r.phase, r.speed_fraction, r.braking_distance)
-            + (r.timing.up, r.timing.swing, r.timing.stance)
-            for r in requests
+            (r.distance, r.phase, r.speed_fraction, r.braking_distance, t.up, t.swing, t.stance)
+            for r, t in ((r, r.timing) for r in requests)
         ]
         return StepBatch(legs, herd.owner[legs], *np.array(rows).T)
 
@@ -134,7 +133,9 @@ def neutral_positions(
 ) -> Array:
     """Return the neutral places (N, 2) [m] of feet below bodies at R (N, 3, 3), p (N, 3)."""
     herd, owner = trajectory.herd, trajectory.herd.owner[legs]
-    height, aside = (trajectory.paces.value(name, owner, phase) for name in ("body_height", "aside"))
+    height, aside = (
+        trajectory.paces.value(name, owner, phase) for name in ("body_height", "aside")
+    )
     x, z = herd.rest[legs].T
     rest = trajectory.without_rocking(owner, phase, np.stack([x, -height, z + aside], axis=-1))
     result: Array = (p + turn(R, rest))[:, [0, 2]]

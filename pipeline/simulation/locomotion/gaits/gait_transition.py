@@ -91,7 +91,7 @@ class GaitTransition:
         return result
 
     def at(self, phase: float) -> Gait:
-        """Return the blended gait at `phase`, for display; feet follow `next_up` and `down_after`."""
+        """Return the blended gait at `phase`, for display only."""
         if phase <= self.start:
             return self.before
         if phase >= self.end:

@@ -27,7 +27,7 @@ from pipeline.simulation.locomotion.gaits.pace import (
 )
 from pipeline.simulation.locomotion.gaits.stride_limits import LegLayout
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import ChangeGait
 
@@ -84,14 +84,14 @@ class MoodEffect:
     """The effect of several weighted moods.
 
     Attributes:
-        stride, cycle, bounciness, body_height, step_height, sway, wander, looseness: factors.
+        stride, cycle, body_bob, body_height, step_height, sway, wander, looseness: factors.
         duty: added to the duty factor.
         pitch, head, tail: angles by which they are raised [rad].
     """
 
     stride: float = 1.0
     cycle: float = 1.0
-    bounciness: float = 1.0
+    body_bob: float = 1.0
     body_height: float = 1.0
     step_height: float = 1.0
     sway: float = 1.0
@@ -144,7 +144,7 @@ def apply_mood(pace: Pace, effect: MoodEffect, figure: Figure, legs: LegLayout) 
     height = min(max(height, min(lowest, pace.body_height)), max(tallest, pace.body_height))
     gait = _with_longer_stance(pace.carrying, effect.duty)
     longest = legs.longest_stride(gait, height)
-    cycle, bounce = pace.cycle * effect.cycle, pace.bounciness * effect.bounciness
+    cycle, bounce = pace.cycle * effect.cycle, pace.bounciness * effect.body_bob
     if pace.flight is not None:
         # No faster than free fall, unless the author asked for it.
         free = pace.flight.amplitude * GRAVITY * cycle * cycle

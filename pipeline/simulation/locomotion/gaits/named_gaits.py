@@ -20,7 +20,7 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, gait_from_config
-from pipeline.spec.nearest import hint
+from pipeline.spec.suggestions import hint
 from pipeline.spec.walk import GaitWords, Manner
 
 # Fraction of its turn for which a foot is in the air: feet that come down are firm before the next

@@ -28,7 +28,8 @@ RUN_HEIGHT, WALK_HEIGHT, STAND_HEIGHT = 0.92, 0.94, 0.99
 # Default stride, as a fraction of the longest that the legs can do.
 STRIDE_OF_LONGEST = 0.85
 
-# Default duration of a cycle without flights, in periods of a pendulum of the legs' length, over 2π.
+# Default duration of a cycle without flights, in periods of a pendulum of the legs' length, over
+# 2π.
 PERIODS = {"insect": 2.6, "mammal": 3.1}
 
 # Likewise with one flight a cycle and with more, as a horse gallops and trots (Heglund and Taylor
@@ -134,7 +135,7 @@ def choose_pace(where: str, walk: Manner | None, figure: Figure, legs: LegLayout
         cycle,
         stride if walks else 0.0,
         height,
-        bounce if walk.bounciness is None else walk.bounciness,
+        bounce if walk.body_bob is None else walk.body_bob,
         STEP_HEIGHT * leg if walk.step_height is None else walk.step_height,
         longest,
         flight,

@@ -93,7 +93,7 @@ class PaceSchedule:
         return result
 
     def flies(self, creature: NDArray[np.int64], phase: Array) -> NDArray[np.bool_]:
-        """Return whether the gaits of creatures (N,) have flights at, or before, phases (..., N)."""
+        """Return whether gaits of creatures (N,) have had flights by phases (..., N)."""
         result = np.tile(np.isin(creature, self._flying), (*phase.shape[:-1], 1))
         for c, changes in self.changes.items():
             for change in changes:

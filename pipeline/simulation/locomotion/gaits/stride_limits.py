@@ -1,4 +1,4 @@
-"""Stride limits: how long a stride legs can do, and what to write instead of one that is too long."""
+"""Stride limits: the longest stride of legs, and the error for a stride that is too long."""
 
 from __future__ import annotations
 

@@ -30,8 +30,8 @@ from pipeline.simulation.spatial import Array
 # Time from rest to full speed and back, in cycles.
 RISE_CYCLES, FALL_CYCLES = 1.0, 0.6
 
-# Speed fraction with which a creature sets out from rest, and cycles until it reaches all of it: its
-# feet are where they rest, not where they would be had it come walking.
+# Speed fraction with which a creature sets out from rest, and cycles until it reaches all of it:
+# its feet are where they rest, not where they would be had it come walking.
 START_SPEED_FRACTION, START_RAMP_CYCLES = 0.1, 2.0
 
 # Shortest time [s], and usual deceleration [m/s²], of a stop without foothold.

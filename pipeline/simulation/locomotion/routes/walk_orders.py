@@ -44,7 +44,8 @@ SAME_PLACE = 0.02
 # Radius of the arc on which a walking creature turns, in strides.
 TURN_RADIUS = 1.5
 
-# Strides that a walking creature goes on before it turns: the feet that are down were placed for it.
+# Strides that a walking creature goes on before it turns: the feet that are down were placed for
+# it.
 TURN_LEAD = 0.5
 
 # Least radius of an arc to a place, as a fraction of the turn radius: for what is nearer and to the

@@ -1,7 +1,7 @@
 """Foot contacts: touchdowns of feet, and scuffs over the ground in their swings.
 
-A swing is planned as a whole at lift-off, so where it will scuff is known then. A foot scuffs once a
-swing at most, where it rubs most: one hears it scrape along, not every grain that it meets.
+A swing is planned as a whole at lift-off, so where it will scuff is known then. A foot scuffs once
+a swing at most, where it rubs most: one hears it scrape along, not every grain that it meets.
 
 Source: Sims 1987, 13.1.
 """
@@ -32,9 +32,9 @@ SCUFF_DISTANCE = 0.015
 # Least speed along the ground that is heard, in leg lengths [1/s].
 MIN_SCUFF_SPEED = 0.5
 
-# Step height from which on feet do not scuff, in leg lengths. `clearance_height` leaves at least 0.4
-# of the step under the arch, whose height is 0.56 of its top where the middle of a swing begins:
-# 0.022 of the leg, more than `SCUFF_DISTANCE` on slopes that can be stepped on.
+# Step height from which on feet do not scuff, in leg lengths. `clearance_height` leaves at least
+# 0.4 of the step under the arch, whose height is 0.56 of its top where the middle of a swing
+# begins: 0.022 of the leg, more than `SCUFF_DISTANCE` on slopes that can be stepped on.
 MAX_SHUFFLE_HEIGHT = 0.1
 
 # Fractions of a swing in which it may scuff (at its ends every foot is near the ground), and those

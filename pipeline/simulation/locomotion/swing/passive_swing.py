@@ -1,7 +1,7 @@
 """Passive swing: the leg falls forward by itself, and is only placed at the end.
 
-Muscles draw the leg in along the line from hip to foot, so that the foot clears the ground, as small
-motors do in walkers that descend a slope passively: a freely hanging leg would scuff at once.
+Muscles draw the leg in along the line from hip to foot, so that the foot clears the ground, as
+small motors do in walkers that descend a slope passively: a freely hanging leg would scuff at once.
 Nothing turns it about the hip. With σ the fraction of the way over the ground that the foot has
 gone, q(σ, t) the joint values by inverse kinematics, and φ the turn of the whole leg about its hip
 that brings the foot ahead most, this is, by virtual work,
@@ -26,7 +26,7 @@ import numpy as np
 
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.figures.row_motion import motion_of_rows
+from pipeline.simulation.figures.inverse_dynamics import finite_difference_motion
 from pipeline.simulation.locomotion.swing.swing_dynamics import FOOT_FRACTIONS, ROWS, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     KNOTS,
@@ -146,14 +146,14 @@ def _missing_work(
     near = slice(row - 1, row + 2)
     R = np.broadcast_to(trial.R_WB[near, None], (3, many, 3, 3))
     p = np.broadcast_to(trial.p_WB[near, None], (3, many, 3))
-    motion = motion_of_rows(q, R, p, trial.dt)
+    motion = finite_difference_motion(q, R, p, trial.dt)
     needed = trial.load(motion).torques + damping * motion.speeds
     result: Array = (needed[0] * turned).sum(axis=-1)
     return result
 
 
 def _near_row(trial: SwingTrial, height: float, row: int, σ: float) -> tuple[Array, Array]:
-    """Return joint values at a row for σ and a nudge beyond (2, n), and their change with φ (n,)."""
+    """Return joint values at a row for σ and for σ + nudge (2, n), and ∂q/∂φ (n,)."""
     s, way = FOOT_FRACTIONS[row], _level_way(trial)
     up = ease(s) * (trial.end[1] - trial.start[1]) + height * bump(s)
     tip = trial.start + σ * way + up * UP

@@ -13,12 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.figures.chains import Chains, chains_of
-from pipeline.simulation.figures.inertia import Inertia
-from pipeline.simulation.figures.inverse_dynamics import FrameMasses, Load, Motion, inverse_dynamics
-from pipeline.simulation.figures.kinematics import LimbBatch, Tree
-from pipeline.simulation.figures.row_motion import motion_of_rows
-from pipeline.simulation.figures.settling import settle
+from pipeline.simulation.figures.figure_mass import FigureMass
+from pipeline.simulation.figures.inverse_dynamics import (
+    FigureMotion,
+    FrameMasses,
+    JointLoad,
+    finite_difference_motion,
+    inverse_dynamics,
+)
+from pipeline.simulation.figures.kinematics import JointTree, LimbBatch
+from pipeline.simulation.figures.limb_chains import ChainGroup, group_chains
+from pipeline.simulation.figures.rest_ik import solve_near_rest
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.swing.swing_trajectory import swing_positions
 from pipeline.simulation.spatial import Array, unturn
@@ -44,12 +49,12 @@ class LegModel:
     """
 
     batch: LimbBatch
-    chains: Sequence[Chains]
-    tree: Tree
+    chains: Sequence[ChainGroup]
+    tree: JointTree
     masses: FrameMasses
 
     @staticmethod
-    def of(herd: Herd, leg: int, inertia: Inertia) -> LegModel:
+    def of(herd: Herd, leg: int, inertia: FigureMass) -> LegModel:
         """Model one leg of a herd.
 
         Args:
@@ -61,14 +66,14 @@ class LegModel:
         number = leg - int(np.argmax(herd.owner == herd.owner[leg]))
         joints, batch = skeleton.legs[number].joints, herd.legs.rows(np.array([leg]))
         count = batch.is_joint.shape[1]
-        tree = Tree(np.arange(count) - 1, batch.axes[0], batch.places[0], batch.prismatic[0])
+        tree = JointTree(np.arange(count) - 1, batch.axes[0], batch.places[0], batch.prismatic[0])
         whole = FrameMasses.of(skeleton, inertia.links)
-        chains = chains_of(batch, np.zeros(1, dtype=np.int64))
+        chains = group_chains(batch, np.zeros(1, dtype=np.int64))
         return LegModel(batch, chains, tree, whole.limb(joints, count))
 
     def solve(self, goals: Array) -> tuple[Array, Array]:
         """Return joint values (..., n) for goals (..., 3) of the tip, and their misses [m]."""
-        found = settle(self.batch, self.chains, goals.reshape(-1, 1, 3))
+        found = solve_near_rest(self.batch, self.chains, goals.reshape(-1, 1, 3))
         return found.q.reshape(*goals.shape[:-1], -1), found.residual.reshape(goals.shape[:-1])
 
 
@@ -96,7 +101,7 @@ class SwingTrial:
         """Time between two rows [s]."""
         return self.time / ROWS
 
-    def motion(self, tips: Array) -> tuple[Motion, Array]:
+    def motion(self, tips: Array) -> tuple[FigureMotion, Array]:
         """Return the leg's motions (rows of the swing) with its tip at `tips` (rows, K, 3).
 
         Returns:
@@ -105,9 +110,9 @@ class SwingTrial:
         R = np.broadcast_to(self.R_WB[:, None], (*tips.shape, 3))
         p = np.broadcast_to(self.p_WB[:, None], tips.shape)
         q, missed = self.model.solve(unturn(R, tips - p))
-        return motion_of_rows(q, R, p, self.dt), missed.max(axis=0)
+        return finite_difference_motion(q, R, p, self.dt), missed.max(axis=0)
 
-    def load(self, motion: Motion) -> Load:
+    def load(self, motion: FigureMotion) -> JointLoad:
         """Return the load of a motion of the leg, its foot in the air."""
         return inverse_dynamics(self.model.tree, self.model.masses, motion)
 

@@ -1,7 +1,7 @@
 """Swing planner: swings that are not plain arches, of least effort or passive.
 
-A swing is planned at lift-off, for the trajectory that the body will have. It is an arch and a bend,
-as the plain one is an arch alone.
+A swing is planned at lift-off, for the trajectory that the body will have. It is an arch and a
+bend, as the plain one is an arch alone.
 
 The swing of least effort varies the height of the arch, where along the swing it is highest, and
 whether the foot hurries early or late; ends, duration and ground clearance stay. A coarse grid is
@@ -24,7 +24,7 @@ import numpy as np
 
 from pipeline.simulation.curves import bump, ease
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.figures.inertia import Inertia
+from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
 from pipeline.simulation.locomotion.swing.passive_swing import plan_passive_swing
@@ -38,10 +38,10 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
 )
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 
-# Parameters of the plain swing: height in step heights, how early the arch is highest, how early the
-# foot hurries; and their bounds. From 1 on a part of the swing would run backward.
+# Parameters of the plain swing: height in step heights, how early the arch is highest, how early
+# the foot hurries; and their bounds. From 1 on a part of the swing would run backward.
 PLAIN = np.array([1.0, 0.0, 0.0])
 LOWER_BOUNDS, UPPER_BOUNDS = np.array([0.5, -0.6, -0.5]), np.array([1.4, 0.6, 0.5])
 
@@ -185,7 +185,7 @@ class SwingPlanner:
     @cached_property
     def _models(self) -> Mapping[int, LegModel]:
         """Models of the legs whose swings are planned."""
-        inertias = {c: Inertia(self.herd.figures[c]) for c in self.kinds}
+        inertias = {c: FigureMass(self.herd.figures[c]) for c in self.kinds}
         return {
             leg: LegModel.of(self.herd, leg, inertias[int(c)])
             for leg, c in enumerate(self.herd.owner)

@@ -27,8 +27,8 @@ CLEARANCE = 0.4
 # Samples of the last tenth of a swing, in which the touchdown speed is measured.
 LAST_TENTH = np.linspace(0.9, 1.0, 9)
 
-# Rings of samples around the lowest point of the spherical foot, so that it clears what rises beside
-# it; radii in that of the foot. The last one feels walls.
+# Rings of samples around the lowest point of the spherical foot, so that it clears what rises
+# beside it; radii in that of the foot. The last one feels walls.
 RING_RADII = np.array([0.55, 0.92, 1.0])
 _ANGLES = np.arange(8) * (np.pi / 4.0)
 _OUT = np.concatenate(
@@ -151,9 +151,7 @@ def clearance_height(
     return max(highest + margin, least)
 
 
-def clearance_heights(
-    ground: Ground, start: Array, end: Array, sole: Array, least: Array
-) -> Array:
+def clearance_heights(ground: Ground, start: Array, end: Array, sole: Array, least: Array) -> Array:
     """Return the heights of the arches (N,) with which plain swings clear the ground [m].
 
     Infinite where there are walls, which need `clearance_height`.
@@ -200,7 +198,8 @@ def lowest_center_height(ground: Ground, x: Array, z: Array, sole: Array | float
 
     Args:
         ground: that the foot must not sink into.
-        x, z: of the centre [m].
+        x: of the centre [m].
+        z: of the centre [m].
         sole: radius of the foot, or radii at all places [m].
     """
     radius = np.asarray(sole)[..., None]

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.swing import swing_planner as swing_plans
-from pipeline.simulation.locomotion.swing.passive_swing import fall
+from pipeline.simulation.locomotion.swing import swing_planner
+from pipeline.simulation.locomotion.swing.passive_swing import simulate_fall
 from pipeline.simulation.locomotion.swing.swing_dynamics import ROWS, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_planner import PLANNERS
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
@@ -98,7 +98,7 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
     def run(scene: Scene) -> list[Planned]:
         found = list[Planned]()
 
-        def recording(kind: str) -> swing_plans.Planner:
+        def recording(kind: str) -> swing_planner.Planner:
             def planner(
                 trial: SwingTrial, ground: Ground, sole: float, least: float
             ) -> tuple[float, Array]:
@@ -110,7 +110,7 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
             return planner
 
         planners = {kind: recording(kind) for kind in PLANNERS}
-        monkeypatch.setattr(swing_plans, "PLANNERS", planners)
+        monkeypatch.setattr(swing_planner, "PLANNERS", planners)
         simulation = Simulation(scene)
         while not simulation.finished:
             simulation.step()
@@ -152,7 +152,7 @@ def test_a_free_leg_takes_less_than_a_led_one(
     free = [one for one in swings if one.bend.any()]
     works = np.zeros((1, 2))
     for one in free:
-        last = fall(one.trial, one.plain)[1]
+        last = simulate_fall(one.trial, one.plain)[1]
         assert last >= 1
         power = one.trial.powers(one.both)[0][: last + 1]
         assert power[:, 0].sum() < power[:, 1].sum()
@@ -166,9 +166,9 @@ def test_a_free_leg_takes_less_than_a_led_one(
 def test_nothing_turns_a_free_leg_about_its_hip(
     scene_of: Callable[..., Scene], record: Record
 ) -> None:
-    """The push on the foot that would replace the muscles points along the leg: see `fall`."""
+    """The push on the foot that would replace the muscles points along the leg: see `simulate_fall`."""
     for one in record(scene_of(walking("ostrich", "passive"), duration=0.5)):
-        trial, last = one.trial, fall(one.trial, one.plain)[1]
+        trial, last = one.trial, simulate_fall(one.trial, one.plain)[1]
         assert last > ROWS // 2
         motion, _ = trial.motion(one.both)
         torques = trial.load(motion).torques

@@ -145,5 +145,5 @@ def test_a_change_to_the_same_gait_changes_nothing() -> None:
 def test_a_change_that_hurries_the_legs_is_refused() -> None:
     with pytest.raises(ValueError, match=r"take .* or more"):
         GaitTransition(FOUR["trot"], FOUR["pace"], 0.0, 0.3)
-    with pytest.raises(ValueError, match="4 and of 2 legs"):
+    with pytest.raises(ValueError, match="4 legs to one of 2 legs"):
         GaitTransition(FOUR["trot"], available_gaits(LegRows((0,), (1,)))["walk"], 0.0, 3.0)

@@ -166,7 +166,7 @@ def test_a_free_leg_takes_less_than_a_led_one(
 def test_nothing_turns_a_free_leg_about_its_hip(
     scene_of: Callable[..., Scene], record: Record
 ) -> None:
-    """The push on the foot that would replace the muscles points along the leg: see `simulate_fall`."""
+    """The push on the foot that would replace the muscles points along the leg."""
     for one in record(scene_of(walking("ostrich", "passive"), duration=0.5)):
         trial, last = one.trial, simulate_fall(one.trial, one.plain)[1]
         assert last > ROWS // 2

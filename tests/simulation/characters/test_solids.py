@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
 from pipeline.simulation.characters.solid_arrays import Solids, solids_of
-from pipeline.simulation.characters.solid_kinematics import gap_of
+from pipeline.simulation.characters.solid_kinematics import signed_distance
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.solid import Obstacle
@@ -70,7 +70,7 @@ def depth(simulation: Simulation) -> float:
 def gaps(solids: Solids, places: Array, out: Array) -> None:
     for k in range(len(places)):
         at = (places[k, 0], places[k, 1], places[k, 2])
-        gap, way = gap_of(solids, 0, at, 10.0)
+        gap, way = signed_distance(solids, 0, at, 10.0)
         out[k, 0] = gap
         for c in range(3):
             out[k, 1 + c] = way[c]

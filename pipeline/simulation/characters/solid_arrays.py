@@ -194,12 +194,12 @@ class SolidTracker:
             for obstacle in self.obstacles
         ]
         self._inverse = np.array(inverse).reshape(-1, 3, 3)
-        self._hollow: NDArray[np.bool_] | None = None
-        self._yields = np.array(
+        self._enclosing: NDArray[np.bool_] | None = None
+        self._movable = np.array(
             [obstacle.weight is not None for obstacle in self.obstacles], dtype=bool
         )
 
-    def feel(self, motion: Motion, characters: Sequence[Array]) -> None:
+    def update(self, motion: Motion, characters: Sequence[Array]) -> None:
         """Update poses and velocities of the solids, and clear their impulses.
 
         Args:
@@ -208,18 +208,18 @@ class SolidTracker:
         """
         bodies = self.solids.bodies
         bodies["p"], bodies["R"] = motion.p, motion.R
-        if self._hollow is None:
+        if self._enclosing is None:
             # A room or a sky: characters that start all inside a solid do not meet it.
             inside = [any(self._encloses(solid, p) for p in characters) for solid in bodies]
-            self._hollow = np.array(inside, dtype=bool)
-        bodies["is_present"] = motion.here & np.logical_not(self._hollow)
+            self._enclosing = np.array(inside, dtype=bool)
+        bodies["is_present"] = motion.here & np.logical_not(self._enclosing)
         bodies["v"], bodies["w"] = motion.v, motion.w
         R = motion.R
         bodies["inverse_inertia"] = R @ self._inverse @ np.swapaxes(R, -1, -2)
-        bodies["fall_acceleration"] = np.where(self._yields & ~motion.borne, GRAVITY, 0.0)
+        bodies["fall_acceleration"] = np.where(self._movable & ~motion.borne, GRAVITY, 0.0)
         bodies["impulse"] = bodies["angular_impulse"] = 0.0
 
-    def pushed(self) -> tuple[Array, Array]:
+    def impulses(self) -> tuple[Array, Array]:
         """Return the impulses (S, 3) [N s] and angular impulses (S, 3) of this step [N m s]."""
         bodies = self.solids.bodies
         return bodies["impulse"].copy(), bodies["angular_impulse"].copy()

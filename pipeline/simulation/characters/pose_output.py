@@ -17,8 +17,14 @@ from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
 from pipeline.simulation.characters.playthings import axes_of, axis_nodes, thing_solids
 from pipeline.simulation.dynamics.compiled import Records
-from pipeline.simulation.people.body_frames import FRAMES, PARENTS, closed, frame_origins, frames_of
-from pipeline.simulation.people.person_mesh import clothes_of, dressed, worn
+from pipeline.simulation.people.body_frames import (
+    FRAMES,
+    PARENTS,
+    clasping_hands,
+    frame_origins,
+    frames_from_joints,
+)
+from pipeline.simulation.people.person_mesh import layer_parts, person_layers, random_clothes
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
@@ -146,11 +152,11 @@ class FramePoser:
             limp = np.setdiff1d(np.arange(len(frames)), self.acting)
             for own, looks in ((limp, None), (self.acting, gaze)):
                 if len(own):
-                    posed = frames_of(p[:, self.joints[own]], looks)
+                    posed = frames_from_joints(p[:, self.joints[own]], looks)
                     R[:, frames[own]], places[:, frames[own]] = posed
             acting = frames[self.acting]
             forearms, chests = R[:, acting[:, FOREARMS]], R[:, acting[:, CHEST]]
-            R[:, acting[:, HANDS]] = closed(forearms, chests, persons["embrace_blend"])
+            R[:, acting[:, HANDS]] = clasping_hands(forearms, chests, persons["embrace_blend"])
             R[:, acting[:, FEET]] = feet
         ball = 0
         for thing in self.things:
@@ -214,10 +220,10 @@ def _person(
         )
         for name, parent, (x, y, z) in zip(FRAMES, PARENTS, origins, strict=True)
     ]
-    clothes = clothes_of(member.name, seed, child=member.character != "adult")
+    clothes = random_clothes(member.name, seed, child=member.character != "adult")
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
-    meshes, parts = worn(member.name, dressed(proportions, clothes), frame, mesh, rows)
+    meshes, parts = layer_parts(member.name, person_layers(proportions, clothes), frame, mesh, rows)
     return nodes, meshes, parts
 
 

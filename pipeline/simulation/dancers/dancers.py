@@ -21,7 +21,7 @@ from pipeline.simulation.dancers.programme import Programme
 from pipeline.simulation.dancers.repertoire import SIDES, repertoire_of
 from pipeline.simulation.dancers.telling import Directed
 from pipeline.simulation.dancers.touching import Strike
-from pipeline.simulation.people.person_mesh import clothes_of
+from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
@@ -181,7 +181,7 @@ def _own(R: Array, p: Array, place: Place) -> Place:
 
 
 def _look(member: Dancer, who: Proportions, drums: Mapping[str, Drum], seed: int) -> Look:
-    clothes = clothes_of(member.name, seed, is_child(member))
+    clothes = random_clothes(member.name, seed, is_child(member))
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
     return Look(member.name, who, clothes, dict(drums))

@@ -179,6 +179,12 @@ class Mind:
         low, high = self.surroundings.low + margin, self.surroundings.high - margin
         return bool((place > low).all() and (place < high).all())
 
+    @property
+    def is_hugging(self) -> bool:
+        """Whether it has somebody in its arms."""
+        task = self.command.task
+        return isinstance(task, Hug) and task.touched > 0.0
+
     def opens_arms(self, owner: int) -> bool:
         """Tell whether a character holds both arms out for somebody, as far as can be seen."""
         record = self._records.get(owner)
@@ -235,9 +241,7 @@ class Mind:
             self.caregiver_distance = math.hypot(offset[0], offset[1])
             factor = EMOTION.returning if self.doing == "attachment" else 1.0
             trait, distance = self.traits.anxiety * factor, self.distance_to(self._caregiver)
-            task = self.command.task
-            is_hugging = isinstance(task, Hug) and task.touched > 0.0
-            self.anxiety = next_anxiety(self.anxiety, trait, distance, is_hugging, dt)
+            self.anxiety = next_anxiety(self.anxiety, trait, distance, self.is_hugging, dt)
         else:
             self.anxiety *= math.exp(-EMOTION.calming * dt)
         noise = 2.0 * self.rng.random(len(self.surroundings.kinds)) - 1.0

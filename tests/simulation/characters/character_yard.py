@@ -41,7 +41,7 @@ class Yard:
     gravity: float = 9.81
     dt: float = DT
     count: int = COUNT
-    room: Workspace = field(init=False)
+    workspace: Workspace = field(init=False)
     log: TouchLog = field(init=False)
 
     def __post_init__(self) -> None:
@@ -83,7 +83,7 @@ def yard_of(plans: Sequence[BodyPlan], places: Sequence[Array], **words: object)
 
 def free(plan: BodyPlan) -> BodyPlan:
     """Return a person without damping and limits."""
-    links = tuple(k._replace(damping=0.0) for k in plan.links if k.least is None)
+    links = tuple(k._replace(damping=0.0) for k in plan.links if k.shortest is None)
     return plan._replace(
         links=links, limbs=plan.limbs[:0], pairs=(), air_damping=0.0, ground_damping=0.0
     )

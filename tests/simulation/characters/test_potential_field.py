@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.behaviours.potential_field import (
-    LEAST,
-    REPELS,
+    BALANCE_GAP,
+    MIN_GAP,
     DetourState,
     walk_vector,
 )
@@ -20,7 +20,7 @@ from pipeline.simulation.characters.visibility_route import (
     are_free,
     shortest_way,
 )
-from tests.simulation.characters.minded import layout, simulation, steps, troupe
+from tests.simulation.characters.mind_scenes import layout, simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
 
@@ -40,7 +40,7 @@ def test_an_obstacle_ahead_pushes_back_and_round(sense: float) -> None:
     to, away = np.array([5.0, 0.0]), np.array([[-1.0, 0.0]])
     for gap in (0.05, 0.5, 1.0):
         w = walk_vector(to, away, np.array([gap]), np.array([sense]), 1.0)
-        push = REPELS / max(gap, LEAST)
+        push = BALANCE_GAP / max(gap, MIN_GAP)
         np.testing.assert_allclose(w, [1.0 - push, -sense * push], rtol=1e-12)
 
 
@@ -54,8 +54,8 @@ def test_who_gets_no_farther_tries_one_way_and_then_the_other() -> None:
     way = DetourState()
     forced = []
     for k in range(200):
-        way.note(3.0, 0.1 * k)
-        if 0.1 * k < way.until and (not forced or way.forced != forced[-1]):
+        way.update_progress(3.0, 0.1 * k)
+        if 0.1 * k < way.forced_until and (not forced or way.forced != forced[-1]):
             forced.append(way.forced)
     assert forced[:3] == [1.0, -1.0, 1.0]
 

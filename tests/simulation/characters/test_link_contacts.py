@@ -14,7 +14,7 @@ from pipeline.simulation.characters.playthings import ball_plan, box_plan, merry
 from pipeline.simulation.characters.verlet_step import PAIN_DECAY
 from pipeline.simulation.people.proportions import ADULT, CHILD
 
-from .yards import DT, depth, lengths_off, yard_of
+from .character_yard import DT, depth, lengths_off, yard_of
 
 pytestmark = pytest.mark.slow
 

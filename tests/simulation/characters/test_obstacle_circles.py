@@ -20,8 +20,8 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
-from tests.simulation.characters.acting import troupe_of
-from tests.simulation.characters.test_solids import path, played
+from tests.simulation.characters.scripted_people import troupe_of
+from tests.simulation.characters.test_solid_contacts import path, played
 
 GROUND = build_ground(
     read_scene("pronk: 1\nduration: 1\ncast: [{name: a, character: child}]\n").terrain, 0
@@ -80,14 +80,14 @@ def test_a_wall_is_a_row_of_circles_little_wider_than_it(angle: float) -> None:
 
 def test_what_is_low_or_high_or_light_or_not_there_is_in_nobodys_way() -> None:
     half = np.array([0.5, 0.02, 0.5])
-    assert not around((np.array([0.0, 0.02, 0.0]), UPRIGHT, half)).look()
-    assert around((np.array([0.0, STEP_OVER_HEIGHT, 0.0]), UPRIGHT, half)).look()
-    assert not around((np.array([0.0, HEADROOM + 0.03, 0.0]), UPRIGHT, half)).look()
-    assert around((np.array([0.0, HEADROOM - 0.03, 0.0]), UPRIGHT, half)).look()
-    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=1.0).look()
-    assert around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=20.0).look()
-    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), here=False).look()
-    assert not around().look()
+    assert not around((np.array([0.0, 0.02, 0.0]), UPRIGHT, half)).update()
+    assert around((np.array([0.0, STEP_OVER_HEIGHT, 0.0]), UPRIGHT, half)).update()
+    assert not around((np.array([0.0, HEADROOM + 0.03, 0.0]), UPRIGHT, half)).update()
+    assert around((np.array([0.0, HEADROOM - 0.03, 0.0]), UPRIGHT, half)).update()
+    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=1.0).update()
+    assert around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=20.0).update()
+    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), here=False).update()
+    assert not around().update()
 
 
 def touches(simulation: Simulation) -> list[Contact]:

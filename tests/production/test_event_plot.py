@@ -27,8 +27,8 @@ from pipeline.production.reports.event_plot import (
     plot_events,
     shown_frames,
 )
-from pipeline.production.run.progress import Quiet
-from pipeline.spec.detect import Detect
+from pipeline.production.run.progress import Reporter
+from pipeline.spec.sound_thresholds import Detect
 
 SVG = "{http://www.w3.org/2000/svg}"
 RATE = Fraction(24)
@@ -207,7 +207,7 @@ def test_the_command_draws_rendered_frames_and_overwrites_none(studio, pronk) ->
 @pytest.mark.slow
 def test_frames_that_are_not_there_are_rendered_small_and_kept_nowhere(unmade, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
-    svg, _ = plot_events(studio.order(), Quiet())
+    svg, _ = plot_events(studio.order(), Reporter())
     assert len(list(ET.parse(svg).getroot().iter(f"{SVG}image"))) > 1
     assert not list(studio.made.rglob("frames/*"))
 

@@ -12,7 +12,7 @@ from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.dancer_troupe import Dancers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import dump, read_scene
-from pipeline.spec.telling import instruction_of
+from pipeline.spec.rpc_instruction import instruction_of
 
 SCENE = """pronk: 1
 duration: {duration}

@@ -88,14 +88,14 @@ def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
         (GOOD, "durations: human", "cast[0].durations", "no durations called 'human'"),
         (GOOD, "durations: [1, 2]", "cast[0].durations", "2 times are given for the 1 subtasks"),
         (GOOD, "durations: 2, tempo_bpm: 100", "cast[0].tempo_bpm", "is to take 2 s, and its"),
-        (GOOD, "combine: winner", "cast[0].combine", "joint torques are no fields"),
+        (GOOD, "combine: winner", "cast[0].combine", "needs a force-field controller"),
         (GOOD, "tempo_bpm: 5", "cast[0].tempo_bpm", "10"),
-        (GOOD, "beat: 3, start: 1", "cast[0].start", "beat says when it begins"),
+        (GOOD, "beat: 3, start: 1", "cast[0].start", "conflicts with beat; remove one"),
         (GOOD, "beat: 0", "cast[0].beat", "1"),
         (
             *(GOOD, "beat: 3, tempo_bpm: 100", "cast[0].tempo_bpm"),
-            "of a score at 120 beats a minute, and dances at 100; take this away to dance at 120, "
-            "or make it 60 or 240",
+            "100 beats a minute do not fit beat 3 of a score at 120; remove this to dance at 120, "
+            "or write 60 or 240",
         ),
         (GOOD, "controller: magic", "cast[0].controller", "force-field"),
     ],

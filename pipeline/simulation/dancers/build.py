@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pipeline.simulation.people.proportions import ADULT, CHILD, Proportions
-from pipeline.spec.cast import Dancer
-from pipeline.spec.dancer import Build
+from pipeline.spec.dancer import Build, Dancer
 
 BUILDS = {"torso": ADULT, "adult": ADULT, "child": CHILD}
 

@@ -18,8 +18,8 @@ from pipeline.simulation.dancers.minimum_jerk_retiming import (
 )
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance
+from pipeline.spec.dancer import Dancer
 
 ABOUT = 0.1
 """How much earlier or later than its time a hand may be where it goes [s]."""

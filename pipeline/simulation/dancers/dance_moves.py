@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance
+from pipeline.spec.dancer import Dancer
 
 SLACK = 1e-6
 """Times nearer than this are the same [s]."""

@@ -13,8 +13,8 @@ from pipeline.simulation.dancers.dance_moves import (
     subtask_onsets,
 )
 from pipeline.simulation.dancers.repertoire import Repertoire
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance
+from pipeline.spec.dancer import Dancer
 
 SLACK = 1e-9
 

@@ -20,9 +20,8 @@ from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dancers.trunk_control import TRUNK_JOINTS, TrunkController
 from pipeline.simulation.dynamics.mujoco_linkage import Moving
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Controller
-from pipeline.spec.dancer import Arms, Gains
+from pipeline.spec.dancer import Arms, Dancer, Gains
 
 CONTROL_RATE = 96
 """How often a second controllers look at least; what depends on speeds alone acts at every step."""

@@ -14,8 +14,8 @@ from pipeline.simulation.dancers.dance_goals import PlacedSubtask
 from pipeline.simulation.dancers.reach_limits import beyond_limits
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.spec.dance import Hand, Subtask
-from pipeline.spec.dancer_orders import ARMS, TRUNK, side_of
-from pipeline.spec.pose import PoseKey
+from pipeline.spec.dancer import ARMS, TRUNK, side_of
+from pipeline.spec.keyframes import PoseKey
 
 Place = tuple[float, float, float]
 

@@ -31,8 +31,8 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Instruction, Perform, Reach
 
 

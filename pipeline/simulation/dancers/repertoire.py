@@ -22,8 +22,8 @@ from pipeline.simulation.dancers.dancer_poses import Place, Poses, pose_moves
 from pipeline.simulation.dancers.reachability import unreachable_places
 from pipeline.simulation.dancers.torso import ARM, HANDS, WRIST
 from pipeline.simulation.people.proportions import Proportions
-from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.script import Do, Instruction, Perform, Reach
 
 SIDES: Mapping[str, tuple[Hand, ...]] = {"right": ("r",), "left": ("l",), "both": ("r", "l")}

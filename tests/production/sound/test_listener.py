@@ -31,7 +31,7 @@ def test_what_passes_comes_nearer_then_goes_away_as_geometry_has_it() -> None:
     assert [b.distance for b in course] == pytest.approx(distances)
     assert [b.azimuth for b in course] == pytest.approx(np.arctan2(x, 3.0))
     # Differences of rows; the true rate is -x v / r.
-    assert [b.nearing for b in course[1:-1]] == pytest.approx(
+    assert [b.approach_speed for b in course[1:-1]] == pytest.approx(
         (-x * 20.0 / distances)[1:-1], abs=0.02 * 20
     )
 
@@ -40,14 +40,14 @@ def test_a_camera_that_comes_nearer_is_heard_as_steadily_as_it_goes() -> None:
     """Rows lie between frames, and so does the camera."""
     poses = [replace(AHEAD, p_WC=(0.0, 0.0, -0.25 * f)) for f in range(10)]
     course = Listener("camera", (Camera(),), CLOCK, poses).course(4, [(0.0, 0.0, -30.0)] * 20)
-    assert [b.nearing for b in course] == pytest.approx([0.25 * 24] * 20)
+    assert [b.approach_speed for b in course] == pytest.approx([0.25 * 24] * 20)
 
 
 def test_a_cut_brings_nothing_nearer() -> None:
     cameras = (Camera(), Camera(start=0.2))
     poses = [AHEAD] * 5 + [replace(AHEAD, p_WC=(0.0, 0.0, 40.0))] * 5
     course = Listener("camera", cameras, CLOCK, poses).course(0, [(0.0, 0.0, -2.0)] * 40)
-    assert {b.nearing for b in course} == {0.0}
+    assert {b.approach_speed for b in course} == {0.0}
     assert [b.distance for b in course] == [2.0] * 20 + [42.0] * 20
 
 

@@ -20,8 +20,8 @@ from audio.config.sound import Sound
 from audio.score import Marker, Score, ScoreEvent
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.production import score_only
-from pipeline.production.run.progress import Quiet
-from pipeline.production.sound.cue_files import (
+from pipeline.production.run.progress import Reporter
+from pipeline.production.sound.edit_lists import (
     audacity_labels,
     edit_list,
     timecode,
@@ -237,7 +237,7 @@ def test_a_scene_in_which_nothing_sounds_has_a_silent_score(
     unmade: Studio, tmp_path: Path, fps: str
 ) -> None:
     studio = unmade.copied(tmp_path / "studio")
-    score_only(studio.order(f"fps={fps}", "cast=[{name: bug, figure: beetle}]"), Quiet())
+    score_only(studio.order(f"fps={fps}", "cast=[{name: bug, figure: beetle}]"), Reporter())
     assert onsets(studio) == []
     assert (studio.made / "events.jsonl").read_bytes() == b""
     assert (studio.made / "tiny_labels.txt").read_bytes() == b""

@@ -14,7 +14,7 @@ from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import Contact, SoundEvent
-from pipeline.spec.cast import Group
+from pipeline.spec.group import Group
 from pipeline.spec.scene import Scene
 
 

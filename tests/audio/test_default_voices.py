@@ -20,7 +20,7 @@ from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score as placed
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import library
+from pipeline.spec.scene_library import library
 from render.config.material import MATERIALS
 
 ALIKE = ({"stone", "brick", "gravel"}, {"flesh", "soil", "sand", "grass", "snow"})

@@ -15,7 +15,7 @@ from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import SUFFIX, library
+from pipeline.spec.scene_library import SUFFIX, library
 
 pytestmark = pytest.mark.slow
 

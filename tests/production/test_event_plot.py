@@ -28,7 +28,7 @@ from pipeline.production.reports.event_plot import (
     shown_frames,
 )
 from pipeline.production.run.progress import Reporter
-from pipeline.spec.detect import Detect
+from pipeline.spec.sound_thresholds import Detect
 
 SVG = "{http://www.w3.org/2000/svg}"
 RATE = Fraction(24)

@@ -24,7 +24,7 @@ from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Contact, SoundEvent, Take
 from pipeline.simulation.take_store import read_take, write_take
 from pipeline.spec import Scene, find_scene, load_scene, simulation_key
-from pipeline.spec.detect import Detect, Lasting, Voiced
+from pipeline.spec.sound_thresholds import Detect, Lasting, Voiced
 
 from .conftest import scene_of, walk_through
 

@@ -14,7 +14,7 @@ from itertools import count
 import numpy as np
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.detect import Lasting
+from pipeline.spec.sound_thresholds import Lasting
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundS
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Breath, Detect
+from pipeline.spec.sound_thresholds import Breath, Detect
 
 EXHALATION_SHARE = 0.4
 """Share of a breath that is exhalation, which is audible."""

@@ -17,7 +17,7 @@ from audio.names import matches_pattern
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.detect.sound_events import contact_event
 from pipeline.simulation.take import Contact, SoundEvent
-from pipeline.spec.detect import Blow, Cause, Detect
+from pipeline.spec.sound_thresholds import Blow, Cause, Detect
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from pipeline.simulation.detect.motion_sounds import detects
 from pipeline.simulation.detect.sound_events import interval_event
 from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundSources
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Detect, Moving
+from pipeline.spec.sound_thresholds import Detect, Moving
 
 STROUHAL_NUMBER = 0.2
 """Of long round bodies, at audible speeds."""

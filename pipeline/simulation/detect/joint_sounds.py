@@ -21,7 +21,7 @@ from pipeline.simulation.detect.sound_events import interval_event
 from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundSources
 from pipeline.simulation.spatial import Array, unturn
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Bending, Detect
+from pipeline.spec.sound_thresholds import Bending, Detect
 
 
 class JointDetector:

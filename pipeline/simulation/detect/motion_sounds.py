@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.detect.sound_sources import RowBatch, SoundSources
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, SoundEvent
-from pipeline.spec.detect import Detect
+from pipeline.spec.sound_thresholds import Detect
 
 OVERLAP = 2
 """Rows repeated in the next batch: the last complete one, and one that lacks its successor."""

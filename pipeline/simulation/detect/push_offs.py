@@ -23,7 +23,7 @@ from pipeline.simulation.detect.sound_events import interval_event
 from pipeline.simulation.detect.sound_sources import RigidPart, RowBatch, SoundSources
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Boing, Detect
+from pipeline.spec.sound_thresholds import Boing, Detect
 
 MIN_FLIGHT = 0.08
 """Least duration of the flight after a push [s]."""

@@ -14,7 +14,7 @@ from audio.names import matches_pattern
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.take import SoundEvent
-from pipeline.spec.detect import Detect, Voiced
+from pipeline.spec.sound_thresholds import Detect, Voiced
 
 SKIN = "skin"
 """Material of people."""

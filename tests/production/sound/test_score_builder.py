@@ -19,7 +19,7 @@ from pipeline.production.sound.event_files import events_jsonl
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from pipeline.spec.detect import Detect
+from pipeline.spec.sound_thresholds import Detect
 from render.shot import CameraPose
 
 if TYPE_CHECKING:

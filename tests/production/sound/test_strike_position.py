@@ -7,7 +7,7 @@ import pytest
 from pipeline.production.sound.strike_position import StrikePositions
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene, read_scene
-from pipeline.spec.shipped import SUFFIX, library
+from pipeline.spec.scene_library import SUFFIX, library
 
 PLANK = """\
 pronk: 1

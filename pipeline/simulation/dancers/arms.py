@@ -12,7 +12,7 @@ from pipeline.simulation.dancers.goals import Goal
 from pipeline.simulation.dancers.patience import WITHDRAWN, Patience
 from pipeline.simulation.dancers.postures import Passage
 from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 EASE, CALM = 20.0, 0.9
@@ -55,7 +55,9 @@ class Arm:
             if it was not held up [s].
     """
 
-    def __init__(self, side: str, torso: Torso, moving: Moving, rate: float, winner: bool) -> None:
+    def __init__(
+        self, side: str, torso: Torso, moving: LinkageSimulation, rate: float, winner: bool
+    ) -> None:
         self.side, self.moving, self.number = side, moving, HANDS.index(side)
         self.palm = moving.pulled[self.number]
         arm, wrist = torso.arm(side), torso.wrist(side)

@@ -18,7 +18,7 @@ from pipeline.simulation.dancers.posing import Poses
 from pipeline.simulation.dancers.rehearsal import postures_of, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dancers.touching import Strike, Touching
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec.cast import Dancer
 from pipeline.spec.dance import Controller
@@ -86,7 +86,7 @@ class Dancing:
         self.ticks = max(math.ceil(dt * TICKS - 1e-9), 1)
         self.tick = dt / self.ticks
         self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
-        self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
+        self.moving = LinkageSimulation(self.torso.linkage, self.tick / self.substeps)
         self.postures = postures_of(choreography) if self._needs_postures() else ()
         self._stand(ready_postures(choreography))
         rate = RATE * words.gains.rate

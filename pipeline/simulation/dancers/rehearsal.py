@@ -19,7 +19,7 @@ from pipeline.simulation.dancers.arms import Arm
 from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, Goal, easy_posture, rest_posture
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 STEP, TICK = 0.002, 2
@@ -49,7 +49,7 @@ class Rehearsed:
 def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
     """Return the postures of every subtask; who practises asks for the same several times."""
     torso = choreography.torso
-    moving = Moving(torso.linkage, STEP)
+    moving = LinkageSimulation(torso.linkage, STEP)
     arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
     ready = ready_postures(choreography)
     for side, arm in arms.items():
@@ -78,7 +78,7 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
         return {}
     linkage = replace(choreography.torso.linkage, discs=())
     torso = replace(choreography.torso, linkage=linkage)
-    moving, found = Moving(linkage, STEP), dict[str, Array]()
+    moving, found = LinkageSimulation(linkage, STEP), dict[str, Array]()
     for side, spot in choreography.ready.items():
         arm = Arm(side, torso, moving, RATE, False)
         bring(arm, moving, easy_posture(), spot, 0.0)
@@ -87,7 +87,7 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
 
 
 def bring(
-    arm: Arm, moving: Moving, held: Array, spot: int, now: float, touches: bool = False
+    arm: Arm, moving: LinkageSimulation, held: Array, spot: int, now: float, touches: bool = False
 ) -> float:
     """Let a field bring a hand to a place until it rests there.
 
@@ -115,7 +115,7 @@ def bring(
     return now
 
 
-def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
+def _taken_up(arm: Arm, moving: LinkageSimulation, goal: Goal) -> Rehearsed:
     """Put an arm into angles that are given."""
     posture = np.where(goal.given, goal.held, moving.q[arm.all])
     arm.drive(False)
@@ -125,6 +125,6 @@ def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
     return Rehearsed((posture,))
 
 
-def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
+def _visit(arm: Arm, moving: LinkageSimulation, goal: Goal, spot: int, now: float) -> float:
     """Bring the hand to one place of a subtask; return the time then."""
     return bring(arm, moving, goal.held, spot, now, goal.surface is not None)

@@ -19,7 +19,7 @@ from pipeline.simulation.dancers.fields import RATE
 from pipeline.simulation.dancers.goals import Choreography, Part, easy_posture, rest_posture
 from pipeline.simulation.dancers.rehearsal import STEP, bring
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 OFF = 0.06
@@ -50,7 +50,7 @@ class _Trial:
     def __init__(self, choreography: Choreography) -> None:
         linkage = replace(choreography.torso.linkage, discs=())
         torso = replace(choreography.torso, linkage=linkage)
-        self._moving = Moving(linkage, STEP)
+        self._moving = LinkageSimulation(linkage, STEP)
         self._arms = {side: Arm(side, torso, self._moving, RATE, False) for side in HANDS}
         self._home = self._moving.q.copy()
         for arm in self._arms.values():

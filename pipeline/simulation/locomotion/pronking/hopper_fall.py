@@ -23,7 +23,7 @@ from pipeline.simulation.spatial import UP, Array, matrix, quaternion, turn, unt
 from pipeline.simulation.terrain import Ground
 
 if TYPE_CHECKING:
-    from pipeline.simulation.dynamics.ragdoll import Knock, Ragdoll
+    from pipeline.simulation.dynamics.ragdoll import BoneImpact, Ragdoll
     from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 
 
@@ -74,13 +74,14 @@ class RagdollFall:
     def begin(self, of: Hopper, ground: Ground, state: HopState, limbs: JointState) -> None:
         """Let it fall from now on, as it is."""
         # Who stays on its feet need not wait for MuJoCo.
-        from pipeline.simulation.dynamics.ragdoll import Attitude, Ragdoll
+        from pipeline.simulation.dynamics.ragdoll import Ragdoll
+        from pipeline.simulation.dynamics.ragdoll_model import RagdollState
         from pipeline.simulation.figures.figure_mass import build_bones
 
         own = build_bones(self.figure)
         now = state.now(of)
         w = np.array(state.turning[1])
-        begin = Attitude(
+        begin = RagdollState(
             p=now.origin,
             q=np.array(state.turning[0]),
             v=state.v + np.cross(w, now.origin - now.p),
@@ -133,7 +134,7 @@ class RagdollFall:
         return q
 
 
-def _impact_event(began: float, one: Knock) -> HopEvent:
+def _impact_event(began: float, one: BoneImpact) -> HopEvent:
     time, place, normal = began + one.time, one.place, one.normal
     return HopEvent("body", time, -1, place, normal, one.speed, one.energy, link=one.bone)
 

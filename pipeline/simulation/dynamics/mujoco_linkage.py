@@ -147,7 +147,7 @@ class LinkageSimulation:
         hinges[:] = np.minimum(hinges, -calm)
 
     def jacobian(self, pulled: int) -> Array:
-        """Returns (3, n) the velocity of a pulled spot by each hinge; the next call overwrites it."""
+        """Returns the velocity of a pulled spot by each hinge (3, n), a reused array."""
         spot = self.pulled[pulled] + 1
         self._mujoco.mj_jacSite(self.model, self.data, self._jacobian, None, spot)
         return self._jacobian

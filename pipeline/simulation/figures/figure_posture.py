@@ -33,7 +33,7 @@ from pipeline.simulation.figures.reach_ik import reach
 from pipeline.simulation.figures.skeleton import BODY
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.spatial import Array, normalized, rotation, turn, unturn
-from pipeline.spec.pose import Frame
+from pipeline.spec.keyframes import Frame
 
 
 @dataclass(frozen=True, eq=False)

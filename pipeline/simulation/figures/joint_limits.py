@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.spatial import Array
-from pipeline.spec.joints import JointWords
+from pipeline.spec.figure import JointWords
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ from pipeline.simulation.figures.connection_graph import (
     loop_groups,
 )
 from pipeline.simulation.figures.drawing import Drawing
-from pipeline.spec.nearest import hint
+from pipeline.spec.suggestions import hint
 
 LEG, ARM, HEAD, TAIL, FEELER = "leg", "arm", "head", "tail", "feeler"
 BODY = "body"

@@ -21,9 +21,8 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.ik_goals import LimbPoint
 from pipeline.simulation.keyframe_track import BlendedTrack, Track
 from pipeline.simulation.spatial import normalized
-from pipeline.spec.keyframes import Ease
-from pipeline.spec.nearest import hint
-from pipeline.spec.pose import GOALS, Frame, PoseKey
+from pipeline.spec.keyframes import GOALS, Ease, Frame, PoseKey
+from pipeline.spec.suggestions import hint
 
 
 class PartNames:

@@ -23,7 +23,7 @@ from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, turn
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 
 
 class AuthoredPoses:

@@ -137,7 +137,7 @@ def watch(
 
     def order_now() -> Order:
         changes = changes_of(sets, size, samples)
-        return order_of(str(file), changes, out / watch.PLACE, preset, backend)
+        return order_of(str(file), changes, out / watch.FOLDER, preset, backend)
 
     def make(order: Order) -> Path:
         if film:

@@ -21,8 +21,10 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.pose_plan import PartNames
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Node
-from pipeline.spec.cast import Group, Member, Prop
-from pipeline.spec.nearest import hint
+from pipeline.spec.cast import Member
+from pipeline.spec.group import Group
+from pipeline.spec.prop import Prop
+from pipeline.spec.suggestions import hint
 
 
 @dataclass(frozen=True, slots=True)

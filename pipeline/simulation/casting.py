@@ -16,7 +16,11 @@ from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
-from pipeline.spec.cast import Body, Character, Creature, Group, Many, Prop
+from pipeline.spec.body import Body, Many
+from pipeline.spec.character import Character
+from pipeline.spec.creature import Creature
+from pipeline.spec.group import Group
+from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
 Performer = tuple[int, Creature, Figure]
@@ -40,7 +44,7 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
         troupes.append(PropTroupe(props, world, [member.material or THING for member in props]))
     if scene.dancers:
         # MuJoCo is loaded by those alone who need it.
-        from pipeline.simulation.dancers.dancers import Dancers
+        from pipeline.simulation.dancers.dancer_troupe import Dancers
 
         troupes.append(Dancers(scene.dancers, scene.dances, world))
     # Characters are not among them: they run into bodies themselves, and feel what these weigh.

@@ -19,7 +19,9 @@ from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import matrix, turn
 from pipeline.simulation.troupe import Troupe, node_range, pushed_troupe
-from pipeline.spec.cast import Creature, Dancer, Prop
+from pipeline.spec.creature import Creature
+from pipeline.spec.dancer import Dancer
+from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
 

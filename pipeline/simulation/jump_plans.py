@@ -70,28 +70,30 @@ def jump_plans(scene: Scene) -> list[JumpPlan]:
         if not isinstance(troupe, HopperTroupe):
             continue
         level = level_ground(0.0, troupe.world.ground)
-        for c, (of, hopping) in enumerate(zip(troupe.pronkers, troupe.hoppings, strict=True)):
+        for c, (hopper, simulation) in enumerate(
+            zip(troupe.hoppers, troupe.simulations, strict=True)
+        ):
             plans.append(
                 JumpPlan(
-                    name=of.name,
+                    name=hopper.name,
                     figure=troupe.herd.figures[c].name,
-                    mass=of.mass.mass,
-                    weight=of.weight,
-                    legs=len(of.hips),
-                    leg_length=of.leg,
-                    distance=of.jump.distance,
-                    height=of.jump.height,
-                    speed=of.jump.speed,
-                    up=of.jump.up,
-                    forward=of.jump.forward,
-                    standing=of.stand,
-                    crouch=of.crouch,
-                    lowest=of.low,
-                    max_force=of.most,
-                    balance=of.balance,
-                    is_aimed=bool(of.words.land_at),
-                    asked=tuple(k for k in CHOSEN_KEYS if getattr(of.words, k) is not None),
-                    rehearsal=rehearse_jump(of, level, hopping),
+                    mass=hopper.mass.mass,
+                    weight=hopper.weight,
+                    legs=len(hopper.hips),
+                    leg_length=hopper.leg_length,
+                    distance=hopper.jump.distance,
+                    height=hopper.jump.height,
+                    speed=hopper.jump.speed,
+                    up=hopper.jump.up,
+                    forward=hopper.jump.forward,
+                    standing=hopper.standing_height,
+                    crouch=hopper.crouch_height,
+                    lowest=hopper.lowest_height,
+                    max_force=hopper.max_leg_force,
+                    balance=hopper.max_balance_moment,
+                    is_aimed=bool(hopper.config.land_at),
+                    asked=tuple(k for k in CHOSEN_KEYS if getattr(hopper.config, k) is not None),
+                    rehearsal=rehearse_jump(hopper, level, simulation),
                 )
             )
     return plans

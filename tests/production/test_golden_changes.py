@@ -28,8 +28,8 @@ from pipeline.production.goldens.judges import judge_frames
 from pipeline.production.goldens.sampling_proof import Proof, filmed_for
 from pipeline.production.goldens.verdict import Outcome
 from pipeline.production.run.outputs import Outputs
-from pipeline.production.run.progress import Quiet
-from pipeline.production.run.workers import Share, film_in_processes
+from pipeline.production.run.progress import Reporter
+from pipeline.production.run.workers import FrameBatch, film_in_processes
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import write_take
@@ -110,7 +110,7 @@ def made(name: str, text: str, folder: Path, lab: Lab) -> Base:
     case = Case(name, scene, GoldenFolder(folder / name), folder / "out", "bug")
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("CI", raising=False)
-        record(case, lab, Quiet(), seeds=4)
+        record(case, lab, Reporter(), seeds=4)
     (folder / "out" / "golden").mkdir(parents=True, exist_ok=True)
     return Base(case, simulate(scene), lab)
 
@@ -246,7 +246,7 @@ def test_what_changes_a_film_is_noticed(bases: list[Base], k: int) -> None:
     turn = k // len(MUTATIONS)
     base = bases[turn % 2]
     verdict = check(
-        base.case, base.lab, Quiet(), proof=mutate(base, turn // 2, np.random.default_rng(k))
+        base.case, base.lab, Reporter(), proof=mutate(base, turn // 2, np.random.default_rng(k))
     )
     changed = {layer.layer for layer in verdict.layers if layer.outcome is Outcome.CHANGED}
     assert changed, str(verdict)
@@ -294,7 +294,7 @@ def other_jobs(base: Base, k: int, folder: Path) -> None:
     outputs.frames.mkdir(parents=True)
     write_take(base.take, outputs.take)
     keys = {number: "key" for number in golden.frames}
-    share = Share(scene, outputs.take, outputs, choose("llvm"), keys)
+    share = FrameBatch(scene, outputs.take, outputs, choose("llvm"), keys)
     film_in_processes(share, 2, lambda done: None)
     frames = {number: read_png(outputs.frame(number)) for number in golden.frames}
     assert judged(base, frames) is Outcome.IDENTICAL

@@ -62,28 +62,28 @@ def test_the_report_agrees_with_the_simulated_jump(
     told = facts(found[name])
     simulation = Simulation(scene)
     (troupe,) = (t for t in simulation.troupes if isinstance(t, HopperTroupe))
-    hopping = troupe.hoppings[troupe.herd.names.index(name)]
+    hopping = troupe.simulations[troupe.herd.names.index(name)]
     seen: dict[str, list[float]] = {"pushing": [], "landing": []}
     lifts, crouches, touches = [], [], []
-    while hopping.state.jumps < 5 and not simulation.finished:
+    while hopping.state.jump_count < 5 and not simulation.finished:
         before = hopping.state.phase
         simulation.step()
         state = hopping.state
-        if state.jumps == 4 and state.phase in seen and state.down.all():
+        if state.jump_count == 4 and state.phase in seen and state.down.all():
             seen[state.phase].append(float(forces(hopping)))
         if before == "landing" and state.phase == "pushing":
-            crouches.append(float(state.p[1]) - hopping.of.mass.centre[1])
-        lifts += [h.time for h in hopping.happened if h.kind == "lift"]
-        touches += [h.time for h in hopping.happened if h.kind == "touch"]
-    n = len(hopping.of.hips)
+            crouches.append(float(state.p[1]) - hopping.hopper.mass.centre[1])
+        lifts += [h.time for h in hopping.events if h.kind == "lift"]
+        touches += [h.time for h in hopping.events if h.kind == "touch"]
+    n = len(hopping.hopper.hips)
     assert np.median(seen["pushing"]) == pytest.approx(told["push_force_newtons"], rel=0.01)
     assert np.median(seen["landing"]) == pytest.approx(told["landing_force_newtons"], rel=0.01)
     assert told["flight"] == pytest.approx(max(touches[: 4 * n]) - lifts[3 * n], rel=0.01)
     assert crouches[-1] == pytest.approx(told["crouch"], rel=0.05)
-    p, v = state.lift
+    p, v = state.lift_off
     assert np.hypot(v[0], v[2]) == pytest.approx(told["forward"], rel=1e-3)
     assert v[1] == pytest.approx(told["up"], rel=1e-3)
-    rise = p[1] - hopping.of.mass.centre[1] - told["crouch"]
+    rise = p[1] - hopping.hopper.mass.centre[1] - told["crouch"]
     assert told["rise"] == pytest.approx(rise, rel=0.02)
 
 

@@ -16,8 +16,7 @@ from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_callback import array_at, layout_of
 from pipeline.simulation.dynamics.mujoco_model import add_ground
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN
-from pipeline.simulation.terrain.heightfield import HeightField
-from pipeline.simulation.terrain.quadfield import QuadField
+from pipeline.simulation.terrain.heightfield import HeightField, QuadField
 from tests.simulation.colliding import FLAT, STEP, ball, begin, box, polyhedron, run, world_of
 
 CUBE = [[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]

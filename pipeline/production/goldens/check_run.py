@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
@@ -17,8 +14,8 @@ from pipeline.production.goldens.golden_files import MADE
 from pipeline.production.goldens.junit import junit_of
 from pipeline.production.goldens.report import encoded, facts_of, html_of
 from pipeline.production.goldens.verdict import Layer, SceneVerdict, exit_code
-from pipeline.production.run.progress import Quiet, Reporter
-from pipeline.production.run.workers import begin_work, deaf_children
+from pipeline.production.run.progress import Reporter
+from pipeline.production.run.workers import children_ignore_interrupts, worker_pool
 from render.backend import Choice
 
 REPORT = "report.html"
@@ -79,29 +76,21 @@ def _verdicts(
         for case in cases:
             yield check(case, lab, reporter, layers)
         return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(jobs, context, begin_work) as pool:
-        try:
-            with deaf_children():
-                parts = [pool.submit(_checked, case, layers, backend) for case in cases]
-            for part in parts:
-                verdict = part.result()
-                if isinstance(verdict, str):
-                    raise ProductionError(verdict)
-                yield verdict
-        except BrokenProcessPool as error:
-            raise ProductionError("a process that checked has died; try fewer --jobs") from error
-        except BaseException:
-            # The pool would wait for all that is under way.
-            for child in multiprocessing.active_children():
-                child.terminate()
-            raise
+    death = ProductionError("a process that checked has died; try fewer --jobs")
+    with worker_pool(jobs, death) as pool:
+        with children_ignore_interrupts():
+            parts = [pool.submit(_checked, case, layers, backend) for case in cases]
+        for part in parts:
+            verdict = part.result()
+            if isinstance(verdict, str):
+                raise ProductionError(verdict)
+            yield verdict
 
 
 def _checked(case: Case, layers: tuple[Layer, ...] | None, backend: Choice) -> SceneVerdict | str:
     """Check one case in a worker; an error comes back as its message."""
     try:
-        return check(case, _lab(backend), Quiet(), layers)
+        return check(case, _lab(backend), Reporter(), layers)
     except PronkError as error:
         return str(error)
 

@@ -12,8 +12,8 @@ from pipeline.production.goldens.golden_files import FOLDER, MADE, GoldenFolder,
 from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.interrupts import held_back
 from pipeline.spec import Scene, find_scene, load_scene
-from pipeline.spec.nearest import hint
-from pipeline.spec.shipped import SUFFIX
+from pipeline.spec.scene_library import SUFFIX
+from pipeline.spec.suggestions import hint
 from render.backend import Choice, choose
 from render.errors import RenderError
 from render.renderer import Renderer

@@ -21,7 +21,7 @@ from pipeline.production.goldens.verdict import (
     Outcome,
     SceneVerdict,
 )
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.progress import Reporter, stage
 
 
 def check(
@@ -52,7 +52,7 @@ def check(
             began = time.monotonic()
             verdict, made = _layer(case, card, layer, proof, lab, made)
             verdicts.append(replace(verdict, seconds=round(time.monotonic() - began, 3)))
-            step(reporter, current, done)
+            current.advance(done)
         result = SceneVerdict(case.name, tuple(verdicts))
         current.result = result.outcome.value
     _keep(case, card, result, made)

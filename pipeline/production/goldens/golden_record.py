@@ -18,7 +18,7 @@ from pipeline.production.goldens.golden_files import refuse_in_ci
 from pipeline.production.goldens.motion_golden import golden_of
 from pipeline.production.goldens.sampling_proof import Proof, framing_of
 from pipeline.production.goldens.verdict import LAYERS, Layer
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.progress import Reporter, stage
 from render.comparison import spread_of
 
 LEAST_SEEDS = 2
@@ -78,7 +78,7 @@ def made(
             frames: dict[int, Picture] = {}
             for number, picture in proof.frames(framing, lab.renderer):
                 frames[number] = picture
-                step(reporter, current, len(frames))
+                current.advance(len(frames))
             current.result = f"frames {', '.join(map(str, frames))}"
         content = replace(content, framing=framing, frames=frames, environment=lab.environment)
     if "film" in layers:
@@ -137,7 +137,7 @@ def _calibrated(
         for seed in range(1, seeds + 1):
             for number, picture in proof.frames(content.framing, lab.renderer, seed):
                 pictures[number].append(picture)
-            step(reporter, current, seed)
+            current.advance(seed)
         found = seen(list(pictures.values()))
         current.result = f"worst tile {found.tile:.4f}"
     spreads = {number: spread_of(some) for number, some in pictures.items()}

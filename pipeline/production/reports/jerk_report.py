@@ -27,8 +27,15 @@ from pipeline.production.reports.jerk_trials import (
 from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import working
-from pipeline.production.run.progress import Reporter, stage, step
-from pipeline.simulation.dance_trials import COLUMNS, CUTOFF, LEAST, RATE, Measured, Timed
+from pipeline.production.run.progress import Reporter, stage
+from pipeline.simulation.dance_trials import (
+    COLUMNS,
+    CUTOFF,
+    LEAST,
+    RATE,
+    MeasuredMove,
+    RetimedPath,
+)
 from pipeline.spec import Dance
 
 MIN_RANK_DIFFERENCE = 4
@@ -66,7 +73,7 @@ def report_jerk(order: Order, reporter: Reporter) -> Report:
     with working(order, reporter) as run:
         with stage(reporter, "dance", 1) as current:
             trials = trials_of(order.scene)
-            step(reporter, current, 1)
+            current.advance(1)
             current.result = f"danced {2 * len(trials)} times"
         compared = {t.name: agreements(t) if is_figure_three(dance) else [] for t in trials}
         text = _text(member.name, dance, trials, compared)
@@ -129,7 +136,7 @@ def _table(dance: Dance, trial: Trial) -> list[str]:
     return table_lines(rows)
 
 
-def _cells(movement: Measured | None, smoothest: Timed | None) -> list[str]:
+def _cells(movement: MeasuredMove | None, smoothest: RetimedPath | None) -> list[str]:
     if movement is None or smoothest is None:
         return ["*"] * 8
     j = movement.jerk

@@ -176,7 +176,7 @@ def draw_legend(
     canvas: Canvas, notes: Sequence[Note], at: tuple[float, float], right: float
 ) -> float:
     """List the causes and how often each is heard; return the base line of the last row."""
-    counts = Counter(note.event.cause for note in notes if note.opens)
+    counts = Counter(note.event.cause for note in notes if note.is_first)
     x, y = at
     for cause, count in sorted(counts.items(), key=lambda pair: -pair[1]):
         text = f"{cause} {count}"

@@ -10,7 +10,7 @@ from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import Shooting
 from render.backend import choose
 from render.config import FullFilm
@@ -76,7 +76,7 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
                     seconds.append(time.perf_counter() - began)
                     if done == 1:
                         renderer.split = Split()
-                    step(reporter, current, done)
+                    current.advance(done)
                 split, count = renderer.split, order.scene.n_frames
                 found.append(_speed(preset, film.resolved(), seconds, split, count))
                 current.result = f"{found[-1].frame:.2f} s a frame"

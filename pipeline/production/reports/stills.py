@@ -13,11 +13,11 @@ from PIL import Image
 
 from pipeline.errors import FilmingError, UsageError
 from pipeline.production.run.frame_ranges import counted
-from pipeline.production.run.gpu_fallback import on_some_backend
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import Production, take_of, working
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.workers import with_gpu_fallback
 from pipeline.production.shots.frame_rendering import due, write_frame
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.take import Take
@@ -105,10 +105,10 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
                     with held_back():
                         picture = renderer.render(shooting.shot(frame))
                     write_frame(files[frame], picture, keys[frame])
-                    step(reporter, current, kept + i)
+                    current.advance(kept + i)
                 current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
 
-            on_some_backend(order.backend, reporter, rendered)
+            with_gpu_fallback(order.backend, reporter, rendered)
     return list(files.values())
 
 
@@ -144,7 +144,7 @@ def thumbnails(run: Production, take: Take, frames: Sequence[int], height: int) 
             out = io.BytesIO()
             Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS).save(out, "PNG")
             pictures.append(out.getvalue())
-            step(run.reporter, current, done)
+            current.advance(done)
         kept = len(frames) - len(missing)
         current.result = f"{len(missing)} rendered small" + (f", {kept} kept" if kept else "")
     return pictures

@@ -24,8 +24,7 @@ from pipeline.simulation.spatial import Array, heading, quaternion, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Inventory, World
-from pipeline.spec.body import Box, Brick, Cube
-from pipeline.spec.cast import Body, Many
+from pipeline.spec.body import Body, Box, Brick, Cube, Many
 
 PERIMETER_SAMPLES = 33
 """Places around a body at which the ground is looked at."""

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.vectors import Vector, row
 from pipeline.simulation.spatial import Array, cross
-from pipeline.simulation.terrain.heightfield import HeightField
-from pipeline.simulation.terrain.quadfield import QuadField
+from pipeline.simulation.terrain.heightfield import HeightField, QuadField
 
 CONVEX_EDGE_HEIGHT = 1e-9
 """Height by which adjacent triangles differ from a plane, in cells: less is rounding."""

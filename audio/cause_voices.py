@@ -1,7 +1,7 @@
 """Default voices of causes: the one registry from which score and sound take them.
 
 An impact without an entry sounds by its materials alone. A new cause needs an entry in
-`CAUSE_VOICES`, beside its configuration in `pipeline/spec/detect.py` and its detector in
+`CAUSE_VOICES`, beside its configuration in `pipeline/spec/sound_thresholds.py` and its detector in
 `pipeline/simulation/detect`.
 
 Source: Sims 1987, 13.1.2; Peterson and Barney 1952 for the vowel of a cry.

@@ -16,7 +16,11 @@ from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
-from pipeline.spec.cast import Body, Character, Creature, Group, Many, Prop
+from pipeline.spec.body import Body, Many
+from pipeline.spec.character import Character
+from pipeline.spec.creature import Creature
+from pipeline.spec.group import Group
+from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
 Performer = tuple[int, Creature, Figure]
@@ -77,9 +81,9 @@ def makes_machine_code(scene: Scene) -> bool:
     }
     if not any(rooms.values()):
         return False
-    from pipeline.simulation.dynamics.compiled import is_made
+    from pipeline.simulation.dynamics.compiled import is_cached
 
-    return not all(is_made(room) for room, needed in rooms.items() if needed)
+    return not all(is_cached(room) for room, needed in rooms.items() if needed)
 
 
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

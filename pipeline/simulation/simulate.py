@@ -55,12 +55,12 @@ class Simulation:
             self._build(scene, key, directed)
             self.scheduler.buffer_step(0)
         except SceneError as error:
-            raise scene.places.located(error) from None
+            raise scene.source_map.with_locations(error) from None
         self._collect_facts()
         self.recorder.happened(self._facts.contacts, (), self._facts.notes)
 
     def _build(self, scene: Scene, key: str, directed: bool) -> None:
-        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
+        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
         ground = build_ground(scene.terrain, scene.seed)
         detect = scene.sound.detect
         self.world = World(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.take import Take
-from pipeline.simulation.terrain.surfaces import surface_of_vertices
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
 
 RESTING_SPEED = 0.004
 """Speed below which a foot rests [leg lengths/s]."""

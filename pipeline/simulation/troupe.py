@@ -23,9 +23,9 @@ from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.detect import Detect
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
+from pipeline.spec.sound_thresholds import Detect
 
 
 @dataclass(frozen=True, slots=True)

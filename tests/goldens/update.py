@@ -22,8 +22,8 @@ from pipeline.production.goldens.motion_verdict import MotionOutcome
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene
-from pipeline.spec.nearest import hint
-from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
+from pipeline.spec.suggestions import hint
 
 MOTION = Path(__file__).parent / "motion"
 

@@ -138,7 +138,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     bug = "- {name: bug, figure: beetle, walk: {}}\n"
     (tmp_path / "play.yaml").write_text(HEAD.format(0.5) + bug)
     (tmp_path / "flash.yaml").write_text(
-        HEAD.format(0.5).replace("duration: 0.5", "frames: 1\nsamples: 1") + bug
+        HEAD.format(0.5).replace("duration: 0.5", "frames: 1\nrows_per_frame: 1") + bug
     )
     (tmp_path / "worm.yaml").write_text(HEAD.format(0.5) + "- {figure: inchworm, walk: {}}\n")
     return tmp_path

@@ -15,7 +15,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.simulation.troupe import World
 from pipeline.spec import read_scene
-from pipeline.spec.cast import Body
+from pipeline.spec.body import Body
 
 DT = 1.0 / 96.0
 

@@ -180,7 +180,10 @@ def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
 
 def test_steps_between_rows_do_not_matter_to_order(scene_of: Scenes) -> None:
     scene = scene_of(
-        crate("one", [0, 1.0, 0]), crate("two", [0.05, 1.6, 0]), duration=1.0, more="samples: 1"
+        crate("one", [0, 1.0, 0]),
+        crate("two", [0.05, 1.6, 0]),
+        duration=1.0,
+        more="rows_per_frame: 1",
     )
     take = simulate(scene)
     moments = [(c.step, c.fraction) for c in take.contacts]

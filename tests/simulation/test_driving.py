@@ -25,9 +25,8 @@ from pipeline.simulation.keyframe_track import Track
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, heading, matrix, rotation
 from pipeline.simulation.take import Take
-from pipeline.spec.driving import ForceWords
 from pipeline.spec.keyframes import Ease
-from pipeline.spec.prop import BoxShape
+from pipeline.spec.prop import BoxShape, ForceWords
 
 from .conftest import scene_of
 

@@ -17,8 +17,7 @@ from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec import library, load_scene, shipped_scenes
-from pipeline.spec.cast import Group
-from pipeline.spec.group import Fire, Flock, Grass, Rain, School, Swarm
+from pipeline.spec.group import Fire, Flock, Grass, Group, Rain, School, Swarm
 
 from .conftest import scene_of
 

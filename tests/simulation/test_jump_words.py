@@ -17,7 +17,7 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import (
 )
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 SCENE = """\
 pronk: 1

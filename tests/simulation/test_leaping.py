@@ -16,8 +16,7 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, find_scene, load_scene
-from pipeline.spec.cast import Prop
-from pipeline.spec.prop import BoxShape
+from pipeline.spec.prop import BoxShape, Prop
 
 from .conftest import scene_of, tips_of
 from .hops import Hops, hop_through

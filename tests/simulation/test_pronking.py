@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import (
 from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 from .conftest import SHIPPED, scene_of
 from .hops import Hops, hop_through
@@ -239,7 +239,10 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     points = []
     for steps in (4, 8, 64):
         scene = scene_of(
-            hopper(figure, words), terrain=terrain, duration=5, more=f"steps: {steps}\nsamples: 4"
+            hopper(figure, words),
+            terrain=terrain,
+            duration=5,
+            more=f"steps: {steps}\nrows_per_frame: 4",
         )
         points.append(landing_points(hop_through(scene, until=3))[:3])
         assert len(points[-1]) == 3

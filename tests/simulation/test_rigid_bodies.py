@@ -17,7 +17,7 @@ from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.dynamics.mass import mass_of_solid
 from pipeline.simulation.dynamics.rigid_body import State, angular_momentum, kinetic_energy
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Body
+from pipeline.spec.body import Body
 
 from .bodies import DT, POLYHEDRA, SHAPES, attitudes, ground_of, thrown
 

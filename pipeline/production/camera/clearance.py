@@ -16,7 +16,7 @@ from pipeline.production.shots.ground_mesh import RINGS, ground_meshes
 from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take, TerrainRecord
-from pipeline.simulation.terrain.surfaces import surface_of_vertices
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
 
 LEAST = 0.03
 """Least height of any camera over the ground, more than the nearest thing it draws [m]."""

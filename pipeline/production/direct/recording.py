@@ -17,8 +17,8 @@ from pipeline.production.run.progress import LogReporter, Reporter
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, dump, load_scene
+from pipeline.spec.model_base import NAME_PATTERN
 from pipeline.spec.script import Instruction
-from pipeline.spec.values import NAME_PATTERN
 
 ENDING = "_directed"
 """Ends the name of a directed scene, unless it is given another."""

@@ -60,7 +60,7 @@ def legged_of(scene: Scene) -> list[str]:
             "nobody in this scene stands on legs, so there is no effort to tell; "
             "give it a creature with legs"
         )
-    if scene.n_frames * scene.samples < MIN_ROWS:
+    if scene.n_frames * scene.rows_per_frame < MIN_ROWS:
         raise UsageError(
             f"{scene.n_frames} frames are too few to tell accelerations; give the scene a "
             f"longer `duration`, {MIN_ROWS} frames or more"

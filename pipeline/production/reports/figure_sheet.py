@@ -80,7 +80,7 @@ def figures_of(name: str) -> list[Figure]:
     try:
         return [build_figure(figure, scene.figures[figure], 1.0) for figure in names]
     except SceneError as error:
-        raise scene.places.located(error) from None
+        raise scene.source_map.with_locations(error) from None
 
 
 def figure_sheet(figure: Figure, out: Path, denavit: bool = False) -> Sheet:

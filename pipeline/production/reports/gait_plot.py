@@ -36,7 +36,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.stance_detection import foot_path, ground_below, resting_rows
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait
 from pipeline.spec.walk import Manner
 

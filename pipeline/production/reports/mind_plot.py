@@ -32,7 +32,7 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from pipeline.spec.behaviour import NAMES
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 TOP, GAP = 92, 24
 """Above the first panel, and between panels [pixels]."""

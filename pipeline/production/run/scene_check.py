@@ -23,7 +23,7 @@ def check_scene(scene: Scene) -> str:
     ground = simulation.world.ground
     width, height = scene.film.resolved().size
     length = f"{scene.n_frames} frames at {scene.fps} a second, {width}x{height}"
-    cast = ", ".join(f"{member.name} ({member.called})" for member in scene.cast)
+    cast = ", ".join(f"{member.name} ({member.kind_name})" for member in scene.cast)
     return f"right: {length}; {cast}; {100 * ground.forbidden.mean():.0f}% of the ground forbidden"
 
 
@@ -34,4 +34,4 @@ def figure_remarks(scene: Scene) -> Iterator[Problem]:
         drawing = draw(config)
         for remark in analyse(drawing, config.parts).warnings:
             path = f"figures.{name}.{drawing.path_of(remark.node)}"
-            yield scene.places.placed(Problem(path, str(remark)))
+            yield scene.source_map.with_location(Problem(path, str(remark)))

@@ -1,6 +1,6 @@
 """Arrangements: initial poses of the bodies of a wall, a stack, a row, a pyramid or a heap.
 
-A new arrangement is a model in `pipeline/spec/many.py`, a function here and a line in `LAYOUTS`.
+A new arrangement is a model in `pipeline/spec/body.py`, a function here and a line in `LAYOUTS`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.keyframe_track import Track
 from pipeline.simulation.spatial import Array, heading, matrix
-from pipeline.spec.many import Heap, Pyramid, Row, Stack, Wall
+from pipeline.spec.body import Heap, Pyramid, Row, Stack, Wall
 
 
 @dataclass(frozen=True, eq=False)

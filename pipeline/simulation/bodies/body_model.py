@@ -24,9 +24,9 @@ from pipeline.simulation.dynamics.rigid_body import BodyModel
 from pipeline.simulation.figures.solids import Solid, ball_solid
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh
-from pipeline.simulation.terrain.mesh_vertices import NotRead, obj_vertices, ply_vertices
+from pipeline.simulation.terrain.height_files import MeshError, obj_vertices, ply_vertices
 from pipeline.spec.body import Box, Brick, Cube, HullBody, MeshBody, Regular, Sphere, Upright
-from pipeline.spec.values import FAR
+from pipeline.spec.model_base import WORLD_LIMIT
 
 GOLDEN_RATIO = (1.0 + 5.0**0.5) / 2.0
 
@@ -94,15 +94,15 @@ def _mesh_points(words: MeshBody) -> Array:
     path = Path(words.file)
     reader = MESH_READERS.get(path.suffix.lower())
     if reader is None:
-        raise NotRead("it should end in .obj or .ply")
+        raise MeshError("it should end in .obj or .ply")
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
-            raise NotRead(f"it is larger than {MAX_FILE_BYTES // 2**20} MiB")
+            raise MeshError(f"it is larger than {MAX_FILE_BYTES // 2**20} MiB")
         vertices = words.scale * reader(path.read_bytes())
     except OSError as error:
-        raise NotRead(f"{error.strerror}") from None
-    if not np.isfinite(vertices).all() or np.abs(vertices).max() > FAR:
-        raise NotRead(f"it reaches farther than {FAR:g} m; is its scale right?")
+        raise MeshError(f"{error.strerror}") from None
+    if not np.isfinite(vertices).all() or np.abs(vertices).max() > WORLD_LIMIT:
+        raise MeshError(f"it reaches farther than {WORLD_LIMIT:g} m; is its scale right?")
     return np.unique(vertices, axis=0)
 
 
@@ -131,7 +131,7 @@ def body_hull(words: Any, path: str) -> Hull:
     name = f"'{Path(words.file).name}' " if isinstance(words, MeshBody) else ""
     try:
         return hull_of(HULL_POINTS[type(words)](words))
-    except NotRead as error:
+    except MeshError as error:
         message = f"{name}cannot be read: {error}"
     except MassError as error:
         message = f"{name}is no solid: {error}"

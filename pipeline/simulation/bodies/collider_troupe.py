@@ -33,7 +33,7 @@ from pipeline.simulation.solid import Motion, Obstacle, Weight
 from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World, WriteStage
-from pipeline.spec.cast import Body, Many
+from pipeline.spec.body import Body, Many
 
 DROP_DEPTH = 10.0
 """Depth below the lowest ground at which what has left the terrain is dropped [m]."""

@@ -23,7 +23,7 @@ from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.spatial import Array, heading, matrix, quaternion
 from pipeline.simulation.take import Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
-from pipeline.spec.cast import Body
+from pipeline.spec.body import Body
 
 DROP_DEPTH = 10.0
 """Depth below the lowest ground at which what has left the terrain is dropped [m]."""

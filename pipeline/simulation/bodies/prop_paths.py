@@ -22,10 +22,8 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.keyframe_track import CyclicTrack, Key, Track, rotation_from_angles
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Prop
-from pipeline.spec.driving import ForceKey, ForceWords, VelocityKey
 from pipeline.spec.keyframes import Keyframe
-from pipeline.spec.prop import Shape
+from pipeline.spec.prop import ForceKey, ForceWords, Prop, Shape, VelocityKey
 
 ZERO_VECTOR = (0.0, 0.0, 0.0)
 

@@ -18,7 +18,7 @@ from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.troupe import Inventory, Rows, Troupe, World
-from pipeline.spec.cast import Prop
+from pipeline.spec.prop import Prop
 
 
 class PropTroupe(Troupe):

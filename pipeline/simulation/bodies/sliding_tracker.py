@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Place
-from pipeline.spec.detect import Roll
+from pipeline.spec.sound_thresholds import Roll
 
 MAX_GAP_STEPS = 2
 """Steps without it that take a rub back which has not yet lasted, and are not heard in one."""

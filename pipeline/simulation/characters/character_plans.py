@@ -32,7 +32,7 @@ from pipeline.simulation.people.proportions import (
 )
 from pipeline.simulation.spatial import Array, heading, normalized
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 TRUNK = {
     "pelvis": 0.16,

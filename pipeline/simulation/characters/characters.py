@@ -44,7 +44,7 @@ from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 SUB_STEPS = 240.0
 """Of a second, at least."""

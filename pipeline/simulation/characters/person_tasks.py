@@ -15,7 +15,7 @@ from pipeline.simulation.characters.visibility_route import Route
 from pipeline.simulation.keyframe_track import BlendedTrack, Track
 from pipeline.simulation.spatial import Array
 from pipeline.spec.character import HANDS
-from pipeline.spec.pose import Frame, PoseKey
+from pipeline.spec.keyframes import Frame, PoseKey
 
 
 class Task(Protocol):

@@ -11,7 +11,7 @@ from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.figures.solids import Solid, ball_solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 BALL, BALL_MASS = 0.12, 0.4
 """Radius [m] and mass of a playground's ball [kg]."""

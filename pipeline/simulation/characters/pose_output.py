@@ -21,7 +21,7 @@ from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Inventory
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 
 def gaze_of(persons: Records) -> Array:

@@ -21,7 +21,7 @@ from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 FEET = ("shin_l", "shin_r")
 """Whose touches of the ground are footfalls, which their steps tell of."""

@@ -28,9 +28,9 @@ from pipeline.simulation.characters.person_tasks import (
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.script import Orders
 from pipeline.spec import script as words
-from pipeline.spec.pose import PoseKey
+from pipeline.spec.keyframes import PoseKey
+from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
-from pipeline.spec.values import Target
 
 STRAIGHT_ON = 1000.0
 """How far somebody goes who is told to walk and not where to [m]."""

@@ -36,7 +36,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 
 HURRY = 2.0

@@ -31,8 +31,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Mesh, Node
 from pipeline.simulation.troupe import Inventory, Rows, Troupe, World, WriteStage
-from pipeline.spec.cast import Group
-from pipeline.spec.group import Fire, Flock, Grass, Rain, School, Swarm
+from pipeline.spec.group import Fire, Flock, Grass, Group, Rain, School, Swarm
 from pipeline.spec.script import GoTo
 
 RULES: dict[type[Any], Callable[[GroupContext, Any], GroupRule]] = {

@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import (
     loop_chord,
     loop_neck,
 )
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.walk import Walk
 
 MAX_STRETCH = 0.972
@@ -47,7 +47,7 @@ UNUSED_KEYS = {
     "duty": "has no legs to time: its ends take turns",
     "body_height": "lies on the ground: its loop is as high as its stride makes it",
     "swing": "lifts its ends by its loop, and has no legs that swing",
-    "bounciness": "has no body that bounces",
+    "body_bob": "has no body that bounces",
     "path": "goes straight on, and follows no path",
     "repeat": "goes straight on, and follows no path",
 }

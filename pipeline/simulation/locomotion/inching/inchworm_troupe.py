@@ -37,7 +37,7 @@ from pipeline.simulation.locomotion.inventory import (
 from pipeline.simulation.locomotion.swing.swing_trajectory import touchdown_speed
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.script import Instruction
 
 FOOT_MISS = 1e-4

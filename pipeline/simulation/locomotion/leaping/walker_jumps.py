@@ -55,8 +55,7 @@ from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import World
-from pipeline.spec.cast import Creature
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Creature, Pronk
 from pipeline.spec.script import (
     Do,
     GoTo,

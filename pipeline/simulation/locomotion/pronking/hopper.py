@@ -32,7 +32,7 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import (
 from pipeline.simulation.locomotion.pronking.leg_forces import BodyInertia
 from pipeline.simulation.scalar_rotation import Rows
 from pipeline.simulation.spatial import Array, turn
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 LIFT_OFF_STRETCH, TOUCH_DOWN_STRETCH, STANCE_STRETCH = 0.955, 0.93, 0.975
 """Leg stretch at lift-off, at touch-down, and at most while the foot is down, in leg lengths."""

@@ -39,8 +39,7 @@ from pipeline.simulation.locomotion.pronking.jump_orders import (
 from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
-from pipeline.spec.cast import Creature
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Creature, Pronk
 from pipeline.spec.script import HopOver, Instruction, JumpOnce, LookAhead, LookAt
 
 FOOTHOLD_MISS = 1e-4

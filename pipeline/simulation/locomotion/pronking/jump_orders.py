@@ -28,7 +28,7 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import Jump, resolv
 from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 from pipeline.spec.script import Do, GoTo, HopOver, JumpOnce, JumpWords, SetSpeed, TurnBy, Wait
 
 STRETCH_LIMIT = 1.15

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 SPEED_TOLERANCE = 1e-3
 """Relative difference between a given speed and the formula's that counts as rounding."""

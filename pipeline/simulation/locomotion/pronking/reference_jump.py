@@ -18,7 +18,7 @@ from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hop_state import HopState
 from pipeline.simulation.locomotion.pronking.hopper import Hopper
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 REHEARSAL_JUMPS = 3
 """Jumps after which they repeat."""

@@ -13,13 +13,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.attachment import Attachment, split
-from pipeline.simulation.dynamics.pushing import Pushed, Pushers
+from pipeline.simulation.attachment import Attachment, split_attachments
+from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies, Poses
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import matrix, turn
 from pipeline.simulation.troupe import Troupe, node_range, pushed_troupe
-from pipeline.spec.cast import Creature, Dancer, Prop
+from pipeline.spec.creature import Creature
+from pipeline.spec.dancer import Dancer
+from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
 
@@ -52,7 +54,7 @@ class ContactCoupling:
         self._movable = np.array([id(solid) in taken for solid in movable], dtype=bool)
         clock = recorder.clock
         row = clock.dt * (clock.steps // clock.samples)
-        self._motion = Pushers(len(self.nodes), row)
+        self._motion = KinematicBodies(len(self.nodes), row)
         self._row = -1
 
     def update(self, row: int) -> None:
@@ -64,7 +66,7 @@ class ContactCoupling:
         if self.owner is not None and not len(nodes):
             self.troupe.update_obstacles(_selected(self.owner.solid_motion(), self._movable))
             return
-        here = Pushed(recorder.positions[row, nodes], matrix(recorder.quaternions[row, nodes]))
+        here = Poses(recorder.positions[row, nodes], matrix(recorder.quaternions[row, nodes]))
         if first:
             self._motion.put(here)
         speeds = self._motion.motion(here)
@@ -113,7 +115,7 @@ def coupling_of(
         return None
     hard = {m.name for m in scene.cast if isinstance(m, Creature | Dancer | Prop)}
     # A carried solid moves with its carrier.
-    _, carried = split(attachments, node_range(troupes, troupe))
+    _, carried = split_attachments(attachments, node_range(troupes, troupe))
     carried_nodes = {int(node) for attachment in carried for node in attachment.nodes}
     fixed = [o for o in obstacles() if o.performer in hard and o.node not in carried_nodes]
     owner = pushed_troupe(troupes)

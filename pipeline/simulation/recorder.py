@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.reel import put_down, reel
+from pipeline.simulation.row_storage import allocate_rows, release_rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
@@ -52,11 +52,11 @@ class Recorder:
         self._slices = _slices(inventories)
         self.scaled = _scaled(inventories)
         rows, nodes = clock.rows, len(self.nodes)
-        self.positions = reel((rows, nodes, 3), float)
-        self.quaternions = reel((rows, nodes, 4), float)
-        self.alive = reel((rows, nodes), bool)
-        self.values = reel((rows, len(self.channels)), float)
-        self.scales = reel((rows, len(self.scaled), 3), float)
+        self.positions = allocate_rows((rows, nodes, 3), float)
+        self.quaternions = allocate_rows((rows, nodes, 4), float)
+        self.alive = allocate_rows((rows, nodes), bool)
+        self.values = allocate_rows((rows, len(self.channels)), float)
+        self.scales = allocate_rows((rows, len(self.scaled), 3), float)
         self._R = np.zeros((0, nodes, 3, 3))
         self._first = 0
         self.contacts: list[Contact] = []
@@ -147,7 +147,7 @@ class Recorder:
         run = continuous(np.concatenate([last, quaternion(R)]))
         self.quaternions[which] = run[len(last) :]
         for rows in (self.positions, self.quaternions, self.alive, self.values, self.scales):
-            put_down(rows)
+            release_rows(rows)
         return None
 
     def solids(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 from pipeline.errors import SceneError
@@ -11,6 +12,7 @@ from pipeline.simulation.casting import figures_of, troupes_of
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import coupling_of
 from pipeline.simulation.event_detection import EventDetection
+from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch, RowScheduler
@@ -53,12 +55,12 @@ class Simulation:
             self._build(scene, key, directed)
             self.scheduler.buffer_step(0)
         except SceneError as error:
-            raise scene.places.located(error) from None
+            raise scene.source_map.with_locations(error) from None
         self._collect_facts()
         self.recorder.happened(self._facts.contacts, (), self._facts.notes)
 
     def _build(self, scene: Scene, key: str, directed: bool) -> None:
-        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
+        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
         ground = build_ground(scene.terrain, scene.seed)
         detect = scene.sound.detect
         self.world = World(
@@ -118,7 +120,12 @@ class Simulation:
 
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
-        return self.recorder.take()
+        mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
+        return replace(self.recorder.take(), mechanisms=mechanisms, legs=tuple(self.legs()))
+
+    def legs(self) -> list[Leg]:
+        """Returns the legs of all walkers, with the stances planned so far."""
+        return [leg for troupe in self.troupes for leg in troupe.legs()]
 
     # --- the passes of the step -------------------------------------------------------
 

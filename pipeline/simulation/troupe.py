@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.detect import Detect
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
+from pipeline.spec.sound_thresholds import Detect
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +198,16 @@ class Troupe:
     def facts(self) -> Facts:
         """Returns the contacts, notes and signals of the last step."""
         return Facts()
+
+    # --- after the last step ----------------------------------------------------------
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Returns the joints and masses of its members on legs."""
+        return []
+
+    def legs(self) -> list[Leg]:
+        """Returns the legs of its members, with the stances planned so far."""
+        return []
 
     # --- troupes that are pushed (WriteStage.AFTER_PUSHERS) ---------------------------
 

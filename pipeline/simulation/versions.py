@@ -49,7 +49,7 @@ def header_of(scene: Scene, key: str) -> Header:
         title=scene.title,
         rate=scene.rate,
         frames=scene.n_frames,
-        samples=scene.samples,
+        samples=scene.rows_per_frame,
         steps=scene.steps,
         seed=scene.seed,
         versions=versions(),

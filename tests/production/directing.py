@@ -14,7 +14,7 @@ from pipeline.production.direct.recording import Place
 from pipeline.production.direct.server import serve
 from pipeline.production.direct.session import Session
 from pipeline.production.run.production import take_key
-from pipeline.production.run.progress import Quiet
+from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene, read_scene
@@ -46,7 +46,7 @@ def stage() -> Scene:
 
 def session_in(folder: Path, scene: Scene | None = None) -> Session:
     """Return a session that keeps its scene in `folder`."""
-    return Session(scene or stage(), Place("stage_directed", folder, Quiet()))
+    return Session(scene or stage(), Place("stage_directed", folder, Reporter()))
 
 
 def asked(session: Session) -> Ask:

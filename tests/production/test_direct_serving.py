@@ -25,7 +25,7 @@ from pipeline.production.direct.framing import Wire
 from pipeline.production.direct.recording import Kept, Place, place_of
 from pipeline.production.direct.server import direct
 from pipeline.production.direct.transport import LOOPBACK, Door, Say, door_of
-from pipeline.production.run.progress import Quiet
+from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take_store import read_take
 from tests.production.directing import STAGE, replayed, request, stage
@@ -45,7 +45,7 @@ def _directed(door: Door, folder: Path, client: Client) -> Kept:
             clients.append(threading.Thread(target=client, args=[found[1]]))
             clients[0].start()
 
-    place = Place("stage_directed", folder, Quiet())
+    place = Place("stage_directed", folder, Reporter())
     place.reporter.note = lambda text, detail=False: say(text)  # type: ignore[method-assign]
     kept = direct(stage(), place, door)
     for one in clients:
@@ -187,7 +187,7 @@ def test_what_cannot_be_written_is_said_before_anybody_comes_in(tmp_path: Path) 
         yield
 
     with pytest.raises(StoreError, match="cannot be written to"):
-        direct(stage(), Place("stage_directed", tmp_path / "out", Quiet()), door)
+        direct(stage(), Place("stage_directed", tmp_path / "out", Reporter()), door)
 
 
 # --- the command ------------------------------------------------------------------
@@ -245,8 +245,8 @@ def test_a_second_ctrl_c_gives_up_what_goes_to_its_end(
 
     monkeypatch.setattr(session, "Simulation", Pressed)
     said = list[str]()
-    place = Place("stage_directed", tmp_path, Quiet())
-    monkeypatch.setattr(Quiet, "note", lambda self, text, detail=False: said.append(text))
+    place = Place("stage_directed", tmp_path, Reporter())
+    monkeypatch.setattr(Reporter, "note", lambda self, text, detail=False: said.append(text))
     if len(presses) == 1:
         _whole(direct(stage(), place, gone))
     else:

@@ -97,7 +97,7 @@ def tips_of(simulation: Simulation, herd: Herd) -> Array:
 
 def walk_through(scene: Scene) -> Walk:
     """Simulate `scene` and look at every step; a row stands at each."""
-    assert scene.steps == scene.samples
+    assert scene.steps == scene.rows_per_frame
     walk = Walk(Simulation(scene))
     walk.look()
     while not walk.simulation.finished:

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.simulation import scheduler
 from pipeline.simulation import simulate as simulation
 from pipeline.simulation.locomotion.body_motion.free_limb_motion import LimbClearance
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
 from pipeline.simulation.locomotion.walking import Walkers
+from pipeline.simulation.scheduler import BatchLimits
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, turn
 from tests.simulation.conftest import SHIPPED, scene_of
@@ -347,8 +349,8 @@ def test_rows_do_not_depend_on_how_many_are_written_at_once(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found = []
-    for at_once in (96, 1, 7):
-        monkeypatch.setattr(simulation, "ROWS_AT_ONCE", at_once)
+    for rows in (96, 1, 7):
+        monkeypatch.setattr(scheduler, "BATCH_LIMITS", BatchLimits(rows, rows))
         take = simulation.simulate(scene_of(*CAST, duration=1.5))
         found.append((take.positions.tobytes(), take.rotations.tobytes(), take.values.tobytes()))
     assert found[1] == found[0]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.bodies.colliders import Colliders
+from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, dump, find_scene, load_scene, read_scene
@@ -62,7 +62,7 @@ def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -
         text = f"{{name: some, many: {many}, heading_deg: 30}}"
         scene = scene_of(text, terrain="{kind: hills, height: 0.4}")
         (colliders,) = Simulation(scene).troupes
-        assert isinstance(colliders, Colliders)
+        assert isinstance(colliders, ColliderTroupe)
         assert len(colliders.blocks) == scene.cast[0].many.total
         assert read_scene(dump(scene)) == scene
 
@@ -180,7 +180,10 @@ def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
 
 def test_steps_between_rows_do_not_matter_to_order(scene_of: Scenes) -> None:
     scene = scene_of(
-        crate("one", [0, 1.0, 0]), crate("two", [0.05, 1.6, 0]), duration=1.0, more="samples: 1"
+        crate("one", [0, 1.0, 0]),
+        crate("two", [0.05, 1.6, 0]),
+        duration=1.0,
+        more="rows_per_frame: 1",
     )
     take = simulate(scene)
     moments = [(c.step, c.fraction) for c in take.contacts]

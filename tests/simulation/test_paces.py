@@ -194,7 +194,7 @@ def test_a_foot_is_taken_up_and_put_down_again_by_the_script() -> None:
 def test_a_mood_changes_the_pace_by_its_factors_and_half_of_it_by_their_roots() -> None:
     def pace(mood: str) -> Pace:
         member = f"{{figure: beetle, walk: {{}}, mood: {mood}}}"
-        more = "moods: {heavy: {stride: 0.64, cycle: 1.21, bounciness: 0.25, step_height: 1.44}}\n"
+        more = "moods: {heavy: {stride: 0.64, cycle: 1.21, body_bob: 0.25, step_height: 1.44}}\n"
         troupe = Simulation(scene_of(member, more=more)).troupes[0]
         assert isinstance(troupe, Walkers)
         return troupe.herd.paces[0]

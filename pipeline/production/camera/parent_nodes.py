@@ -78,5 +78,5 @@ def _numbers(scene: Scene, nodes: Sequence[Node], named: Sequence[tuple[str, str
     found = [(place, node_number(name, figures, numbers)) for place, name in named]
     problems = [Problem(place, one) for place, one in found if isinstance(one, str)]
     if problems:
-        raise scene.places.located(SceneError(problems))
+        raise scene.source_map.with_locations(SceneError(problems))
     return [one for _, one in found if isinstance(one, int)]

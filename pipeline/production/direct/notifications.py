@@ -8,7 +8,7 @@ from pipeline.production.direct.numbers import number, numbers
 from pipeline.simulation.signals import SIGNAL_KINDS
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Note, SoundEvent
-from pipeline.spec.references import CAUSES
+from pipeline.spec.name_references import CAUSES
 
 NOTE, TOLD = "note", "told"
 

@@ -46,7 +46,7 @@ class Answers:
         """Return who is in the cast: what each is, and what it is called."""
         del row
         return {
-            member.name: {"is": type(member).__name__.lower(), "called": member.called}
+            member.name: {"is": type(member).__name__.lower(), "called": member.kind_name}
             for member in self.scene.cast
             if member.name in who
         }

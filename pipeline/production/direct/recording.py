@@ -7,18 +7,18 @@ import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from audio.atomic_file import write_if_changed
 from audio.errors import AudioError
-from audio.files import put
 from pipeline.errors import StoreError, UsageError
 from pipeline.production.run import production
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import Outputs, opened
-from pipeline.production.run.progress import Plain, Quiet, Reporter
+from pipeline.production.run.progress import LogReporter, Reporter
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, dump, load_scene
+from pipeline.spec.model_base import NAME_PATTERN
 from pipeline.spec.script import Instruction
-from pipeline.spec.values import NAME_PATTERN
 
 ENDING = "_directed"
 """Ends the name of a directed scene, unless it is given another."""
@@ -88,7 +88,7 @@ class Place:
             outputs, take = production.simulate_only(order, self.reporter)
         else:
             take = _take(simulation, production.take_key(order.scene))
-            outputs = production.keep_only(order, take, self.reporter)
+            outputs = production.store_only(order, take, self.reporter)
         return Kept(file, outputs.take, take.digest, take.header.frames)
 
     def write(self, scene: Scene, simulation: Simulation, now: bool) -> Path:
@@ -97,7 +97,7 @@ class Place:
         text = dump(directed(scene, simulation, now), in_full=False)
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            put(file, f"# As it was directed.\n{text}".encode())
+            write_if_changed(file, f"# As it was directed.\n{text}".encode())
         except (AudioError, OSError) as error:
             raise StoreError(f"{file}: could not be written ({error})") from error
         return file
@@ -119,7 +119,7 @@ def place_of(file: Path, name: str | None, out: Path, quiet: bool, verbose: bool
     name = f"{file.stem}{ENDING}" if name is None else name
     if not re.fullmatch(NAME_PATTERN, name):
         raise UsageError(f"--name {name!r} is no name; take letters, digits, _ and -")
-    return Place(name, out, Quiet() if quiet else Plain(sys.stderr, verbose))
+    return Place(name, out, Reporter() if quiet else LogReporter(sys.stderr, verbose))
 
 
 def directed(scene: Scene, simulation: Simulation, now: bool) -> Scene:

@@ -8,18 +8,18 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import Field
 
 from pipeline.errors import SceneError
-from pipeline.spec.checking import check
-from pipeline.spec.telling import tree_of
-from pipeline.spec.values import Number, Whole, Words
+from pipeline.spec.model_base import ConfigModel, Integer, Number
+from pipeline.spec.source_tree import tree_of
+from pipeline.spec.validation import check
 
-Said = TypeVar("Said", bound=Words)
+Said = TypeVar("Said", bound=ConfigModel)
 
-Count = Annotated[Whole, Field(ge=1, le=10**9)]
+Count = Annotated[Integer, Field(ge=1, le=10**9)]
 Names = Annotated[tuple[str, ...], Field(max_length=1000)]
 Topic = Literal["time", "performers", "places", "poses", "channels", "notes"]
 
 
-class StepWords(Words):
+class StepWords(ConfigModel):
     """How far to go on; the first of several that is reached."""
 
     steps: Count | None = Field(None, description="So many steps of the world.")
@@ -31,21 +31,21 @@ class StepWords(Words):
     who: Names = Field((), description="To whom; anybody if left out.")
 
 
-class QueryWords(Words):
+class QueryWords(ConfigModel):
     """What to tell."""
 
     what: tuple[Topic, ...] = Field(("time", "places"), description="About what.")
     who: Names = Field((), description="About whom; everybody if left out.")
 
 
-class SubscribeWords(Words):
+class SubscribeWords(ConfigModel):
     """What to tell of as it happens, from now on, instead of what was asked for before."""
 
     events: Names = Field(description="Kinds of things that happen; [] for none, ['*'] for all.")
     who: Names = Field((), description="To whom; anybody if left out.")
 
 
-class EndWords(Words):
+class EndWords(ConfigModel):
     """Where the film ends."""
 
     at: Literal["end", "now"] = Field("end", description="At the scene's end, or where it is now.")

@@ -20,9 +20,9 @@ from pipeline.production.direct.requests import (
 from pipeline.production.run.interrupts import held_back
 from pipeline.simulation.simulate import COMMAND, Simulation
 from pipeline.spec import Scene
-from pipeline.spec.nearest import hint
-from pipeline.spec.scene import MOST_INSTRUCTIONS
-from pipeline.spec.telling import instruction_of
+from pipeline.spec.rpc_instruction import instruction_of
+from pipeline.spec.scene import MAX_INSTRUCTIONS
+from pipeline.spec.suggestions import hint
 
 EVERYTHING = "*"
 
@@ -81,8 +81,8 @@ class Session:
         instruction = instruction_of(params, self.scene, float(clock.time_of(step)))
         script = self.simulation.script
         given = len(self.scene.script) + len(script.told) + script.due_from_outside
-        if given >= MOST_INSTRUCTIONS:
-            text = f"a scene holds at most {MOST_INSTRUCTIONS} instructions"
+        if given >= MAX_INSTRUCTIONS:
+            text = f"a scene holds at most {MAX_INSTRUCTIONS} instructions"
             raise SceneError([Problem("", text)])
         try:
             self.simulation.add_instruction(instruction)

@@ -26,7 +26,7 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.person_record import HIP, STANCE, SWING
 from pipeline.simulation.dynamics.compiled import Record, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import surface
+from pipeline.simulation.dynamics.terrain_grid import surface_at
 from pipeline.simulation.dynamics.vectors import Vector, plus, put, row
 from pipeline.simulation.spatial import Array
 
@@ -191,7 +191,7 @@ def _choose_landing(
     x, z = _on_own_side(person, k, x, z, heading)
     x = person.landing_place[k, 0] + share * (x - person.landing_place[k, 0])
     z = person.landing_place[k, 2] + share * (z - person.landing_place[k, 2])
-    y, _ = surface(frame, vertices, x, z)
+    y, _ = surface_at(frame, vertices, x, z)
     person.landing_place[k, 0], person.landing_place[k, 1], person.landing_place[k, 2] = (
         x,
         y + person.ankle,
@@ -230,7 +230,7 @@ def _raise_swing_height(person: Record, k: int, frame: Record, vertices: Array) 
     for i in range(1, 6):
         u = i / 6.0
         x, y, z = a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2])
-        ground, _ = surface(frame, vertices, x, z)
+        ground, _ = surface_at(frame, vertices, x, z)
         need = (ground + person.ankle + 0.5 * clear - y) / (4.0 * u * (1.0 - u))
         clear = max(clear, need)
     person.swing_height[k] = max(person.swing_height[k], min(clear, 0.6 * leg_length(person)))
@@ -390,7 +390,7 @@ def _heel_obstruction(person: Record, k: int) -> float:
 @compiled
 def slope_along(frame: Record, vertices: Array, place: Vector, yaw: float) -> float:
     """Return the slope of the ground along a foot, upward [rad]."""
-    _, n = surface(frame, vertices, place[0], place[2])
+    _, n = surface_at(frame, vertices, place[0], place[2])
     return math.atan2(n[2] * math.sin(yaw) - n[0] * math.cos(yaw), n[1])
 
 

@@ -24,6 +24,7 @@ from pipeline.simulation.characters.playthings import (
     box_size,
     merry_go_round_plan,
 )
+from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.people.proportions import (
     ADULT,
     CHILD,
@@ -34,8 +35,7 @@ from pipeline.simulation.people.proportions import (
 )
 from pipeline.simulation.spatial import Array, heading, normalized
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.tracks import turned
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 TRUNK_SHARES = {
     "pelvis": 0.16,
@@ -325,6 +325,6 @@ def _turned_rest(member: Character, plan: BodyPlan) -> Array:
     """Return the nodes (n, 3) about the origin, turned as they start [m]."""
     R = heading(math.radians(member.heading_deg))
     if any(member.rotation_deg):
-        R = R @ turned(np.radians(np.array([member.rotation_deg])))[0]
+        R = R @ rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]
     result: Array = plan.rest @ R.T
     return result

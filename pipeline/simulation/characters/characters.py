@@ -36,12 +36,12 @@ from pipeline.simulation.characters.verlet_step import advance
 from pipeline.simulation.characters.visibility_route import ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import grid_of
+from pipeline.simulation.dynamics.terrain_grid import grid_of
 from pipeline.simulation.script import Orders
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 SUB_STEP_RATE = 240.0
 """Least number of sub-steps per second."""

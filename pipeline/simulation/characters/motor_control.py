@@ -37,7 +37,7 @@ from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_chest
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import Grid
+from pipeline.simulation.dynamics.terrain_grid import Grid
 
 # Blows slacken muscles.
 STUN_ENERGY = 0.5  # of a blow that leaves muscles quite slack, per kilogram of the body [J/kg]

@@ -23,7 +23,7 @@ from pipeline.simulation.characters.gait_timing import (
 from pipeline.simulation.characters.person_record import FOOT, PELVIS, SITTING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import Grid, surface
+from pipeline.simulation.dynamics.terrain_grid import Grid, surface_at
 
 MAX_ACCELERATION = 0.22  # of the legs, in g
 BRAKING_ACCELERATION = 0.08  # before a goal, in g
@@ -104,8 +104,8 @@ def _slope_slowdown(person: Record, wx: float, wz: float, ground: Grid) -> float
         return 1.0
     ahead = 0.4 * leg_length(person) / speed
     x, z = person.at[0], person.at[1]
-    height_behind, _ = surface(ground.frame, ground.vertices, x - ahead * wx, z - ahead * wz)
-    height_ahead, _ = surface(ground.frame, ground.vertices, x + ahead * wx, z + ahead * wz)
+    height_behind, _ = surface_at(ground.frame, ground.vertices, x - ahead * wx, z - ahead * wz)
+    height_ahead, _ = surface_at(ground.frame, ground.vertices, x + ahead * wx, z + ahead * wz)
     slope = (height_ahead - height_behind) / (2.0 * ahead * speed)
     return math.exp(-0.5 * SLOPE_FACTOR * max(abs(slope + EASIEST_SLOPE) - EASIEST_SLOPE, 0.0))
 

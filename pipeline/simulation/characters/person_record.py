@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Records
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 
@@ -167,7 +167,7 @@ def persons_of(
         headings: (n,) positive turns about +Y [rad].
         ground: (n,) height of the ground [m].
     """
-    persons = zeros(len(proportions), PERSON)
+    persons = zero_records(len(proportions), PERSON)
     for i, (own, first) in enumerate(zip(proportions, first_nodes, strict=True)):
         person = persons[i]
         for name, fraction in _length_fractions(own).items():

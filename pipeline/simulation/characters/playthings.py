@@ -11,7 +11,7 @@ from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.figures.solids import Solid, ball_solid, loft
 from pipeline.simulation.spatial import Array, cross, normalized
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 BALL_RADIUS, BALL_MASS = 0.12, 0.4  # of a playground's ball [m], [kg]
 DECK_RADIUS, MERRY_GO_ROUND_MASS = 1.3, 90.0  # [m], [kg]

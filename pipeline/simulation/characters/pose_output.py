@@ -30,7 +30,7 @@ from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Inventory
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 FEET, HANDS, FOREARMS = (
     [FRAMES.index(f"{name}_l"), FRAMES.index(f"{name}_r")] for name in ("foot", "hand", "forearm")

@@ -23,7 +23,7 @@ from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
 FOOTFALL_LINKS = ("shin_l", "shin_r")
 """Links of acting people whose touches of the ground are reported as footfalls."""

@@ -34,7 +34,7 @@ from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
 from pipeline.simulation.characters.solid_contacts import find_solids, meet_solids
 from pipeline.simulation.characters.terrain_contacts import separate_from_ground
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry, inlined
-from pipeline.simulation.dynamics.grid import Grid
+from pipeline.simulation.dynamics.terrain_grid import Grid
 
 
 @inlined

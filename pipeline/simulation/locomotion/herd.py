@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.gaits.moods import apply_mood, blend_moods
 from pipeline.simulation.locomotion.gaits.pace import Pace, choose_pace
 from pipeline.simulation.locomotion.gaits.spread import LegLayout
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood
 
 

@@ -202,7 +202,7 @@ class PoseSolver:
             return solve_near_rest(herd.legs, herd.chains, goals)
         reaching = LegSolver(herd, self.path.ground, self.yielding.folds)
         limp = carried.limp[:, herd.owner]
-        return reaching.settled(goals, R_WB, p_WB, carried.down, limp)
+        return reaching.solve(goals, R_WB, p_WB, carried.down, limp)
 
     def _held(self, q: Array, limp: NDArray[np.bool_]) -> Array:
         """Return joint values (n, M) that stay what they were on those who have fallen."""

@@ -34,7 +34,7 @@ from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner, Swi
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
 from pipeline.simulation.troupe import World
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 
 AHEAD = 2.5
 """Strides in which a foot has done its step and stood."""

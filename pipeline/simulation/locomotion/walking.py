@@ -23,6 +23,7 @@ from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.herd import build_herd
 from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
 from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
+from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import plan_route
@@ -30,11 +31,12 @@ from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.locomotion.stepping import Feet
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Note
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.script import ChangeGait, ChangeMood, Instruction, SetSpeed
 
 HURRY = 2.0
@@ -222,6 +224,14 @@ class Walkers(Troupe):
         # Rows may have been written before the step, too.
         notes, self._late = (*self._notes, *self._late), []
         return Facts(contacts, notes, tuple(self._arrived))
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Return the joints and masses of the creatures."""
+        return mechanisms_of(self.herd)
+
+    def legs(self) -> list[Leg]:
+        """Return the legs of the creatures, with the stances planned so far."""
+        return legs_of(self.herd, self.going.paces, self.phase)
 
     def _go_on(self) -> list[str]:
         """Advance on the routes; return who has come to its end."""

@@ -18,9 +18,9 @@ from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.playthings import ball_plan, box_plan
 from pipeline.simulation.characters.verlet_step import advance
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry
-from pipeline.simulation.dynamics.grid import Grid, grid_of
-from pipeline.simulation.dynamics.records import zeros
+from pipeline.simulation.dynamics.terrain_grid import Grid, grid_of
 from pipeline.simulation.people.proportions import ADULT, CHILD
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -66,7 +66,14 @@ class Yard:
         """Go on by so many steps."""
         for _ in range(steps):
             advance(
-                *(self.arrays, zeros(0, PERSON), self.grid, self.level, self.workspace, self.log),
+                *(
+                    self.arrays,
+                    zero_records(0, PERSON),
+                    self.grid,
+                    self.level,
+                    self.workspace,
+                    self.log,
+                ),
                 *(self.gravity, self.dt, self.count),
             )
 

@@ -10,9 +10,9 @@ import mido
 import numpy as np
 import pytest
 
-from audio.instruments import program_of
-from audio.midi import write_midi
-from audio.voices import notes_of
+from audio.general_midi import program_number
+from audio.midi_file import write_midi
+from audio.notes import notes_of
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.characters.mind.mind_scheduler import (
@@ -86,7 +86,7 @@ def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path:
             if message.type == "program_change":
                 programs[message.channel] = message.program
             elif message.type == "note_on" and message.velocity:
-                if programs.get(message.channel) == program_of(name):
+                if programs.get(message.channel) == program_number(name):
                     ticks.append(now)
     # 40 ticks a frame at 24 frames a second.
     assert (event.frame - 1) * 40 in ticks

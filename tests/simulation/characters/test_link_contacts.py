@@ -167,7 +167,7 @@ def test_who_has_knotted_legs_lies_still_all_the_same() -> None:
 
 def test_links_beside_the_ground_and_far_from_it() -> None:
     """A ragdoll on stairs: neither nodes nor links lie deep in them."""
-    from pipeline.simulation.dynamics.grid import grid_of
+    from pipeline.simulation.dynamics.terrain_grid import grid_of
     from pipeline.simulation.terrain.heightfield import HeightField
 
     x = np.linspace(-4.0, 4.0, 161)

@@ -136,7 +136,7 @@ COUNTS = [
 def test_it_finds_its_way_around_obstacles(seeds: range) -> None:
     failed = []
     for seed in seeds:
-        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1\nsamples: 1")
+        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1\nrows_per_frame: 1")
         characters = troupe(made)
         minds = characters.minds
         assert minds is not None

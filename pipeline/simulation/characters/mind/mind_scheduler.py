@@ -29,7 +29,7 @@ from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel
 from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 from pipeline.spec.script import SetUrges
 
 THINKING_INTERVAL = 0.1  # of a mind, about [s]

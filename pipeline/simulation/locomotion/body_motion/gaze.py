@@ -30,8 +30,8 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import pitched_and_rolled
 from pipeline.simulation.locomotion.routes.route import Route, heading_vector
 from pipeline.simulation.spatial import Array, heading, turn
-from pipeline.spec.cast import Creature
-from pipeline.spec.values import Target
+from pipeline.spec.creature import Creature
+from pipeline.spec.model_base import Target
 
 ROUNDS = 3
 """Of Newton's method; the error of an angle of 1 is then less than a thousandth."""

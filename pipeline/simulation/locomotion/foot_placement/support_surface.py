@@ -14,7 +14,7 @@ from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.terrain.islands import Islands
-from pipeline.simulation.terrain.support import Support, Supports
+from pipeline.simulation.terrain.support_surface import Support, Supports
 
 RISE, GAP = 0.4, 1.0
 """Greatest rise and widest gap between two footholds, in leg lengths."""

@@ -27,7 +27,7 @@ from pipeline.simulation.locomotion.gaits.pace import (
 )
 from pipeline.simulation.locomotion.gaits.spread import LegLayout
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import ChangeGait
 
@@ -83,14 +83,14 @@ class MoodEffect:
     """Several moods by their weights, as one.
 
     Attributes:
-        stride, cycle, bounciness, body_height, step_height, sway, wander, looseness: factors.
+        stride, cycle, body_bob, body_height, step_height, sway, wander, looseness: factors.
         duty: part of the cycle that feet stay down longer.
         pitch, head, tail: by how much they are raised [rad].
     """
 
     stride: float = 1.0
     cycle: float = 1.0
-    bounciness: float = 1.0
+    body_bob: float = 1.0
     body_height: float = 1.0
     step_height: float = 1.0
     sway: float = 1.0
@@ -105,7 +105,7 @@ class MoodEffect:
 FACTORS = (
     "stride",
     "cycle",
-    "bounciness",
+    "body_bob",
     "body_height",
     "step_height",
     "sway",
@@ -152,7 +152,7 @@ def apply_mood(pace: Pace, feeling: MoodEffect, figure: Figure, legs: LegLayout)
     height = min(max(height, min(lowest, pace.body_height)), max(tallest, pace.body_height))
     gait = _firmer(pace.carrying, feeling.duty)
     longest = legs.longest_stride(gait, height)
-    cycle, bounce = pace.cycle * feeling.cycle, pace.bounciness * feeling.bounciness
+    cycle, bounce = pace.cycle * feeling.cycle, pace.bounciness * feeling.body_bob
     if pace.flight is not None:
         # Nobody falls faster than freely, but who was asked to.
         free = pace.flight.amplitude * GRAVITY * cycle * cycle

@@ -19,7 +19,7 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, written
-from pipeline.spec.nearest import hint
+from pipeline.spec.suggestions import hint
 from pipeline.spec.walk import GaitWords, Manner
 
 

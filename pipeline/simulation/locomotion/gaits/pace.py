@@ -140,7 +140,7 @@ def choose_pace(where: str, words: Manner | None, figure: Figure, legs: LegLayou
         cycle,
         stride if walks else 0.0,
         height,
-        bounce if words.bounciness is None else words.bounciness,
+        bounce if words.body_bob is None else words.body_bob,
         0.13 * leg if words.step_height is None else words.step_height,
         longest,
         flight,

@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 
 FINE = 48
 """Entries of the table between two waypoints."""

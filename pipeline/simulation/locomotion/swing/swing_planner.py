@@ -31,7 +31,7 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
 )
 from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 
 PLAIN = np.array([1.0, 0.0, 0.0])
 """Height as a part of the step height, how early the arch is highest, how early the foot

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, IntArray, RecordArray
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     dot,
@@ -90,7 +90,7 @@ class SubStep(NamedTuple):
 
 def new_touch_log() -> TouchLog:
     """Return an empty log."""
-    return TouchLog(zeros(MAX_TOUCHES, TOUCH), np.zeros(1, dtype=np.int64))
+    return TouchLog(zero_records(MAX_TOUCHES, TOUCH), np.zeros(1, dtype=np.int64))
 
 
 @inlined

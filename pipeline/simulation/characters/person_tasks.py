@@ -16,10 +16,10 @@ import numpy as np
 from pipeline.simulation.characters.person_controller import BODY_RADIUS, PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
 from pipeline.simulation.characters.visibility_route import Route
+from pipeline.simulation.keyframe_track import BlendedTrack, Track
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.tracks import Run, Track
 from pipeline.spec.character import HANDS
-from pipeline.spec.pose import Frame, PoseKey
+from pipeline.spec.keyframes import Frame, PoseKey
 
 SEAT_HEIGHT = 0.062  # of the pelvis above the seat, in heights
 TURN_TOLERANCE, SEAT_TURN_TOLERANCE = math.radians(3.0), 0.08  # [rad]
@@ -163,7 +163,7 @@ class HandRun:
     """
 
     hand: int
-    run: Run
+    run: BlendedTrack
     frame: Frame
 
     def place(self, controller: PersonController, time: float) -> Array:
@@ -203,7 +203,9 @@ def _hand_run(hand: int, keys: Sequence[PoseKey], end: float) -> HandRun:
     track = Track.of([(key.at, key.reach or (0.0, 0.0, 0.0), key.ease) for key in keys])
     start = keys[0].at
     return HandRun(
-        hand, Run(track, (max(start - keys[0].blend, 0.0), start), (end, end)), keys[0].frame
+        hand,
+        BlendedTrack(track, (max(start - keys[0].blend, 0.0), start), (end, end)),
+        keys[0].frame,
     )
 
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from pipeline.errors import MassError
 from pipeline.simulation.characters.body_arrays import IntArray, RecordArray
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.obstacles import directions, outermost
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
@@ -96,7 +96,7 @@ def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, l
         for k, obstacle in enumerate(obstacles)
         if (shape := _shape(obstacle)) is not None
     ]
-    bodies = zeros(len(shapes), SOLID)
+    bodies = zero_records(len(shapes), SOLID)
     # Limbs of one creature are one thing; bricks of one wall are not.
     things = [
         obstacle.performer if obstacle.weight is None else obstacle.name for obstacle in obstacles

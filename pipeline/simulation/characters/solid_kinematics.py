@@ -7,7 +7,7 @@ import math
 from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.solid_arrays import Solids
 from pipeline.simulation.dynamics.compiled import Record, compiled, inlined
-from pipeline.simulation.dynamics.rounding import nearest
+from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -134,7 +134,9 @@ def _distance_outside(solids: Solids, solid: Record, local: Vector) -> tuple[flo
         if gap <= 0.0 or gap >= least:
             # It looks the other way, or its whole plane is farther.
             continue
-        offset = minus(local, nearest(local, (row(corners, a), row(corners, b), row(corners, c))))
+        offset = minus(
+            local, nearest_on_triangle(local, (row(corners, a), row(corners, b), row(corners, c)))
+        )
         distance = length(offset)
         if distance < least:
             least, normal = distance, times(1.0 / distance, offset) if distance > TINY else up

@@ -30,9 +30,9 @@ from pipeline.simulation.characters.person_tasks import (
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.script import Orders
 from pipeline.spec import script as spec
-from pipeline.spec.pose import PoseKey
+from pipeline.spec.keyframes import PoseKey
+from pipeline.spec.model_base import Target
 from pipeline.spec.script import Do
-from pipeline.spec.values import Target
 
 UNLIMITED_WALK = 1000.0
 """Length of a walk without a goal [m]."""

@@ -21,8 +21,15 @@ from pipeline.simulation.characters.contact_response import (
     place_between,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
-from pipeline.simulation.dynamics.grid import Grid, around, highest, pieces, surface, triangle
-from pipeline.simulation.dynamics.rounding import nearest
+from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
+from pipeline.simulation.dynamics.terrain_grid import (
+    Grid,
+    cells_around,
+    highest_around,
+    surface_at,
+    triangle,
+    triangles_per_cell,
+)
 from pipeline.simulation.dynamics.vectors import (
     Vector,
     cross,
@@ -64,7 +71,7 @@ def separate_from_ground(
         return
     x, z = 0.5 * (owner.low[0] + owner.high[0]), 0.5 * (owner.low[2] + owner.high[2])
     half = 0.5 * max(owner.high[0] - owner.low[0], owner.high[2] - owner.low[2])
-    if owner.low[1] - GROUND_GAP > highest(grid.frame, grid.tops, x, z, 1.5 * half):
+    if owner.low[1] - GROUND_GAP > highest_around(grid.frame, grid.tops, x, z, 1.5 * half):
         return
     for i in range(first, first + owner.nodes[1]):
         node = nodes[i]
@@ -95,21 +102,21 @@ def _meet_ground(
     """Move a ball, at a fraction t from one node to another, out of the ground."""
     at = place_between(one.p, other.p, t)
     frame = grid.frame
-    if at[1] - radius - GROUND_GAP > highest(frame, grid.tops, at[0], at[2], radius):
+    if at[1] - radius - GROUND_GAP > highest_around(frame, grid.tops, at[0], at[2], radius):
         return
-    height, _ = surface(frame, grid.vertices, at[0], at[2])
+    height, _ = surface_at(frame, grid.vertices, at[0], at[2])
     if at[1] <= height:
         least, normal = _nearest_surface(grid, at, max(height - at[1], radius))
         where = (-least - radius, normal[0], normal[1], normal[2])
         _separate_place(one, other, links, owner, t, where, sub_step, log)
         return
     reach = radius + GROUND_GAP
-    i, i_last, j, j_last = around(frame, at[0], at[2], reach)
+    i, i_last, j, j_last = cells_around(frame, at[0], at[2], reach)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
-            for piece in range(pieces(frame)):
+            for piece in range(triangles_per_cell(frame)):
                 at = place_between(one.p, other.p, t)
-                offset = minus(at, nearest(at, triangle(grid, line, column, piece)))
+                offset = minus(at, nearest_on_triangle(at, triangle(grid, line, column, piece)))
                 distance = length(offset)
                 if COINCIDENT < distance < reach:
                     n = times(1.0 / distance, offset)
@@ -121,12 +128,12 @@ def _meet_ground(
 def _nearest_surface(grid: Grid, at: Vector, reach: float) -> tuple[float, Vector]:
     """Return the distance of a place below the ground from it, and the normal."""
     least, normal = min(reach, MAX_DEPTH), (0.0, 1.0, 0.0)
-    i, i_last, j, j_last = around(grid.frame, at[0], at[2], least)
+    i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], least)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
-            for piece in range(pieces(grid.frame)):
+            for piece in range(triangles_per_cell(grid.frame)):
                 corners = triangle(grid, line, column, piece)
-                distance = length(minus(at, nearest(at, corners)))
+                distance = length(minus(at, nearest_on_triangle(at, corners)))
                 if distance < least:
                     a, b, c = corners
                     up = cross(minus(b, a), minus(c, a))

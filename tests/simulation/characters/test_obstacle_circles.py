@@ -14,7 +14,7 @@ from pipeline.simulation.characters.visibility_route import (
     STEP_OVER_HEIGHT,
     ObstacleCircles,
 )
-from pipeline.simulation.dynamics.records import zeros
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
@@ -36,7 +36,7 @@ def around(
     *solids: tuple[Array, Array, Array], mass: float = 0.0, here: bool = True
 ) -> ObstacleCircles:
     """Return what is in the way of boxes: middles (3,), rotations (3, 3), half extents (3,)."""
-    bodies = zeros(len(solids), SOLID)
+    bodies = zero_records(len(solids), SOLID)
     for n, (body, (p, R, half)) in enumerate(zip(bodies, solids, strict=True)):
         body["p"], body["R"], body["half"], body["is_present"], body["thing"] = p, R, half, here, n
         body["inverse_mass"] = 1.0 / mass if mass else 0.0

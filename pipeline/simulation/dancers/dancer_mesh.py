@@ -12,7 +12,7 @@ from pipeline.simulation.dynamics.linkage import Capsule
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.obstacles import directions
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
-from pipeline.simulation.people.person_mesh import Clothes, dressed, worn
+from pipeline.simulation.people.person_mesh import Clothes, layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
@@ -34,7 +34,7 @@ FIXED = "pelvis"
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class DancerAppearance:
     """A dancer as it is seen.
 
     Attributes:
@@ -60,12 +60,14 @@ class Look:
         return np.concatenate([frame_origins(self.proportions), *[top[None] for top in tops]])
 
 
-def links_of_frames() -> list[int]:
+def frame_links() -> list[int]:
     """Return the link that each frame of a person goes with."""
     return [LINKS.index(frame if frame in LINKS else FIXED) for frame in FRAMES]
 
 
-def inventory_of(looks: Sequence[Look], torsos: Sequence[Torso], rows: int) -> Inventory:
+def dancer_inventory(
+    looks: Sequence[DancerAppearance], torsos: Sequence[Torso], rows: int
+) -> Inventory:
     """Return what dancers add to a take."""
     nodes, channels = list[Node](), list[Channel]()
     meshes, parts, solids = list[Mesh](), list[Part](), list[Obstacle]()
@@ -73,8 +75,8 @@ def inventory_of(looks: Sequence[Look], torsos: Sequence[Torso], rows: int) -> I
         first, rest = len(nodes), look.rest().tolist()
         for name, place in zip((*FRAMES, *look.drums), rest, strict=True):
             nodes.append(Node(f"{look.name}.{name}", look.name, -1, (place[0], place[1], place[2])))
-        layers = dressed(look.proportions, look.clothes)
-        own, seen = worn(look.name, layers, first, len(meshes), rows)
+        layers = person_layers(look.proportions, look.clothes)
+        own, seen = layer_parts(look.name, layers, first, len(meshes), rows)
         meshes += own
         parts += seen
         for k, (name, drum) in enumerate(look.drums.items()):
@@ -90,7 +92,7 @@ def inventory_of(looks: Sequence[Look], torsos: Sequence[Torso], rows: int) -> I
     )
 
 
-def _solids(look: Look, torso: Torso, first: int) -> list[Obstacle]:
+def _solids(look: DancerAppearance, torso: Torso, first: int) -> list[Obstacle]:
     """Return what others run into: the solids of a torso, and its legs below the knees."""
     who, h = look.proportions, look.proportions.height
     rest, found = dict(zip(JOINTS, who.rest(), strict=True)), list[Obstacle]()

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pipeline.production.direct.notifications import ALL_KINDS
+from pipeline.production.direct.notifications import EVENT_KINDS
 from pipeline.production.direct.session import Session
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take_store import read_take
@@ -183,7 +183,7 @@ def test_unknown_kinds_and_names_are_refused_with_the_nearest(tmp_path: Path) ->
     assert "did you mean 'footfall'?" in ask("subscribe", events=["footfal"])["message"]
     assert "did you mean 'bug'?" in ask("query", who=["bgu"])["message"]
     assert "did you mean 'bug'?" in ask("step", who=["bgu"])["message"]
-    assert ask("subscribe", events=["*"])["events"] == sorted(ALL_KINDS)
+    assert ask("subscribe", events=["*"])["events"] == sorted(EVENT_KINDS)
 
 
 def test_after_the_end_it_can_be_asked_but_not_told(tmp_path: Path) -> None:

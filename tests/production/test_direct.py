@@ -96,7 +96,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         ({"who": "bug", "do": {"go_too": [1, 1]}}, "do.go_too", "did you mean 'go_to'?"),
         ({"who": "bug", "do": {"gait": "canter"}}, "do.gait", "take trot, wave, tripod or ripple"),
         ({"who": "bug", "do": {"hop_over": "bug"}}, "do.hop_over", "cannot jump over itself"),
-        ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can be told"),
+        ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can hop"),
         (
             {"who": "roo", "do": {"jump": {"speed": 1, "height": 3}}},
             "do.jump.speed",

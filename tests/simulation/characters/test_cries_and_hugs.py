@@ -15,13 +15,16 @@ from audio.midi_file import write_midi
 from audio.notes import notes_of
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
-from pipeline.simulation.characters.mind.mind_scheduler import AGAIN, DISTRESS
-from pipeline.simulation.characters.step_report import SCREAM, WHIMPER, loudness
+from pipeline.simulation.characters.mind.mind_scheduler import (
+    DISTRESS_ANXIETY,
+    DISTRESS_CRY_INTERVAL,
+)
+from pipeline.simulation.characters.step_report import CRY, loudness
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take import SoundEvent, Take
 from pipeline.spec import Scene, read_scene
 
-from .minded import troupe
+from .mind_scenes import troupe
 
 pytestmark = pytest.mark.slow
 
@@ -62,7 +65,7 @@ def played(words: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
     while not simulation.finished:
         simulation.step()
         step = simulation.step_number
-        happened += [(step, one.kind, one.who, one.other) for one in simulation.happened]
+        happened += [(step, one.kind, one.who, one.other) for one in simulation.signals]
     return scene, simulation.take(), happened
 
 
@@ -99,15 +102,15 @@ def test_who_is_hit_hard_cries_on_the_frame_of_the_blow(tmp_path: Path) -> None:
     row = first.track[0]
     head = take.positions[row, [node.name for node in take.nodes].index("a.head")]
     assert math.dist(first.place, head) < 0.25
-    assert WHIMPER < first.strength <= SCREAM
+    assert CRY.faintest < first.strength <= CRY.loudest
     assert_in_midi(scene, take, first, "choir aahs", tmp_path)
 
 
 def test_what_hurts_more_is_cried_out_louder_up_to_a_scream() -> None:
     strengths = [loudness(pain) for pain in (0.0, 0.5, 1.0, 2.0)]
-    assert strengths[0] == WHIMPER
+    assert strengths[0] == CRY.faintest
     assert all(a < b for a, b in pairwise(strengths))
-    assert loudness(100.0) == SCREAM
+    assert loudness(100.0) == CRY.loudest
 
 
 def test_a_hug_is_heard_once_when_the_arms_have_closed(tmp_path: Path) -> None:
@@ -147,7 +150,7 @@ def test_one_in_distress_cries_on_the_way_back_and_not_in_arms() -> None:
     while not simulation.finished:
         simulation.step()
         levels.append(kid.anxiety)
-        hugging.append(kid.hugging)
+        hugging.append(kid.is_hugging)
     take = simulation.take()
     cries = [event for event in heard(take, "cry") if event.who == "kid"]
     steps = take.header.steps * float(take.header.rate)
@@ -155,8 +158,8 @@ def test_one_in_distress_cries_on_the_way_back_and_not_in_arms() -> None:
     home = hugging.index(True) / steps
     assert len(cries) >= 2
     assert times.min() < 0.5
-    assert (np.diff(times) >= AGAIN - 1e-9).all()
+    assert (np.diff(times) >= DISTRESS_CRY_INTERVAL - 1e-9).all()
     assert times.max() < home
-    assert all(levels[event.step - 1] >= DISTRESS for event in cries)
+    assert all(levels[event.step - 1] >= DISTRESS_ANXIETY for event in cries)
     # It sinks to no more than that in arms.
     assert min(levels[hugging.index(True) :]) < 0.2

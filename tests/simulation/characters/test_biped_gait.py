@@ -17,8 +17,8 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
 
-from .acting import STEPS, Play, play_scene, spells, walk, walk_words
-from .yards import least_bend, legs_depth
+from .character_yard import least_bend, legs_depth
+from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_words
 
 pytestmark = pytest.mark.slow
 
@@ -169,7 +169,7 @@ def test_who_turns_round_is_not_thrown_by_a_foot_that_comes_down_far_off(
 
 
 def test_no_joint_is_ever_reversed() -> None:
-    from .acting import play_scene
+    from .scripted_people import play_scene
 
     seen = []
     play_scene(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.characters.link_contacts import closest
+from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.spatial import Array
 
@@ -14,7 +14,7 @@ from pipeline.simulation.spatial import Array
 def all_closest(p: Array, u: Array, q: Array, v: Array) -> Array:
     result = np.empty((len(p), 2))
     for i in range(len(p)):
-        result[i] = closest(
+        result[i] = closest_points(
             (p[i, 0], p[i, 1], p[i, 2]),
             (u[i, 0], u[i, 1], u[i, 2]),
             (q[i, 0], q[i, 1], q[i, 2]),

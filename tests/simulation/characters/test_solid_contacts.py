@@ -9,15 +9,15 @@ import pytest
 
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
 from pipeline.simulation.characters.solid_arrays import Solids, solids_of
-from pipeline.simulation.characters.solid_kinematics import gap_of
+from pipeline.simulation.characters.solid_kinematics import signed_distance
 from pipeline.simulation.dynamics.compiled import entry
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
 
-from .acting import STEPS, troupe_of
-from .yards import attitude, lengths_off
+from .character_yard import attitude, lengths_off
+from .scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
 
@@ -45,9 +45,9 @@ def path(simulation: Simulation, who: str, name: str = "") -> Array:
 
 def depth(simulation: Simulation) -> float:
     """Return how deep the deepest node is in a solid in the last row [m]."""
-    felt = simulation._encounters
-    assert felt is not None
-    felt.feel(simulation.last_row())
+    coupling = simulation.coupling
+    assert coupling is not None
+    coupling.update(simulation.last_row())
     characters = troupe_of(simulation)
     solids, nodes = characters.workspace.solids, characters.arrays.nodes
     deepest = 0.0
@@ -70,7 +70,7 @@ def depth(simulation: Simulation) -> float:
 def gaps(solids: Solids, places: Array, out: Array) -> None:
     for k in range(len(places)):
         at = (places[k, 0], places[k, 1], places[k, 2])
-        gap, way = gap_of(solids, 0, at, 10.0)
+        gap, way = signed_distance(solids, 0, at, 10.0)
         out[k, 0] = gap
         for c in range(3):
             out[k, 1 + c] = way[c]
@@ -226,7 +226,7 @@ def test_what_somebody_carries_is_not_in_its_way() -> None:
         "- {name: hat, prop: {shape: ball, radius: 0.2}, at: [0, 0, 0], parent: bob.head}",
         0.5,
     )
-    assert simulation._encounters is None
+    assert simulation.coupling is None
 
 
 def test_who_begins_in_a_room_is_not_thrown_out_of_it() -> None:
@@ -336,7 +336,7 @@ def test_links_know_the_solid_that_they_touch() -> None:
     while not simulation.finished:
         simulation.step()
         touched.add(int(links["touched"][0]))
-        pairs += [(h.who, h.other) for h in simulation.happened if h.kind == "touch"]
+        pairs += [(h.who, h.other) for h in simulation.signals if h.kind == "touch"]
     assert touched == {NOBODY, SOLID - 1}
     assert pairs[0] == ("ball", "table")
 
@@ -396,8 +396,8 @@ def test_who_is_alone_meets_nothing_and_rows_are_written_by_the_dozen() -> None:
             "- {body: {shape: sphere, collide: terrain}, at: [3, 3, 0]}"
         )
     )
-    assert alone._encounters is None
-    assert alone._at_once > 16
+    assert alone.coupling is None
+    assert alone.scheduler.batch_size > 16
     assert len(troupe_of(alone).workspace.solids.bodies) == 0
 
 
@@ -407,9 +407,9 @@ def test_what_stands_is_felt_once_and_rows_are_written_by_the_dozen() -> None:
         "- {name: table, prop: {shape: box, size: [1, 0.5, 1]}, at: [0, 0]}"
     )
     once, always = Simulation(read_scene(words)), Simulation(read_scene(words))
-    assert once._at_once > 16
-    assert always._encounters is not None
-    always._encounters.still, always._at_once = False, 1
+    assert once.scheduler.batch_size > 16
+    assert always.coupling is not None
+    always.coupling.still, always.scheduler.batch_size = False, 1
     for simulation in (once, always):
         while not simulation.finished:
             simulation.step()
@@ -427,8 +427,8 @@ def test_what_moves_is_felt_in_every_row_and_rows_are_written_by_the_dozen() -> 
         "- {name: fly, prop: {shape: ball, radius: 0.03}, at: [0, 0.2, 0], parent: rock}"
     )
     often, seldom = Simulation(read_scene(words)), Simulation(read_scene(words))
-    assert seldom._at_once > 4
-    often._at_once = 1
+    assert seldom.scheduler.batch_size > 4
+    often.scheduler.batch_size = 1
     for simulation in (often, seldom):
         while not simulation.finished:
             simulation.step()

@@ -1,4 +1,4 @@
-"""What creatures do beside their legs: where they look, what trails, how they carry it."""
+"""Motion of bodies, heads and free limbs: gaze, follow-through, motion style."""
 
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ class Seen:
         assert isinstance(troupe, Walkers)
         self.walkers = troupe
         changed = {key: np.full(1, value) for key, value in carried.items()}
-        going = troupe.going
-        going.path.bearing = bearing = replace(going.path.bearing, **changed)
-        going.manners.bearing = lambda time: bearing
-        # The row of the start was kept before.
-        troupe._kept[:] = [replace(moment, bearing=bearing) for moment in troupe._kept]
+        progress = troupe.progress
+        progress.trajectory.style = style = replace(progress.trajectory.style, **changed)
+        progress.moods.style = lambda time: style
+        # The row of the start was buffered before.
+        troupe._buffered[:] = [replace(moment, style=style) for moment in troupe._buffered]
         while not self.simulation.finished:
             self.simulation.step()
         self.recorder = self.simulation.recorder
@@ -60,12 +60,12 @@ class Seen:
     @property
     def q(self) -> Array:
         """(K, M) values of the joints that carry nothing [rad]."""
-        count = len(self.walkers.posing.carriage.idlers.names)
+        count = len(self.walkers.poses.free_limbs.joints.names)
         return self.recorder.values[:, self.recorder.values.shape[1] - count :]
 
     def joint(self, name: str) -> Array:
         """(K,) values of one of them [rad]."""
-        names = self.walkers.posing.carriage.idlers.names
+        names = self.walkers.poses.free_limbs.joints.names
         return self.q[:, [own.partition(".")[2] for own in names].index(name)]
 
     @property
@@ -82,7 +82,7 @@ class Seen:
         node = self.names.index(f"{self.walkers.herd.names[0]}.{link.name}")
         R, p = self.recorder.rotations[:, node], self.recorder.positions[:, node]
         # What looks along +X where the figure stands in its preferred pose.
-        ahead = self.walkers.posing.carriage.gaze.rest[0].T @ [1.0, 0.0, 0.0]
+        ahead = self.walkers.poses.free_limbs.necks.rest[0].T @ [1.0, 0.0, 0.0]
         return p + turn(R, limb.tip - link.ends[0]), turn(R, np.tile(ahead, (len(R), 1)))
 
 
@@ -119,8 +119,8 @@ def test_looks_at_another_and_ahead_again_without_a_jolt() -> None:
     script = "script:\n- {at: 1, who: horse, do: {look_at: bug}}\n"
     script += "- {at: 3, who: horse, do: {look: ahead}}"
     seen = Seen("{figure: horse, walk: {gait: walk}}" + other, duration=5, more=script)
-    idlers = seen.walkers.posing.carriage.idlers
-    yaw = np.degrees(seen.q[:, idlers.names.index("horse.head.base_yaw")])
+    joints = seen.walkers.poses.free_limbs.joints
+    yaw = np.degrees(seen.q[:, joints.names.index("horse.head.base_yaw")])
     assert np.abs(yaw[:96]).max() < 5.0
     assert yaw[288] < -15.0  # to the right
     assert np.abs(yaw[-48:]).max() < 5.0
@@ -178,18 +178,18 @@ def test_refuses_looks_that_nobody_can_have(words: str, message: str) -> None:
 @pytest.mark.parametrize("name", LIBRARY)
 def test_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
     seen = Seen(f"{{figure: {name}, walk: {{}}}}", duration=2)
-    room = seen.walkers.posing.carriage.idlers.room
-    assert (seen.q > room.lower).all()
-    assert (seen.q < room.upper).all()
+    limits = seen.walkers.poses.free_limbs.joints.limits
+    assert (seen.q > limits.lower).all()
+    assert (seen.q < limits.upper).all()
     assert np.abs(np.diff(seen.q, 2, axis=0)).max(initial=0.0) < QUICK * ROW**2
 
 
 @pytest.mark.parametrize("looseness", [0.0, 2.0, 30.0])
 def test_however_loose_joints_keep_their_limits(looseness: float) -> None:
     seen = Seen("{figure: horse, walk: {gait: bound}}", looseness=looseness, tail_raise=3.0)
-    room = seen.walkers.posing.carriage.idlers.room
-    assert (seen.q > room.lower).all()
-    assert (seen.q < room.upper).all()
+    limits = seen.walkers.poses.free_limbs.joints.limits
+    assert (seen.q > limits.lower).all()
+    assert (seen.q < limits.upper).all()
 
 
 @pytest.mark.slow
@@ -257,7 +257,9 @@ def test_a_body_is_held_nose_up_and_its_feet_stay_below_it() -> None:
         Seen("{figure: horse, walk: {}}", duration=3, body_pitch=held) for held in (0.0, 0.15)
     )
     assert 7.0 < np.mean(proud.pitch - level.pitch) < 8.6
-    ends = [seen.walkers.feet.end - seen.recorder.positions[-1, 0] for seen in (level, proud)]
+    ends = [
+        seen.walkers.stepping.feet.end - seen.recorder.positions[-1, 0] for seen in (level, proud)
+    ]
     moved = np.abs(ends[1] - ends[0])[:, [0, 2]].max(axis=1)
     # Rotated with the body they would be 17 cm off; forelegs lose a little of their reach.
     assert moved[1::2].max() < 0.03

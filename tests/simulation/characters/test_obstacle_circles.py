@@ -8,15 +8,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.simulation.characters.solid_arrays import SOLID
-from pipeline.simulation.characters.visibility_route import HEADROOM, LOW, MOST, ObstacleCircles
+from pipeline.simulation.characters.visibility_route import (
+    HEADROOM,
+    MAX_CIRCLES,
+    STEP_OVER_HEIGHT,
+    ObstacleCircles,
+)
 from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
-from tests.simulation.characters.acting import troupe_of
-from tests.simulation.characters.test_solids import path, played
+from tests.simulation.characters.scripted_people import troupe_of
+from tests.simulation.characters.test_solid_contacts import path, played
 
 GROUND = build_ground(
     read_scene("pronk: 1\nduration: 1\ncast: [{name: a, character: child}]\n").terrain, 0
@@ -36,8 +41,8 @@ def around(
         body["p"], body["R"], body["half"], body["is_present"], body["thing"] = p, R, half, here, n
         body["inverse_mass"] = 1.0 / mass if mass else 0.0
     barriers = ObstacleCircles(GROUND)
-    barriers.put(bodies)
-    barriers.look()
+    barriers.set_solids(bodies)
+    barriers.update()
     return barriers
 
 
@@ -59,7 +64,7 @@ def test_circles_cover_all_that_is_above_the_ground(half, angles) -> None:
     shadow = (p + (np.concatenate([corners, chance]) * half) @ R.T)[:, [0, 2]]
     off = np.linalg.norm(shadow[:, None] - barriers.middles, axis=2) - barriers.radii
     assert off.min(axis=1).max() <= 1e-9
-    assert len(barriers.radii) <= MOST
+    assert len(barriers.radii) <= MAX_CIRCLES
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 2.0])
@@ -70,19 +75,19 @@ def test_a_wall_is_a_row_of_circles_little_wider_than_it(angle: float) -> None:
     along = np.abs(barriers.middles @ R[[0, 2], 2])
     assert 1.8 < along.max() < 2.0
     assert len(set(barriers.keys.tolist())) == len(barriers.keys)
-    assert set(barriers.wholes.tolist()) == {0}
+    assert set(barriers.things.tolist()) == {0}
 
 
 def test_what_is_low_or_high_or_light_or_not_there_is_in_nobodys_way() -> None:
     half = np.array([0.5, 0.02, 0.5])
-    assert not around((np.array([0.0, 0.02, 0.0]), UPRIGHT, half)).look()
-    assert around((np.array([0.0, LOW, 0.0]), UPRIGHT, half)).look()
-    assert not around((np.array([0.0, HEADROOM + 0.03, 0.0]), UPRIGHT, half)).look()
-    assert around((np.array([0.0, HEADROOM - 0.03, 0.0]), UPRIGHT, half)).look()
-    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=1.0).look()
-    assert around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=20.0).look()
-    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), here=False).look()
-    assert not around().look()
+    assert not around((np.array([0.0, 0.02, 0.0]), UPRIGHT, half)).update()
+    assert around((np.array([0.0, STEP_OVER_HEIGHT, 0.0]), UPRIGHT, half)).update()
+    assert not around((np.array([0.0, HEADROOM + 0.03, 0.0]), UPRIGHT, half)).update()
+    assert around((np.array([0.0, HEADROOM - 0.03, 0.0]), UPRIGHT, half)).update()
+    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=1.0).update()
+    assert around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), mass=20.0).update()
+    assert not around((np.array([0.0, 0.5, 0.0]), UPRIGHT, half), here=False).update()
+    assert not around().update()
 
 
 def touches(simulation: Simulation) -> list[Contact]:
@@ -178,7 +183,7 @@ def test_a_door_that_shuts_is_gone_round() -> None:
     way = path(simulation, "ann")[:, [0, 2]]
     np.testing.assert_allclose(way[-1], [2, 0], atol=0.15)
     assert np.abs(way[:, 1]).max() > 0.9
-    assert troupe_of(simulation).obstacle_circles.look()
+    assert troupe_of(simulation).obstacle_circles.update()
 
 
 def test_barriers_are_those_of_the_scene() -> None:
@@ -190,6 +195,6 @@ def test_barriers_are_those_of_the_scene() -> None:
     simulation.step()
     simulation.step()
     barriers = troupe_of(simulation).obstacle_circles
-    assert barriers.look()
+    assert barriers.update()
     np.testing.assert_allclose(barriers.middles, [[3.0, 0.0]], atol=1e-6)
     np.testing.assert_allclose(barriers.radii, np.sqrt(0.5), rtol=0.02)

@@ -15,8 +15,8 @@ from pipeline.spec import read_scene
 from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
 
-from .acting import STEPS, J, play_scene, troupe_of
-from .yards import least_bend
+from .character_yard import least_bend
+from .scripted_people import STEPS, J, play_scene, troupe_of
 
 pytestmark = pytest.mark.slow
 
@@ -361,7 +361,7 @@ def test_a_hug_is_waited_for_and_it_matters_who_hugs_whom() -> None:
     while not simulation.finished:
         simulation.step()
         step = simulation.step_number
-        hugs += [(step, h.who, h.other) for h in simulation.happened if h.kind == "hug"]
+        hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
     told = [order for order in simulation.recorder.orders if order.who == "c"]
     (step, who, whom), *others = hugs
     assert (who, whom, others) == ("b", "a", [])

@@ -12,8 +12,8 @@ from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENT
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
-from .acting import STEPS, troupe_of
-from .yards import attitude, least_bend, yard_of
+from .character_yard import attitude, least_bend, yard_of
+from .scripted_people import STEPS, troupe_of
 
 pytestmark = pytest.mark.slow
 

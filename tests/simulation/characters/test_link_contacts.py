@@ -11,10 +11,10 @@ from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN
 from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
 from pipeline.simulation.characters.playthings import ball_plan, box_plan, merry_go_round_plan
-from pipeline.simulation.characters.verlet_step import PAIN_ENDS
+from pipeline.simulation.characters.verlet_step import PAIN_DECAY
 from pipeline.simulation.people.proportions import ADULT, CHILD
 
-from .yards import DT, depth, lengths_off, yard_of
+from .character_yard import DT, depth, lengths_off, yard_of
 
 pytestmark = pytest.mark.slow
 
@@ -50,7 +50,7 @@ def test_what_hurts_is_forgotten_at_a_rate() -> None:
     yard = yard_of([plan], [plan.rest + np.array([0.0, 20.0, 0.0])], gravity=0.0)
     yard.arrays.owners["pain"][0] = 2.0
     yard.step(96)
-    assert yard.arrays.owners["pain"][0] == pytest.approx(2.0 * math.exp(-PAIN_ENDS), rel=1e-9)
+    assert yard.arrays.owners["pain"][0] == pytest.approx(2.0 * math.exp(-PAIN_DECAY), rel=1e-9)
 
 
 def test_a_fall_hurts_and_lying_does_not() -> None:
@@ -64,7 +64,7 @@ def test_a_fall_hurts_and_lying_does_not() -> None:
     lying = float(yard.arrays.owners["pain"][0])
     yard.step(300)
     # From then on it only forgets.
-    left = math.exp(-PAIN_ENDS * 300 * DT)
+    left = math.exp(-PAIN_DECAY * 300 * DT)
     assert yard.arrays.owners["pain"][0] == pytest.approx(left * lying, rel=1e-9)
 
 

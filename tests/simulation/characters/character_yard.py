@@ -14,7 +14,7 @@ from pipeline.simulation.characters.broad_phase import Workspace, workspace_for
 from pipeline.simulation.characters.character_plans import LINK_NAMES, RAGDOLL, person_plan
 from pipeline.simulation.characters.contact_response import TouchLog, new_touch_log
 from pipeline.simulation.characters.limb_limits import joint_angle
-from pipeline.simulation.characters.link_contacts import closest
+from pipeline.simulation.characters.link_contacts import closest_points
 from pipeline.simulation.characters.person_record import PERSON
 from pipeline.simulation.characters.playthings import ball_plan, box_plan
 from pipeline.simulation.characters.verlet_step import advance
@@ -41,7 +41,7 @@ class Yard:
     gravity: float = 9.81
     dt: float = DT
     count: int = COUNT
-    room: Workspace = field(init=False)
+    workspace: Workspace = field(init=False)
     log: TouchLog = field(init=False)
 
     def __post_init__(self) -> None:
@@ -90,7 +90,7 @@ def yard_of(plans: Sequence[BodyPlan], places: Sequence[Array], **words: object)
 
 def free(plan: BodyPlan) -> BodyPlan:
     """Return a person without damping and limits."""
-    links = tuple(k._replace(damping=0.0) for k in plan.links if k.least is None)
+    links = tuple(k._replace(damping=0.0) for k in plan.links if k.shortest is None)
     return plan._replace(
         links=links, limbs=plan.limbs[:0], pairs=(), air_damping=0.0, ground_damping=0.0
     )
@@ -191,7 +191,7 @@ def overlap(nodes: Records, one: Record, other: Record) -> float:
     r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
     u = (q[0] - p[0], q[1] - p[1], q[2] - p[2])
     v = (s[0] - r[0], s[1] - r[1], s[2] - r[2])
-    t, w = closest((p[0], p[1], p[2]), u, (r[0], r[1], r[2]), v)
+    t, w = closest_points((p[0], p[1], p[2]), u, (r[0], r[1], r[2]), v)
     squared = 0.0
     for k in range(3):
         squared += (p[k] + t * u[k] - r[k] - w * v[k]) ** 2

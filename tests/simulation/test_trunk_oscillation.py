@@ -7,15 +7,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
 from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.locomotion.body_motion.trunk_oscillation import (
-    GRAVITY,
-    MOST_PITCH,
-    MOST_ROLL,
-    PITCHES,
+    MAX_PITCH,
+    MAX_ROLL,
+    PITCH_FRACTION,
     TrunkOscillation,
 )
 from pipeline.simulation.locomotion.gaits.gait import Gait
@@ -37,7 +37,7 @@ def summed(gait: Gait, cycle: float) -> Array:
     for _ in range(2):
         value = value - value.mean()
         value = np.cumsum(value + np.roll(value, 1)) * 0.5 * cycle / len(PHASES)
-    return PITCHES * (value - value.mean())
+    return PITCH_FRACTION * (value - value.mean())
 
 
 def test_pitch_is_what_two_integrations_of_the_torque_make() -> None:
@@ -46,7 +46,7 @@ def test_pitch_is_what_two_integrations_of_the_torque_make() -> None:
     trunk = TrunkOscillation.of(gait, HIPS, MASS, 0.12)
     pitch, _ = trunk.at(PHASES)
     expected = summed(gait, 0.12)
-    assert 0.0 < np.abs(expected).max() < 0.3 * MOST_PITCH
+    assert 0.0 < np.abs(expected).max() < 0.3 * MAX_PITCH
     assert np.abs(pitch - expected).max() < 0.02 * np.abs(expected).max()
 
 
@@ -94,8 +94,8 @@ def test_gallops_rock_and_trots_do_not(library: Callable[[str], Figure]) -> None
 def test_slow_cycles_rock_no_farther_than_bodies_do() -> None:
     gait = Gait.of(np.array([0.5, 0.0, 0.4, 0.1]), 0.25)
     pitch, roll = TrunkOscillation.of(gait, HIPS, MASS, 30.0).at(PHASES)
-    assert 0.9 * MOST_PITCH < np.abs(pitch).max() <= 1.001 * MOST_PITCH
-    assert 0.9 * MOST_ROLL < np.abs(roll).max() <= 1.001 * MOST_ROLL
+    assert 0.9 * MAX_PITCH < np.abs(pitch).max() <= 1.001 * MAX_PITCH
+    assert 0.9 * MAX_ROLL < np.abs(roll).max() <= 1.001 * MAX_ROLL
 
 
 @pytest.mark.parametrize("turns", [1.0, 40.0])

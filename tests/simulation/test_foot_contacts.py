@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.locomotion.swing.foot_contacts import (
-    LOW,
-    MIDDLE,
-    QUICK,
-    WEIGHT,
+    DRAGGED_MASS,
+    MID_SWING,
+    MIN_SCUFF_SPEED,
+    SCUFF_DISTANCE,
     scuff_at_touchdown,
     scuff_in_swing,
 )
@@ -89,15 +89,17 @@ def test_a_scuff_is_on_the_ground_below_the_foot_and_as_quick(dragging: object) 
         tip = before + event.fraction * (after - before)
         # Between two rows a foot that speeds up leaves their chord.
         assert np.hypot(*(tip - place)[[0, 2]]) < 0.01 * herd.legs.lengths[leg]
-        assert (tip - place) @ normal - herd.sole[leg] < 1.2 * LOW * herd.legs.lengths[leg]
+        assert (tip - place) @ normal - herd.sole[leg] < 1.2 * SCUFF_DISTANCE * herd.legs.lengths[
+            leg
+        ]
         # Its speed is known in the middle of each step, from the chords.
         chords = np.diff(dragging.tips[event.step - 1 : event.step + 3, leg], axis=0) * rate
         chords -= (chords @ normal)[:, None] * normal
         speeds = np.linalg.norm(chords, axis=-1)
         now = float(np.interp(event.fraction + 0.5, [0.0, 1.0, 2.0], speeds))
         assert event.strength == pytest.approx(now, rel=0.05)
-        assert event.strength >= QUICK * herd.legs.lengths[leg]
-        most = 0.5 * WEIGHT * dragging.walkers.feet.footfalls.mass[leg] * event.strength**2
+        assert event.strength >= MIN_SCUFF_SPEED * herd.legs.lengths[leg]
+        most = 0.5 * DRAGGED_MASS * dragging.walkers.stepping.contacts.mass[leg] * event.strength**2
         assert 0.0 < event.energy <= most * (1.0 + 1e-12)
 
 
@@ -127,20 +129,20 @@ def test_no_frame_rate_changes_when_feet_scuff(step: str) -> None:
 def test_a_foot_that_is_drawn_straight_over_a_plane(slope: float) -> None:
     """It scuffs by the speed along the plane, the more the lower it goes."""
     down = np.hypot(1.0, slope)
-    x = np.linspace(-0.2, 0.2, len(MIDDLE))
+    x = np.linspace(-0.2, 0.2, len(MID_SWING))
     normal = np.array([-slope, 1.0, 0.0]) / down
 
     def drawn(gap: float) -> Array:
         way = np.stack([x, slope * x, np.zeros_like(x)], axis=-1)
         return way + (0.03 + gap) * normal
 
-    for gap, weight in ((0.0, WEIGHT), (0.005, 0.5 * WEIGHT), (-0.01, WEIGHT)):
-        scuff = scuff_in_swing(plane(slope), drawn(gap), MIDDLE, 0.03, 0.01)
+    for gap, weight in ((0.0, DRAGGED_MASS), (0.005, 0.5 * DRAGGED_MASS), (-0.01, DRAGGED_MASS)):
+        scuff = scuff_in_swing(plane(slope), drawn(gap), MID_SWING, 0.03, 0.01)
         assert scuff is not None
         assert scuff.way == pytest.approx(0.4 * down / 0.5)
         assert scuff.weight == pytest.approx(weight)
         assert scuff.normal == pytest.approx(normal)
-    assert scuff_in_swing(plane(slope), drawn(0.0101), MIDDLE, 0.03, 0.01) is None
+    assert scuff_in_swing(plane(slope), drawn(0.0101), MID_SWING, 0.03, 0.01) is None
 
 
 def test_it_scuffs_at_the_bump_in_its_way() -> None:
@@ -148,7 +150,7 @@ def test_it_scuffs_at_the_bump_in_its_way() -> None:
     heights[:, 26] = 0.05
     ground = Ground(HeightField(heights, (0.4, 1.0)), np.zeros((2, 40), dtype=bool), "rock")
     tips = np.stack([np.linspace(-0.2, 0.2, 65), np.full(65, 0.065), np.zeros(65)], axis=-1)
-    scuff = scuff_in_swing(ground, tips, MIDDLE, 0.0, 0.02)
+    scuff = scuff_in_swing(ground, tips, MID_SWING, 0.0, 0.02)
     assert scuff is not None
     assert scuff.place[0] == pytest.approx(0.06, abs=0.4 / 64)
 

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.characters.behaviours.potential_field import (
-    LEAST,
-    REPELS,
+    BALANCE_GAP,
+    MIN_GAP,
     DetourState,
     walk_vector,
 )
 from pipeline.simulation.characters.visibility_route import (
     CLEARANCES,
-    CORNERS,
+    RING_PLACES,
     Route,
     are_free,
-    shortest,
+    shortest_way,
 )
-from tests.simulation.characters.minded import layout, simulation, steps, troupe
+from tests.simulation.characters.mind_scenes import layout, simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
 
@@ -40,7 +40,7 @@ def test_an_obstacle_ahead_pushes_back_and_round(sense: float) -> None:
     to, away = np.array([5.0, 0.0]), np.array([[-1.0, 0.0]])
     for gap in (0.05, 0.5, 1.0):
         w = walk_vector(to, away, np.array([gap]), np.array([sense]), 1.0)
-        push = REPELS / max(gap, LEAST)
+        push = BALANCE_GAP / max(gap, MIN_GAP)
         np.testing.assert_allclose(w, [1.0 - push, -sense * push], rtol=1e-12)
 
 
@@ -54,8 +54,8 @@ def test_who_gets_no_farther_tries_one_way_and_then_the_other() -> None:
     way = DetourState()
     forced = []
     for k in range(200):
-        way.note(3.0, 0.1 * k)
-        if 0.1 * k < way.until and (not forced or way.forced != forced[-1]):
+        way.update_progress(3.0, 0.1 * k)
+        if 0.1 * k < way.forced_until and (not forced or way.forced != forced[-1]):
             forced.append(way.forced)
     assert forced[:3] == [1.0, -1.0, 1.0]
 
@@ -78,7 +78,7 @@ def test_lines_are_free_that_pass_all_circles() -> None:
 
 def test_the_way_round_a_circle_is_little_longer_than_a_thread() -> None:
     start, goal, radius = np.array([-3.0, 0.0]), np.array([3.0, 0.0]), 1.0
-    way = shortest(start, goal, np.zeros((1, 2)), np.array([radius]), WIDE)
+    way = shortest_way(start, goal, np.zeros((1, 2)), np.array([radius]), WIDE)
     np.testing.assert_array_equal(way[-1], goal)
     thread = 2.0 * math.sqrt(9.0 - 1.0) + (math.pi - 2.0 * math.acos(1.0 / 3.0))
     assert thread < length_of(way, start) < 1.03 * thread
@@ -92,8 +92,8 @@ def test_no_way_is_shorter_than_the_straight_one_and_all_lead_past_circles(seed:
     rng = np.random.Generator(np.random.PCG64(seed))
     start, goal = np.array([-4.0, 0.0]), np.array([4.0, 0.0])
     middles, reaches = rng.uniform(-3.0, 3.0, (6, 2)), rng.uniform(0.2, 0.9, 6)
-    way = shortest(start, goal, middles, reaches, WIDE)
-    assert 0 < len(way) <= 6 * CORNERS + 1
+    way = shortest_way(start, goal, middles, reaches, WIDE)
+    assert 0 < len(way) <= 6 * RING_PLACES + 1
     assert length_of(way, start) >= 8.0 - 1e-9
     for a, b in zip(np.vstack([start, way]), way, strict=False):
         assert are_free(a, b[None], middles, reaches)[0]
@@ -102,7 +102,7 @@ def test_no_way_is_shorter_than_the_straight_one_and_all_lead_past_circles(seed:
 def test_narrow_ways_are_gone_only_where_there_are_no_others_and_walls_have_none() -> None:
     start, goal = np.array([-3.0, 0.0]), np.array([3.0, 0.0])
     wall = np.stack([np.zeros(41), np.linspace(-20.0, 20.0, 41)], axis=1)
-    assert len(shortest(start, goal, wall, np.full(41, 0.6), WIDE)) == 0
+    assert len(shortest_way(start, goal, wall, np.full(41, 0.6), WIDE)) == 0
     # A gap of 2 x 0.1 m at z = 4: nothing wider leads through.
     reaches = np.full(41, 0.6)
     reaches[[24]] = 0.0

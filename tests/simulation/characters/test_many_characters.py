@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.simulation.characters.body_plan import character_arrays
 
-from .yards import DT, depth, least_bend, lengths_off, pile, random_crowd
+from .character_yard import DT, depth, least_bend, lengths_off, pile, random_crowd
 
 pytestmark = pytest.mark.slow
 
@@ -100,7 +100,7 @@ def test_a_hundred_piles_of_boxes_on_people_come_to_rest() -> None:
 
 def test_the_same_crowd_moves_the_same_to_the_last_bit_alone_or_beside_others() -> None:
 
-    from .yards import PLANS, Yard
+    from .character_yard import PLANS, Yard
 
     plans = PLANS[:5]
     places = [plan.rest + np.array([0.4 * k, 0.3 * k, 0.2]) for k, plan in enumerate(plans)]

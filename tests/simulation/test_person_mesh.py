@@ -12,15 +12,20 @@ import trimesh
 from scipy.spatial import cKDTree
 
 from pipeline.production.shots.skinning import Skin
-from pipeline.simulation.people.body_frames import FRAMES, PARENTS, frame_origins, frames_of
+from pipeline.simulation.people.body_frames import (
+    FRAMES,
+    PARENTS,
+    frame_origins,
+    frames_from_joints,
+)
 from pipeline.simulation.people.person_mesh import (
     Clothes,
     Hair,
-    Layer,
+    MaterialLayer,
     Stature,
-    clothes_of,
-    dressed,
-    worn,
+    layer_parts,
+    person_layers,
+    random_clothes,
 )
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, Proportions
 from pipeline.simulation.spatial import Array, quaternion, rotation
@@ -46,17 +51,19 @@ ALL = [
 EVERYONE = pytest.mark.parametrize(("proportions", "clothes"), ALL)
 
 
-def judge(layer: Layer) -> trimesh.Trimesh:
+def judge(layer: MaterialLayer) -> trimesh.Trimesh:
     mesh = layer.mesh
     return trimesh.Trimesh(mesh.vertices.astype(float), mesh.faces.astype(int), process=False)
 
 
-def posed(proportions: Proportions, layers: tuple[Layer, ...], joints: Array) -> list[Array]:
+def posed(
+    proportions: Proportions, layers: tuple[MaterialLayer, ...], joints: Array
+) -> list[Array]:
     """Return the vertices of all layers where a person's joints are."""
-    R, p = frames_of(joints)
+    R, p = frames_from_joints(joints)
     origins = frame_origins(proportions)
     nodes = [Node(n, "", -1, tuple(o)) for n, o in zip(FRAMES, origins.tolist(), strict=True)]
-    meshes, parts = worn("", layers, 0, 0, 1)
+    meshes, parts = layer_parts("", layers, 0, 0, 1)
     take = SimpleNamespace(
         nodes=nodes,
         meshes=meshes,
@@ -81,7 +88,7 @@ def test_every_word_of_clothes_is_tried() -> None:
 
 @EVERYONE
 def test_all_layers_are_closed_and_face_outward(proportions: Proportions, clothes: Clothes) -> None:
-    for layer in dressed(proportions, clothes):
+    for layer in person_layers(proportions, clothes):
         edges = np.sort(layer.mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         _, counts = np.unique(edges, axis=0, return_counts=True)
         assert (counts == 2).all(), layer.name
@@ -103,7 +110,7 @@ def _volumes(solid: trimesh.Trimesh) -> list[float]:
 def test_they_are_light_and_hang_on_frames_that_hang_together(
     proportions: Proportions, clothes: Clothes
 ) -> None:
-    layers = dressed(proportions, clothes)
+    layers = person_layers(proportions, clothes)
     assert sum(len(layer.mesh.vertices) for layer in layers) < 6300
     beside = {(k, parent) for k, parent in enumerate(PARENTS)}
     for layer in layers:
@@ -122,7 +129,7 @@ def test_they_are_light_and_hang_on_frames_that_hang_together(
 
 @EVERYONE
 def test_they_are_the_same_on_both_sides(proportions: Proportions, clothes: Clothes) -> None:
-    for layer in dressed(proportions, clothes):
+    for layer in person_layers(proportions, clothes):
         places = layer.mesh.vertices.astype(float)
         other, mirror = cKDTree(places).query(places * [1.0, 1.0, -1.0])
         assert other.max() < 2e-6, layer.name
@@ -132,7 +139,7 @@ def test_they_are_the_same_on_both_sides(proportions: Proportions, clothes: Clot
 @EVERYONE
 def test_what_is_in_the_middle_follows_no_side(proportions: Proportions, clothes: Clothes) -> None:
     sides = np.array([name[-2:] in ("_l", "_r") for name in FRAMES])
-    for layer in dressed(proportions, clothes):
+    for layer in person_layers(proportions, clothes):
         mesh = layer.mesh
         middle = np.abs(mesh.vertices[:, 2]) < 1e-6
         pulled = (sides[mesh.nodes] * mesh.weights).sum(axis=1)
@@ -143,7 +150,7 @@ def test_what_is_in_the_middle_follows_no_side(proportions: Proportions, clothes
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
 def test_they_weigh_what_they_should(proportions: Proportions) -> None:
     """The space that flesh and clothes fill is the body's, to a tenth."""
-    layers = dressed(proportions, Clothes(style="none"))
+    layers = person_layers(proportions, Clothes(style="none"))
     bodies = [judge(layer) for layer in layers if layer.name not in ("whites", "pupils", "hair")]
     low = np.min([b.bounds[0] for b in bodies], axis=0)
     high = np.max([b.bounds[1] for b in bodies], axis=0)
@@ -178,7 +185,7 @@ def _winding(body: trimesh.Trimesh, points: Array) -> Array:
 @pytest.mark.parametrize("proportions", [ADULT, CHILD], ids=["adult", "child"])
 def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
     for build in get_args(Stature):
-        layers = {layer.name: layer for layer in dressed(proportions, Clothes(build=build))}
+        layers = {layer.name: layer for layer in person_layers(proportions, Clothes(build=build))}
         shirt, trousers = judge(layers["shirt"]), layers["trousers"].mesh.vertices.astype(float)
         hem = shirt.vertices[:, 1].min()
         # Below it they come out, and at its edge it turns inward.
@@ -188,8 +195,8 @@ def test_trousers_stay_under_the_shirt(proportions: Proportions) -> None:
 
 
 def test_those_who_wear_the_same_share_their_meshes() -> None:
-    one = dressed(ADULT, Clothes(shirt="red cloth"))
-    other = dressed(ADULT, Clothes(shirt="blue cloth"))
+    one = person_layers(ADULT, Clothes(shirt="red cloth"))
+    other = person_layers(ADULT, Clothes(shirt="blue cloth"))
     for a, b in zip(one, other, strict=True):
         assert a.mesh is b.mesh
         assert not a.mesh.vertices.flags.writeable
@@ -197,9 +204,11 @@ def test_those_who_wear_the_same_share_their_meshes() -> None:
 
 
 def test_names_dress_people_and_not_their_neighbours() -> None:
-    looks = [clothes_of(f"p{k}", 1) for k in range(40)]
-    assert looks == [clothes_of(f"p{k}", 1) for k in range(40)]
-    assert clothes_of("p0", 1) != clothes_of("p0", 2) or clothes_of("p1", 1) != clothes_of("p1", 2)
+    looks = [random_clothes(f"p{k}", 1) for k in range(40)]
+    assert looks == [random_clothes(f"p{k}", 1) for k in range(40)]
+    assert random_clothes("p0", 1) != random_clothes("p0", 2) or random_clothes(
+        "p1", 1
+    ) != random_clothes("p1", 2)
     for word in ("skin", "hair", "shirt", "trousers", "shoes", "style", "build", "shorts"):
         assert len({getattr(look, word) for look in looks}) > 1
     for look in looks:
@@ -219,7 +228,7 @@ def test_a_limb_that_is_bent_by_140_degrees_keeps_its_girth(
 ) -> None:
     """Behind the hinge the surface stays as far from it as it was, and no vertex falls in."""
     clothes = Clothes(short_sleeves=layer == "skin")
-    layers = dressed(ADULT, clothes)
+    layers = person_layers(ADULT, clothes)
     number = next(k for k, one in enumerate(layers) if one.name == layer)
     rest = ADULT.rest()
     bent = rest.copy()

@@ -12,8 +12,8 @@ from pipeline.simulation.characters.characters import Characters
 from pipeline.simulation.characters.playthings import CORNERS
 from pipeline.simulation.spatial import Array
 
-from .minded import simulation, steps, troupe
-from .yards import depth
+from .character_yard import depth
+from .mind_scenes import simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
 

@@ -12,7 +12,7 @@ from pipeline.simulation.characters.character_plans import person_plan
 from pipeline.simulation.characters.playthings import ball_plan
 from pipeline.simulation.people.proportions import ADULT, CHILD
 
-from .yards import DT, attitude, free, yard_of
+from .character_yard import DT, attitude, free, yard_of
 
 HIGH = np.array([0.0, 50.0, 0.0])
 

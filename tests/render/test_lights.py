@@ -19,7 +19,7 @@ def _mitsuba(backend: Backend) -> None:
 
 def irradiance_of(lit: Light) -> tuple[np.ndarray, np.ndarray]:
     """Return what sky and key light send on level ground and on a wall to the south."""
-    from render.lights import emitters
+    from render.lights.emitters import emitters
     from render.lights.environment_map import irradiance
 
     found = emitters(lit, GROUND)

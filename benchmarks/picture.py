@@ -36,8 +36,8 @@ from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
 from render.backend import choose
 from render.color import developed
-from render.comparison.flip import flip
-from render.comparison.psnr import psnr
+from render.comparison.flip_metric import flip
+from render.comparison.image_statistics import psnr
 from render.config import Film
 from render.denoiser import Denoiser
 from render.exposure import Exposure

@@ -17,7 +17,7 @@ from render.config import FullFilm, Material
 from render.errors import ShotError
 from render.exposure import Exposure
 from render.lights.emitters import emitters
-from render.lights.lamps import lamp_emitters, move_lamps, standing
+from render.lights.lamps import fixed_places, lamp_emitters, move_lamps
 from render.meshes import Group, built, groups, imprint, moved, update
 from render.shot import CameraPose, LampPlace, Mesh, Moment, Shot
 from render.surfaces.bsdf_plugins import set_pixel
@@ -56,7 +56,7 @@ class Stage:
                 "type": "scene",
                 **parts,
                 **emitters(shot.light, _ground(shot)),
-                **lamp_emitters(self._lamps, shot.lamps or standing(self._lamps)),
+                **lamp_emitters(self._lamps, shot.lamps or fixed_places(self._lamps)),
                 "camera": _camera(self._film, shot.camera),
             }
         )
@@ -75,7 +75,7 @@ class Stage:
                 update(self._values, f"mesh{i}.", group, moment.meshes)
             imprint(self._values, f"mesh{i}.", group, moment.meshes)
         self._shown = moment.meshes
-        shining = moment.lamps or standing(self._lamps)
+        shining = moment.lamps or fixed_places(self._lamps)
         if shining != self._shining:
             move_lamps(self._values, self._lamps, shining)
             self._shining = shining

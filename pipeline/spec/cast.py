@@ -16,7 +16,6 @@ from pipeline.spec.driving import ForceWords, Speed, VelocityKey, VelocityWords
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.group import Fire, GroupWords
 from pipeline.spec.keyframes import (
-    TURN,
     Keyframe,
     Rates,
     Turn,
@@ -30,6 +29,7 @@ from pipeline.spec.pronk import ITINERARY, Pronk
 from pipeline.spec.prop import Hold, Shape
 from pipeline.spec.values import Coordinate, Length, Name, Number, Target, Words
 from pipeline.spec.walk import Walk
+from render.config.base import TURN_DESCRIPTION
 
 MOST_KEYS = 10_000
 """Keyframes of one performer."""
@@ -141,7 +141,7 @@ class Prop(Performer):
         "origin of its parent [m].",
     )
     rotation_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN}."
+        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN_DESCRIPTION}."
     )
     keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MOST_KEYS)] = Field(
         (),
@@ -219,7 +219,8 @@ class Body(Performer):
         description="Where its centre of mass begins, [x, y, z]; [x, z] puts it on the ground [m].",
     )
     rotation_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"How it begins turned, before its heading: {TURN}."
+        (0.0, 0.0, 0.0),
+        description=f"How it begins turned, before its heading: {TURN_DESCRIPTION}.",
     )
     velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
     spin_deg: Turn = Field(
@@ -332,7 +333,8 @@ class Character(Performer):
     )
     rotation_deg: Turn = Field(
         (0.0, 0.0, 0.0),
-        description=f"How what does not hold itself begins turned, before its heading: {TURN}.",
+        description="How what does not hold itself begins turned, before its heading: "
+        f"{TURN_DESCRIPTION}.",
     )
     velocity: Velocity = Field(
         (0.0, 0.0, 0.0),

@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Rates, Time, faults_of_order
 from pipeline.spec.values import Number, Words
-from render.config.ease import EASE, Ease
+from render.config.base import EASE_DESCRIPTION, Ease
 
 Speed = Annotated[Number, Field(ge=-1000, le=1000)]
 Velocity = tuple[Speed, Speed, Speed]
@@ -21,7 +21,7 @@ Pushes = tuple[Push, Push, Push]
 MOST_KEYS = 10_000
 """Keys of one motion."""
 
-DRIVEN_EASE = f"{EASE}, hold keeps the value before until then."
+DRIVEN_EASE = f"{EASE_DESCRIPTION}, hold keeps the value before until then."
 
 
 class VelocityKey(Words):

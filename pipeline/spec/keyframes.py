@@ -9,9 +9,21 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.values import Coordinate, Number, Words
-from render.config.ease import EASE, HELD_EASE, TURN, Ease
+from render.config.base import (
+    EASE_DESCRIPTION,
+    HELD_EASE_DESCRIPTION,
+    TURN_DESCRIPTION,
+    Ease,
+)
 
-__all__ = ["EASE", "TURN", "Ease", "Keyframe", "SmoothEase", "faults_of_order"]
+__all__ = [
+    "EASE_DESCRIPTION",
+    "TURN_DESCRIPTION",
+    "Ease",
+    "Keyframe",
+    "SmoothEase",
+    "faults_of_order",
+]
 
 SmoothEase = Literal["spline", "linear", "in", "out", "in-out"]
 """The eases of what must not jump, such as joints."""
@@ -53,14 +65,15 @@ class Keyframe(Words):
     at: Time = Field(description="When [s].")
     position: Place | None = Field(None, description="Where its origin is, [x, y, z] [m].")
     rotation_deg: Turn | None = Field(
-        None, description=f"How it is turned: {TURN}. More than 360 is more than one turn."
+        None,
+        description=f"How it is turned: {TURN_DESCRIPTION}. More than 360 is more than one turn.",
     )
     scale: Scale | None = Field(
         None,
         description="Factor on its own lengths, one or one for each of its axes; its children "
         "keep theirs.",
     )
-    ease: Ease = Field("spline", description=HELD_EASE)
+    ease: Ease = Field("spline", description=HELD_EASE_DESCRIPTION)
     tangent: Tangent | None = Field(
         None,
         description="How fast a spline goes through here; found from the keys beside it "

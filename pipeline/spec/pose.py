@@ -7,8 +7,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.keyframes import EASE, TURN, Place, SmoothEase, Time, Turn
+from pipeline.spec.keyframes import Place, SmoothEase, Time, Turn
 from pipeline.spec.values import Name, Number, Whole, Words
+from render.config.base import EASE_DESCRIPTION, TURN_DESCRIPTION
 
 Frame = Literal["feet", "body", "world"]
 
@@ -23,7 +24,7 @@ class BodyKey(Words):
         (0.0, 0.0, 0.0), description="Forward, up and to the right of its heading [m]."
     )
     turn_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"About its forward x, up y and right z: {TURN}."
+        (0.0, 0.0, 0.0), description=f"About its forward x, up y and right z: {TURN_DESCRIPTION}."
     )
 
 
@@ -42,7 +43,7 @@ class PoseKey(Words):
         None, description="Where the link that ends there is to point, as a direction."
     )
     turn_deg: Turn | None = Field(
-        None, description=f"How that link is turned from the way it was drawn: {TURN}."
+        None, description=f"How that link is turned from the way it was drawn: {TURN_DESCRIPTION}."
     )
     frame: Frame = Field(
         "feet",
@@ -72,7 +73,7 @@ class PoseKey(Words):
         description="How long the first key takes over from what was done before, ending at `at`, "
         "and how long a release takes, beginning there [s].",
     )
-    ease: SmoothEase = Field("spline", description=f"{EASE}.")
+    ease: SmoothEase = Field("spline", description=f"{EASE_DESCRIPTION}.")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -30,7 +30,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from render.config.film import RAYS_A_PATH
+from render.config.film import RAYS_PER_PATH
 from render.exposure import GLEAM, Exposure
 from render.strata import grid
 from render.tracing.raster import Raster, Sums
@@ -92,7 +92,7 @@ class Wavefront(Tracer):
         self, scene: Any, size: tuple[int, int], depth: int, *, half: bool = False
     ) -> None:
         self._scene, self._depth = scene, depth
-        self.looks = 1 if half else RAYS_A_PATH
+        self.looks = 1 if half else RAYS_PER_PATH
         self.sharp = Raster(size)
         self.soft = Raster((size[0] // 2, size[1] // 2)) if half else self.sharp
         sky = scene.environment()

@@ -15,6 +15,7 @@ import pytest
 from render.backend import Backend
 from render.config import Film, material
 from render.errors import ShotError
+from render.lights.sun_position import sun_direction
 from render.renderer import Renderer
 from render.shot import CameraPose, Mesh, Shot
 
@@ -97,7 +98,7 @@ def test_a_grey_card_is_middle_grey_by_day(renderer: Renderer) -> None:
 
     lit = light("day")
     assert lit.sun is not None
-    n = np.add(lit.sun.direction, (0.0, 1.0, 0.0))
+    n = np.add(sun_direction(lit.sun), (0.0, 1.0, 0.0))
     n /= np.linalg.norm(n)
     u = np.cross(n, [1.0, 0, 0])
     u /= np.linalg.norm(u)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from render.comparison import distances, flip, spread_of, tile_means
+from render.comparison.flip_metric import flip
+from render.comparison.image_statistics import seed_spread, tile_deviations, tile_means
 
 MARGIN: Final = 1.25
 """Limits lie this far above the most that other seeds have shown."""
@@ -73,6 +74,6 @@ def seen(frames: Sequence[Sequence[NDArray[np.uint8]]]) -> Seen:
             means.append(float(errors.mean()))
             tiles.append(float(tile_means(errors).max()))
         for k, picture in enumerate(pictures):
-            others = spread_of([*pictures[:k], *pictures[k + 1 :]])
-            zs.append(float(distances(others, picture).max()))
+            others = seed_spread([*pictures[:k], *pictures[k + 1 :]])
+            zs.append(float(tile_deviations(others, picture).max()))
     return Seen(len(frames[0]), max(means), max(tiles), max(zs))

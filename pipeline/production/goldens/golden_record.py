@@ -19,7 +19,7 @@ from pipeline.production.goldens.motion_golden import golden_of
 from pipeline.production.goldens.sampling_proof import Proof, framing_of
 from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.progress import Reporter, stage, step
-from render.comparison import spread_of
+from render.comparison.image_statistics import seed_spread
 
 LEAST_SEEDS = 2
 """To calibrate with: a picture's distance from the others needs two others."""
@@ -140,7 +140,7 @@ def _calibrated(
             step(reporter, current, seed)
         found = seen(list(pictures.values()))
         current.result = f"worst tile {found.tile:.4f}"
-    spreads = {number: spread_of(some) for number, some in pictures.items()}
+    spreads = {number: seed_spread(some) for number, some in pictures.items()}
     new = replace(content, limits=found.limits(), calibrated=seeds, spreads=spreads)
     return new, found
 

@@ -20,7 +20,14 @@ from pipeline.production.goldens.verdict import (
     gravest,
 )
 from pipeline.simulation.take import Take
-from render.comparison import Spread, distances, flip, judge, psnr, tile_box, tile_means
+from render.comparison.flip_metric import flip, judge
+from render.comparison.image_statistics import (
+    SeedSpread,
+    psnr,
+    tile_box,
+    tile_deviations,
+    tile_means,
+)
 
 BOXES: Final = 5
 """Tiles that are shown as the worst."""
@@ -90,7 +97,7 @@ def judge_frame(
     new: Picture,
     limits: Limits,
     at_home: bool,
-    spread: Spread | None,
+    spread: SeedSpread | None,
 ) -> FrameVerdict:
     """Judge one frame.
 
@@ -107,7 +114,7 @@ def judge_frame(
         return FrameVerdict(number, Outcome.IDENTICAL, "digest", "equal to the bit")
     errors = flip(golden, new)
     tiles = tile_means(errors)
-    zs = None if spread is None else distances(spread, new)
+    zs = None if spread is None else tile_deviations(spread, new)
     mean, tile, ratio = float(errors.mean()), float(tiles.max()), psnr(golden, new)
     z = None if zs is None else float(zs.max())
     told = [f"FLIP {mean:.4f} (limit {limits.mean:g}), worst tile {tile:.4f}"]

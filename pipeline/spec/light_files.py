@@ -36,10 +36,10 @@ def light_named_in_full(scene: Table, folder: Path | None) -> tuple[Table, list[
 
 def _fault(whole: Path, said: str) -> str | None:
     # Only scenes with pictures wait for the library that reads them.
-    from render.panorama_file import fault_of
+    from render.panorama_file import panorama_fault
 
     try:
         there = whole.is_file()
     except (OSError, ValueError):
         there = False
-    return fault_of(whole) if there else f"'{said}' is no file in {whole.parent}"
+    return panorama_fault(whole) if there else f"'{said}' is no file in {whole.parent}"

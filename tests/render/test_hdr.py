@@ -12,7 +12,7 @@ from render.backend import Backend
 from render.color import luminance
 from render.config import Film, Light, light
 from render.errors import ShotError
-from render.panorama_file import content_of, fault_of
+from render.panorama_file import file_digest, panorama_fault
 from render.renderer import Renderer
 from render.shot import Shot
 
@@ -142,22 +142,22 @@ def test_only_its_content_decides_what_a_picture_is(make_shot: Make, tmp_path: P
     assert build(b) == first
     written(b, sky(5.0))
     assert build(b) != first
-    assert content_of(tmp_path / "none.exr") == ""
+    assert file_digest(tmp_path / "none.exr") == ""
 
 
 def test_what_is_no_picture_of_all_directions_is_named(tmp_path: Path) -> None:
     good = Path(written(tmp_path / "good.hdr", sky()))
-    assert fault_of(good) is None
+    assert panorama_fault(good) is None
     written(tmp_path / "square.exr", sky()[:, :128])
-    assert "128 by 128" in str(fault_of(tmp_path / "square.exr"))
+    assert "128 by 128" in str(panorama_fault(tmp_path / "square.exr"))
     for name, content in {
         "torn.exr": b"v/1\x01\x02",
         "torn.hdr": b"#?RADIANCE\n",
         "a.hdr": b"",
     }.items():
         (tmp_path / name).write_bytes(content)
-        assert "cannot be read" in str(fault_of(tmp_path / name))
-    assert "is no .exr or .hdr file" in str(fault_of(tmp_path / "a.png"))
+        assert "cannot be read" in str(panorama_fault(tmp_path / name))
+    assert "is no .exr or .hdr file" in str(panorama_fault(tmp_path / "a.png"))
     torn = tmp_path / "half.exr"
     torn.write_bytes(Path(written(tmp_path / "whole.exr", sky())).read_bytes()[:3000])
     from render.lights.emitters import emitters

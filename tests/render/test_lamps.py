@@ -73,11 +73,11 @@ def test_a_lamp_moved_in_place_equals_a_fresh_build(
 ) -> None:
     shot = make_shot(lit=light({"lamps": [{"at": [0, 1.5, 1], **kind}]}))
     renderer.render(shot)
-    built = renderer.split.build
+    built = renderer.timings.build
     aim = (0.5, 0.0, 0.0) if "spot" in kind else None
     moved = replace(shot, lamps=(LampPlace((1.0, 1.2, 1.0), aim),))
     light_moved = renderer.render(moved).light
-    assert renderer.split.build == built
+    assert renderer.timings.build == built
     np.testing.assert_array_equal(light_moved, Renderer(backend).render(moved).light)
     assert not np.array_equal(light_moved, renderer.render(shot).light)
     assert shot.digest != moved.digest

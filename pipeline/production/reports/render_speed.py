@@ -14,7 +14,7 @@ from pipeline.production.run.progress import Reporter, stage, step
 from pipeline.production.shots.shot_builder import Shooting
 from render.backend import choose
 from render.config import FullFilm
-from render.renderer import Renderer, Split
+from render.renderer import Renderer, Timings
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +75,10 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
                             _ = picture.srgb8
                     seconds.append(time.perf_counter() - began)
                     if done == 0:
-                        renderer.split = Split()
+                        renderer.timings = Timings()
                     step(reporter, current, done + 1)
                 speed = _speed(
-                    preset, film.resolved(), seconds, renderer.split, order.scene.n_frames
+                    preset, film.resolved(), seconds, renderer.timings, order.scene.n_frames
                 )
                 current.result = f"{speed.frame:.2f} s a frame"
             found.append(speed)
@@ -86,7 +86,7 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
 
 
 def _speed(
-    preset: str, film: FullFilm, seconds: Sequence[float], split: Split, count: int
+    preset: str, film: FullFilm, seconds: Sequence[float], split: Timings, count: int
 ) -> Speed:
     # A scene of one frame has no other than its first.
     later = list(seconds[1:]) or list(seconds)

@@ -49,12 +49,11 @@ from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
 from pipeline.spec import Scene, simulation_key
 from render.backend import Backend
-from render.codecs import CODECS
 from render.color import developed, developed16
 from render.errors import RenderError
-from render.film_encoder import Picture, film_key, write_film
+from render.film_encoder import CODECS, Picture, film_key, write_film
 from render.image_files import read_exr, read_png
-from render.renderer import Renderer, Split
+from render.renderer import Renderer, Timings
 
 
 @dataclass(slots=True)
@@ -275,7 +274,7 @@ def _rendered(
     else:
         for i, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
             progress(i)
-        split = renderer.split
+        split = renderer.timings
     estimate.remember()
     run.timed("render", began)
     current.result = _told(split, current.seconds * jobs, kept)
@@ -287,7 +286,7 @@ def _say(run: Production, text: str | None) -> None:
         run.reporter.note(text)
 
 
-def _told(split: Split, seconds: float, kept: int) -> str:
+def _told(split: Timings, seconds: float, kept: int) -> str:
     """Return where the time of rendering went, in words."""
     inside = split.build + split.update + split.trace + split.denoise
     parts = (

@@ -22,7 +22,7 @@ from pipeline.simulation.take_store import read_take
 from pipeline.spec.scene import Scene
 from render.backend import Backend
 from render.errors import DeviceMemoryShort, RenderError
-from render.renderer import Renderer, Split
+from render.renderer import Renderer, Timings
 
 FRAMES_A_PROCESS = 500
 """Workers are replaced after so many frames each: Mitsuba does not give all memory back."""
@@ -49,7 +49,7 @@ class Share:
             yield replace(self, keys=keys)
 
 
-def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) -> Split:
+def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) -> Timings:
     """Render the frames of `share` in `jobs` processes at once.
 
     Args:
@@ -64,9 +64,9 @@ def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) 
         FilmingError: if a frame cannot be rendered or written, or a process died.
         DeviceMemoryShort: a graphics processor has too little memory.
     """
-    split = Split()
+    split = Timings()
 
-    def done(part: Split) -> None:
+    def done(part: Timings) -> None:
         for one in fields(split):
             setattr(split, one.name, getattr(split, one.name) + getattr(part, one.name))
         progress(split.frames)
@@ -77,7 +77,7 @@ def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) 
     return split
 
 
-def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Split], None]) -> None:
+def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Timings], None]) -> None:
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(min(jobs, len(pieces)), context, begin_work) as pool:
         try:
@@ -148,7 +148,7 @@ def _end_with_parent() -> None:
         os._exit(1)
 
 
-def _film_piece(piece: Share) -> Split | str | DeviceMemoryShort:
+def _film_piece(piece: Share) -> Timings | str | DeviceMemoryShort:
     """Render one piece; an error comes back as its message."""
     global _equipment
     try:
@@ -156,11 +156,11 @@ def _film_piece(piece: Share) -> Split | str | DeviceMemoryShort:
             shooting = Shooting(piece.scene, read_take(piece.take))
             _equipment = shooting, Renderer(piece.backend)
         shooting, renderer = _equipment
-        renderer.split = Split()
+        renderer.timings = Timings()
         for _ in film_frames(renderer, shooting, piece.outputs, piece.keys):
             pass
     except DeviceMemoryShort as error:
         return error
     except (FilmingError, RenderError) as error:
         return str(error)
-    return renderer.split
+    return renderer.timings

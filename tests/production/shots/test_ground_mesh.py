@@ -124,13 +124,15 @@ def test_rays_hit_the_drawn_ground_where_feet_stand(words: dict[str, object]) ->
     import drjit as dr
     import mitsuba as mi
 
-    from render.meshes import built, groups
+    from render.meshes import build_mesh, group_meshes
 
     made = TypeAdapter(Terrain).validate_python(words)
     ground = build_ground(made, seed=5)
     (near, _) = ground_meshes(record(made), show_forbidden=True)
-    (group,) = groups([near], MATERIALS)
-    scene = mi.load_dict({"type": "scene", "ground": built(group, [near], MATERIALS["dry soil"])})
+    (group,) = group_meshes([near], MATERIALS)
+    scene = mi.load_dict(
+        {"type": "scene", "ground": build_mesh(group, [near], MATERIALS["dry soil"])}
+    )
     half = 0.49 * np.array(made.size)
     local = np.random.default_rng(3).uniform(-half, half, (4000, 2))
     x, z = ground.field.to_world(*local.T)

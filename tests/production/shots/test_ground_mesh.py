@@ -95,14 +95,14 @@ def test_the_far_field_goes_with_the_terrain() -> None:
 def test_forbidden_zones_are_tinted_and_nothing_else(terrain: Terrain) -> None:
     ground = record(terrain)
     plain, marked = ground_meshes(ground), ground_meshes(ground, show_forbidden=True)
-    assert all(mesh.tinted is None for mesh in plain)
+    assert all(mesh.warned is None for mesh in plain)
     assert plain[0].digest != marked[0].digest
     assert plain[1].digest == marked[1].digest
     near = marked[0]
     field = build_ground(terrain, seed=5)
     middles = near.vertices[near.faces.astype(int)].astype(float).mean(axis=1)
-    assert near.tinted is not None
-    assert (near.tinted == ~field.steppable(middles[:, 0], middles[:, 2])).all()
+    assert near.warned is not None
+    assert (near.warned == ~field.steppable(middles[:, 0], middles[:, 2])).all()
 
 
 @pytest.mark.parametrize(

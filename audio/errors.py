@@ -1,9 +1,9 @@
 """Errors of the sound writers.
 
 AudioError
-├── GridError        no exact grid of notes for a frame rate
+├── GridError        a frame rate has no exact MIDI grid
 ├── ScoreError       an event or a length that a score cannot hold
-├── SoundFileError   a file could not be written; the earlier one stands untouched
+├── SoundFileError   a file could not be written or read
 └── SoundFontError   a SoundFont cannot be played
 """
 
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 
 class AudioError(Exception):
-    """Root of all that `audio` raises on purpose."""
+    """Root of all errors that `audio` raises on purpose."""
 
 
 class GridError(AudioError):
@@ -23,8 +23,8 @@ class ScoreError(AudioError):
 
 
 class SoundFileError(AudioError):
-    """A file could not be written."""
+    """A file could not be written or read; an earlier file is untouched."""
 
 
 class SoundFontError(AudioError):
-    """A SoundFont is missing or damaged, or there is nothing to play it with."""
+    """A SoundFont is missing or damaged, or its player is not installed."""

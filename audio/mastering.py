@@ -1,41 +1,53 @@
-"""Mastering: a mix -> samples of 24 bits, as loud as asked and with no peak above the ceiling."""
+"""Mastering: a mix to 24-bit samples of a given loudness below a ceiling.
+
+Peaks are first limited by a gain, then saturated: the first millisecond of an impact is 20 dB
+above its ring, and a gain alone would lower the ring with it. Saturating the peak leaves the ring
+as loud as it is, and sounds like a slightly duller click.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from audio.banks import Signal
-from audio.limiter import limited
-from audio.loudness import integrated, true_peak
-from audio.saturation import saturated
-from audio.track_words import Master
+from audio.config.sound import Master
+from audio.dsp import Signal, decibels
+from audio.loudness_meter import integrated_loudness, true_peak, true_peaks
+from audio.time_grid import SAMPLE_RATE
 
-FULL = 2**23 - 1
+FULL_SCALE = 2**23 - 1
 """The largest sample."""
 
-_OFF = Master(most_gain_db=0.0)
-# Meters that look between samples more finely, or with other filters, find a little more [dB].
+_CEILING_ONLY = Master(most_gain_db=0.0)
+# Below the ceiling, because other meters oversample more finely or with other filters [dB].
 _MARGIN = 0.3
-# So much of what is too high is bent, which is not heard of blows; the rest is eased [dB].
-_BENT = 9.0
-_ROUNDS = 6
-_NEAR_ENOUGH = 0.05
-_LEAST_SLOPE = 0.25
+# Greatest saturation, inaudible on impacts; the rest is limited [dB].
+_MAX_SATURATION = 9.0
+# The search for the gain: rounds, tolerance [dB], and least change of loudness per gain.
+_MAX_ROUNDS, _TOLERANCE, _MIN_SLOPE = 6, 0.05, 0.25
+# Samples per step of the limiter's gain.
+_BLOCK = 48
+# The gain falls within 2 ms ahead of a peak, stays for 4 ms [blocks] and recovers by 300 dB a
+# second: soon enough to leave the ring after the peak.
+_LOOKAHEAD, _HOLD = 2, 4
+_RELEASE = 10 ** (300.0 / 20 * _BLOCK / SAMPLE_RATE)
+# Share of the ceiling up to which saturation is linear.
+_KNEE = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Mastered:
-    """A track that is ready to be written, and what was done to it.
+    """A mastered track with its measurements.
 
     Attributes:
         samples: (N, 2) integers of 24 bits.
-        lufs: integrated loudness of these samples [LUFS]; -inf for silence.
-        true_peak_db: their largest magnitude, between samples too [dB]; -inf for silence.
-        gain_db: by which the whole mix was raised or lowered [dB].
-        limited_db: the most that the highest peak was lowered after that [dB].
+        lufs: integrated loudness [LUFS]; -inf for silence.
+        true_peak_db: largest magnitude, between samples too [dB]; -inf for silence.
+        gain_db: of the whole mix [dB].
+        limited_db: reduction of the highest peak after that gain [dB].
     """
 
     samples: NDArray[np.int32]
@@ -45,63 +57,110 @@ class Mastered:
     limited_db: float
 
 
-def mastered(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Mastered:
-    """Return a mix made as loud as asked.
+def master_mix(mix: Signal, master: Master | None, volume_db: float = 0.0) -> Mastered:
+    """Return a mix at the target loudness.
 
-    The whole is raised by one gain, so that soft and loud keep their relation; only what would
-    pass the ceiling is lowered again. Since that costs loudness, the gain is found in rounds.
+    One gain raises the whole mix, so the balance of soft and loud stays; only peaks above the
+    ceiling are lowered. Since that costs loudness, the gain is found iteratively.
 
     Args:
-        mix: (N, 2), within any bounds.
-        master: how loud; None to leave the loudness as it is, below the usual ceiling.
-        volume_db: the author's, already in the mix: so much louder than asked it shall be [dB].
+        mix: (N, 2), of any level.
+        master: the target; None to apply the usual ceiling only.
+        volume_db: configured volume, already in the mix, by which the target is raised [dB].
     """
-    words = master or _OFF
-    ceiling_db, wanted = words.true_peak_db - _MARGIN, words.lufs + volume_db
-    peak_db, loud = decibels(true_peak(mix)), integrated(mix) if master else -np.inf
-    gain_db = most = 0.0
-    if np.isfinite(loud):
-        most = min(words.most_gain_db, ceiling_db + words.most_limiting_db - peak_db)
-        gain_db = min(wanted - loud, most)
+    config = master or _CEILING_ONLY
+    ceiling_db, target = config.true_peak_db - _MARGIN, config.lufs + volume_db
+    peak_db = decibels(true_peak(mix))
+    loudness = integrated_loudness(mix) if master else -np.inf
+    gain_db = max_gain_db = 0.0
+    if np.isfinite(loudness):
+        max_gain_db = min(config.most_gain_db, ceiling_db + config.most_limiting_db - peak_db)
+        gain_db = min(target - loudness, max_gain_db)
     if peak_db + gain_db <= ceiling_db:
         return _measured(mix * 10 ** (gain_db / 20), gain_db, 0.0)
     out = _limited(mix, gain_db, ceiling_db, peak_db)
-    # What is lowered is lost to loudness: by the slope of the last round, at first none.
-    slope, heard = 1.0, integrated(out)
-    for _ in range(_ROUNDS if master else 0):
-        more = min((wanted - heard) / slope, most - gain_db)
-        if abs(more) < _NEAR_ENOUGH or wanted - heard < _NEAR_ENOUGH:
+    # Secant search: limiting makes loudness grow slower than the gain.
+    slope, loudness = 1.0, integrated_loudness(out)
+    for _ in range(_MAX_ROUNDS if master else 0):
+        step = min((target - loudness) / slope, max_gain_db - gain_db)
+        if abs(step) < _TOLERANCE or target - loudness < _TOLERANCE:
             break
-        gain_db += more
+        gain_db += step
         out = _limited(mix, gain_db, ceiling_db, peak_db)
-        before, heard = heard, integrated(out)
-        slope = min(max((heard - before) / more, _LEAST_SLOPE), 1.0)
+        previous, loudness = loudness, integrated_loudness(out)
+        slope = min(max((loudness - previous) / step, _MIN_SLOPE), 1.0)
     return _measured(out, gain_db, peak_db + gain_db - ceiling_db)
 
 
 def _limited(mix: Signal, gain_db: float, ceiling_db: float, peak_db: float) -> Signal:
-    """Return the mix raised and below the ceiling."""
+    """Return the mix with a gain, limited and saturated below the ceiling."""
     ceiling = 10 ** (ceiling_db / 20)
     raised = mix * 10 ** (gain_db / 20)
-    tips = 10 ** (min(peak_db + gain_db - ceiling_db, _BENT) / 20)
-    eased, _ = limited(raised, ceiling * tips)
-    # Between samples what is bent may reach a little over.
-    return limited(saturated(eased, ceiling), ceiling)[0]
+    headroom = 10 ** (min(peak_db + gain_db - ceiling_db, _MAX_SATURATION) / 20)
+    eased, _ = limit(raised, ceiling * headroom)
+    # Between samples, saturated peaks may exceed the ceiling slightly.
+    return limit(_saturate(eased, ceiling), ceiling)[0]
 
 
-def _measured(out: Signal, gain_db: float, lowered: float) -> Mastered:
-    samples = np.rint(out * FULL).astype("<i4")
-    written = samples / FULL
-    peak = true_peak(written)
+def _saturate(stereo: Signal, ceiling: float) -> Signal:
+    """Return a mix with its samples below a ceiling, unchanged up to the knee: (N, 2)."""
+    knee = _KNEE * ceiling
+    room = ceiling - knee
+    over = np.abs(stereo) > knee
+    out = stereo.copy()
+    bent = knee + room * np.tanh((np.abs(stereo[over]) - knee) / room)
+    out[over] = np.copysign(bent, stereo[over])
+    return out
+
+
+def _measured(out: Signal, gain_db: float, limited_db: float) -> Mastered:
+    samples = np.rint(out * FULL_SCALE).astype("<i4")
+    written = samples / FULL_SCALE
     return Mastered(
         samples=samples,
-        lufs=integrated(written),
-        true_peak_db=decibels(peak),
+        lufs=integrated_loudness(written),
+        true_peak_db=decibels(true_peak(written)),
         gain_db=float(gain_db),
-        limited_db=lowered,
+        limited_db=limited_db,
     )
 
 
-def decibels(level: float) -> float:
-    """Return an amplitude in decibels; -inf for none."""
-    return float(20 * np.log10(level)) if level > 0 else -np.inf
+def limit(stereo: Signal, ceiling: float) -> tuple[Signal, float]:
+    """Return the mix limited to a ceiling, and the greatest reduction [dB].
+
+    One gain for both sides: silence stays silence, every onset stays on its sample, and parts far
+    from any peak are not changed.
+
+    Args:
+        stereo: (N, 2).
+        ceiling: of peaks, between samples too.
+    """
+    peaks = true_peaks(stereo, 0.5 * ceiling)
+    if peaks.max(initial=0.0) <= ceiling:
+        return stereo, 0.0
+    gain = _limiter_gain(peaks, ceiling)
+    return stereo * gain[:, None], float(-20 * np.log10(gain.min()))
+
+
+def _limiter_gain(peaks: Signal, ceiling: float) -> Signal:
+    """Return a gain that keeps peaks below the ceiling: (N,)."""
+    blocks = -(-peaks.size // _BLOCK)
+    padded = np.zeros(blocks * _BLOCK)
+    padded[: peaks.size] = peaks
+    needed = ceiling / np.maximum(padded.reshape(blocks, _BLOCK).max(axis=1), ceiling)
+    # The window of the minimum is wider than that of the mean, so the mean reaches it in time.
+    wide = np.pad(needed, (_HOLD, 2 * _LOOKAHEAD), constant_values=1.0)
+    lowest = sliding_window_view(wide, _HOLD + 2 * _LOOKAHEAD + 1).min(axis=1)
+    smooth = np.pad(_with_release(lowest), (_LOOKAHEAD, _LOOKAHEAD), mode="edge")
+    mean = sliding_window_view(smooth, 2 * _LOOKAHEAD + 1).mean(axis=1)
+    centers = (np.arange(blocks) + 0.5) * _BLOCK
+    return np.asarray(np.interp(np.arange(peaks.size), centers, mean))
+
+
+def _with_release(needed: Signal) -> Signal:
+    """Return a gain that falls at once and recovers at the release rate: (B,)."""
+    gain, out = 1.0, needed.tolist()
+    for block, most in enumerate(out):
+        gain = min(most, gain * _RELEASE)
+        out[block] = gain
+    return np.array(out)

@@ -1,35 +1,49 @@
-"""Names that an author may get wrong, and the nearest right one."""
+"""Names in a scene file: comparison, patterns, and suggestions for misspelt ones."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+MAX_LISTED = 24
+"""Longer lists of allowed names are cut to those similar to the unknown one."""
 
-def folded(name: str) -> str:
-    """Return a name as it is compared: lower case, single spaces, no hyphens or underscores."""
+
+def normalized_name(name: str) -> str:
+    """Return a name for comparison: lower case, single spaces, no hyphens or underscores."""
     return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
-def nearest(name: str, allowed: Iterable[str]) -> str | None:
-    """Return the allowed name most like this one, or None where nothing is like it."""
-    return next(iter(_like(name, allowed, 1, 0.5)), None)
+def matches_pattern(name: str, pattern: str) -> bool:
+    """Tell whether a name matches a pattern in which `*` stands for any letters."""
+    pieces = (re.escape(piece) for piece in normalized_name(pattern).split("*"))
+    return re.fullmatch(".*".join(pieces), normalized_name(name)) is not None
 
 
-def _like(name: str, allowed: Iterable[str], most: int, cutoff: float) -> list[str]:
-    by_fold = {folded(each): each for each in allowed}
-    return [by_fold[each] for each in get_close_matches(folded(name), by_fold, most, cutoff)]
+def nearest_name(name: str, allowed: Iterable[str]) -> str | None:
+    """Return the allowed name most similar to this one, or None if none is similar."""
+    return next(iter(_similar_names(name, allowed, 1, 0.5)), None)
 
 
-_LISTED = 24
-"""Longer lists are not read; then the names most like the wrong one are told."""
+def _similar_names(name: str, allowed: Iterable[str], count: int, cutoff: float) -> list[str]:
+    originals = {normalized_name(each): each for each in allowed}
+    close = get_close_matches(normalized_name(name), originals, count, cutoff)
+    return [originals[each] for each in close]
 
 
-def unknown(what: str, name: str, allowed: Iterable[str]) -> str:
-    """Say that a name is unknown, what is allowed, and which is nearest."""
+def unknown_name_message(kind: str, name: str, allowed: Iterable[str]) -> str:
+    """Return an error message with the nearest allowed name and the allowed names.
+
+    Args:
+        kind: of the name, such as "instrument".
+        name: the unknown one.
+        allowed: all known names.
+    """
     allowed = list(allowed)
-    near = nearest(name, allowed)
+    near = nearest_name(name, allowed)
     hint = f"; did you mean {near!r}?" if near else ""
-    like = _like(name, allowed, 6, 0.3) if near and len(allowed) > _LISTED else allowed
-    some = f"{len(allowed)} names, such as" if like != allowed else "allowed:"
-    return f"unknown {what} {name!r}{hint} ({some} {', '.join(like)})"
+    if near and len(allowed) > MAX_LISTED:
+        similar = ", ".join(_similar_names(name, allowed, 6, 0.3))
+        return f"unknown {kind} {name!r}{hint} ({len(allowed)} names, such as {similar})"
+    return f"unknown {kind} {name!r}{hint} (allowed: {', '.join(allowed)})"

@@ -1,31 +1,33 @@
-"""Score: all that the sound writers are given.
+"""Score: the input of the sound writers.
 
-Events are already placed as the listener hears them; a score knows frames,
-seconds and materials, and nothing of terrain, figures or cameras.
+Events are placed relative to the listener. A score has frames, seconds and materials, but no
+terrain, figures or cameras.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isfinite
 from typing import Literal
 
-from audio.words import Sound
+from audio.config.sound import Sound
+from audio.errors import ScoreError
 
 
 @dataclass(frozen=True, slots=True)
 class Bearing:
-    """Where a sound is for the listener, at one moment.
+    """Position of a sound relative to the listener at one moment.
 
     Attributes:
         distance: from the listener [m].
-        azimuth: its direction [rad]; 0 straight ahead, positive to the right.
-        nearing: how fast it comes nearer [m/s]; negative for what goes away.
+        azimuth: direction [rad]; 0 straight ahead, positive to the right.
+        approach_speed: rate at which the distance shrinks [m/s].
     """
 
     distance: float
     azimuth: float
-    nearing: float = 0.0
+    approach_speed: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,20 +39,20 @@ class ScoreEvent:
         time: exact time of the cause [s], at most one frame before its frame's time.
         cause: "footfall", "scuff", "collision", ...
         who: performer that sounds, such as "bug".
-        part: the part of it, such as "foot_l1"; empty for the whole.
-        other: what it met, such as "terrain"; empty where there is nothing.
-        material: of the part that sounds, such as "chitin".
-        surface: material of what it met, such as "dry soil"; may be empty.
-        strength: approach speed [m/s]; for motions their speed.
+        part: part that sounds, such as "foot_l1"; empty for the whole performer.
+        other: what the part met, such as "terrain"; may be empty.
+        material: of the part, such as "chitin".
+        surface: material of what the part met, such as "dry soil"; may be empty.
+        strength: approach speed of an impact, or speed of a motion [m/s].
         energy: of the impact [J].
-        size: characteristic length of what sounds [m].
-        distance: from the listener [m]; of what lasts, where it comes nearest.
-        azimuth: direction as heard there [rad]; 0 straight ahead, positive to the right.
-        duration: of a sound that lasts [s]; 0 for an impact.
-        speeds: of a sound that lasts, at even times from its onset to its end [m/s]; empty where
-            it does not change or is not known.
-        course: of a sound that lasts and moves, where it is at these times; empty where it stays.
-        spot: where on itself it is struck, 0 to 1 along its longest axis; None if that is unknown.
+        size: characteristic length of the part [m].
+        distance: from the listener [m]; of a sustained sound the smallest.
+        azimuth: direction at that distance [rad]; 0 straight ahead, positive to the right.
+        duration: of a sustained sound [s]; 0 for an impact.
+        speeds: of a sustained sound, at even times from onset to end [m/s]; empty if constant or
+            unknown.
+        course: of a sustained sound that moves, its bearings at these times; empty if it stays.
+        spot: point of impact along the part's longest axis, 0 to 1; None if unknown.
     """
 
     frame: int
@@ -71,20 +73,36 @@ class ScoreEvent:
     course: tuple[Bearing, ...] = ()
     spot: float | None = None
 
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Identity of the event, which seeds its random variation."""
+        return (self.frame, self.time, self.cause, self.who, self.part, self.other)
+
+    @property
+    def label(self) -> str:
+        """Cause, part and counterpart, such as "footfall: bug.l1 > terrain"."""
+        source = f"{self.cause}: {self.who}" + (f".{self.part}" if self.part else "")
+        return source + (f" > {self.other}" if self.other else "")
+
 
 @dataclass(frozen=True, slots=True)
 class Marker:
-    """A place in the film that its makers should find again.
+    """A cut or a script instruction.
 
     Attributes:
-        frame: 1-based frame from which it holds.
-        kind: what it is.
-        text: such as "follows bug, side".
+        frame: 1-based frame of its start.
+        kind: of marker.
+        text: description, such as "side of bug".
     """
 
     frame: int
     kind: Literal["cut", "script"]
     text: str
+
+    @property
+    def label(self) -> str:
+        """Kind and text, such as "cut: side of bug"."""
+        return f"{self.kind}: {self.text}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,10 +113,10 @@ class Score:
         rate: frames a second.
         frames: number of frames; the score lasts exactly frames / rate seconds.
         events: in the order of (frame, time, who, part).
-        sound: the author's words on voices.
-        seed: of what varies in the synthesis.
+        sound: configuration of voices, room and loudness.
+        seed: of the random variation in the synthesis.
         title: of the scene; may hold any character.
-        markers: cuts and instructions of the script, in the order of frames.
+        markers: cuts and script instructions in the order of frames.
         subframe: whether sounds stand at the exact times of their causes instead of on the
             frames that first show them.
     """
@@ -113,5 +131,34 @@ class Score:
     subframe: bool = False
 
     def onset(self, event: ScoreEvent) -> Fraction:
-        """Return the time at which an event is to be heard [s]."""
+        """Return the time of an event's sound [s]."""
         return event.time if self.subframe else (event.frame - 1) / self.rate
+
+    def validate(self) -> None:
+        """Check length, rate and events.
+
+        Raises:
+            ScoreError: an event lies outside the score or holds a number that is not finite.
+        """
+        if self.frames < 1:
+            raise ScoreError(f"a score has at least one frame; got {self.frames}")
+        if self.rate <= 0:
+            raise ScoreError(f"a frame rate is positive; got {self.rate}")
+        for event in self.events:
+            self._validate_event(event)
+
+    def _validate_event(self, event: ScoreEvent) -> None:
+        name = f"{event.cause} of {event.who}.{event.part} at frame {event.frame}"
+        if not 1 <= event.frame <= self.frames:
+            raise ScoreError(f"{name} lies outside frames 1 to {self.frames}")
+        if not 0 <= self.onset(event) < self.frames / self.rate:
+            raise ScoreError(f"{name}: its time, {float(event.time):.6g} s, lies outside the film")
+        if not all(isfinite(speed) and speed >= 0 for speed in event.speeds):
+            raise ScoreError(f"{name}: speeds must be finite and not negative")
+        for field in ("strength", "energy", "size", "distance", "azimuth", "duration"):
+            if not isfinite(getattr(event, field)):
+                raise ScoreError(f"{name}: {field} is {getattr(event, field)}")
+        if event.size <= 0 or min(event.distance, event.duration, event.energy) < 0:
+            raise ScoreError(
+                f"{name}: size must be positive; distance, duration and energy not negative"
+            )

@@ -1,9 +1,9 @@
-"""Stick and slip: what dry surfaces do when they rub slowly.
+"""Stick-slip friction of dry surfaces at low speed.
 
-A spring of stiffness k is stretched at a speed v while its end sticks; when its force has grown
-from that of sliding to that of sticking, F_d to F_s, it lets go, slips for half its own
-oscillation T, and sticks again. A cycle lasts 2 (F_s - F_d) / (k v) + T / 2: slow joints tick,
-quick ones squeak, and none squeaks higher than it can swing.
+A spring of stiffness k is stretched at a speed v while its end sticks. When its force has grown
+from that of sliding to that of sticking, F_d to F_s, the end slips for half its own oscillation
+period T and sticks again. A cycle lasts 2 (F_s - F_d) / (k v) + T / 2: slow joints tick, fast ones
+squeak, and the squeak is never higher than the oscillation.
 
 Source: Bowden and Leben 1939; the closed form is that of a mass on a belt with two frictions.
 """
@@ -12,53 +12,53 @@ from __future__ import annotations
 
 import numpy as np
 
-from audio.banks import Signal
-from audio.grid import SAMPLE_RATE
+from audio.dsp import Signal
+from audio.time_grid import SAMPLE_RATE
 
-SLIPPING = 0.2
+SLIP_SHARE = 0.2
 """Share of a cycle that is slip, at the greatest speed."""
 
 
-def slips_a_second(top: Signal, share: Signal) -> Signal:
-    """Return how often a joint slips [1/s]: (N,).
+def slip_rate(top: Signal, relative_speed: Signal) -> Signal:
+    """Return the number of slips a second: (N,).
 
     Args:
         top: (N,) slips a second at the greatest speed.
-        share: (N,) of that speed, 0 to 1.
+        relative_speed: (N,) fraction of that speed, 0 to 1.
     """
-    sticking = (1 - SLIPPING) / np.maximum(share, 1e-4)
-    return np.asarray(top / (sticking + SLIPPING))
+    sticking = (1 - SLIP_SHARE) / np.maximum(relative_speed, 1e-4)
+    return np.asarray(top / (sticking + SLIP_SHARE))
 
 
-def slipped(rate: Signal, rough: float, rng: np.random.Generator) -> Signal:
+def slip_impulses(rate: Signal, roughness: float, rng: np.random.Generator) -> Signal:
     """Return impulses at the times of slips, the first at the first sample: (N,).
 
     Args:
         rate: (N,) slips a second.
-        rough: share of a cycle by which they come early or late, as surfaces are not even.
-        rng: of that, and of how much each lets go.
+        roughness: random deviation of the times, as a share of a cycle.
+        rng: of times and strengths.
     """
     phase = np.concatenate(([0.0], np.cumsum(rate)[:-1])) / SAMPLE_RATE
     count = int(phase[-1]) + 1
-    wanted = np.arange(count) + rough * rng.standard_normal(count)
-    wanted[0] = 0.0
-    at = np.interp(np.sort(wanted), phase, np.arange(phase.size))
-    force = 1 + 2 * rough * rng.standard_normal(count)
-    whole = np.minimum(at.astype(np.int64), rate.size - 2)
+    cycles = np.arange(count) + roughness * rng.standard_normal(count)
+    cycles[0] = 0.0
+    position = np.interp(np.sort(cycles), phase, np.arange(phase.size))
+    force = 1 + 2 * roughness * rng.standard_normal(count)
+    whole = np.minimum(position.astype(np.int64), rate.size - 2)
     impulses = np.zeros(rate.size)
-    # Between samples an impulse is shared by both.
-    np.add.at(impulses, whole, force * (1 - (at - whole)))
-    np.add.at(impulses, whole + 1, force * (at - whole))
+    # An impulse between two samples is shared by both.
+    np.add.at(impulses, whole, force * (1 - (position - whole)))
+    np.add.at(impulses, whole + 1, force * (position - whole))
     return impulses
 
 
-def jolt(pitch: float) -> Signal:
-    """Return the push that a slip gives, without any constant part: (K,).
+def slip_pulse(pitch: float) -> Signal:
+    """Return the force of one slip, of zero mean: (K,).
 
     Args:
         pitch: slips a second at the greatest speed.
     """
-    length = max(int(SLIPPING * SAMPLE_RATE / pitch), 4)
+    length = max(int(SLIP_SHARE * SAMPLE_RATE / pitch), 4)
     x = 2 * np.pi * (np.arange(length) + 0.5) / length
-    # The slope of a bell: what is let go moves on and comes to rest.
+    # The derivative of a bell: the surface accelerates and comes to rest.
     return np.asarray(np.sin(x))

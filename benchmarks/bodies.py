@@ -28,10 +28,10 @@ import mujoco
 import numpy as np
 import piles
 
-from pipeline.simulation.dynamics.bouncing import Bouncing
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.dynamics.mass import mass_of_solid
-from pipeline.simulation.dynamics.rigid import Bodies, Build, State
+from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, State
+from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.spec import read_scene
 
@@ -81,9 +81,11 @@ def ours(ground: Ground, p: Array, q: Array) -> Step:
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * SIZE / 2
     hull = hull_of(corners)
     mass = mass_of_solid(hull.vertices, hull.faces, DENSITY)
-    build = Build(mass, hull, 0.0, BOUNCINESS, FRICTION)
+    build = BodyModel(mass, hull, 0.0, BOUNCINESS, FRICTION)
     nothing = np.zeros_like(p)
-    bouncing = Bouncing(Bodies.of([build] * len(p)), State(p, q, nothing, nothing.copy()), ground)
+    bouncing = TerrainBodies(
+        Bodies.of([build] * len(p)), State(p, q, nothing, nothing.copy()), ground
+    )
     return lambda: bouncing.advance(DT)
 
 

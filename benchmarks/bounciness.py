@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.bodies.building import build_of
-from pipeline.simulation.dynamics.impact_law import MEASURED
+from pipeline.simulation.bodies.body_model import build_body
+from pipeline.simulation.dynamics.impact_law import MEASURED_BOUNCINESS
 from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld
-from pipeline.simulation.dynamics.rigid import State
+from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.body import Box, Sphere
 
@@ -30,7 +30,7 @@ def colliders(b: float) -> list[Collider]:
     box = Box(shape="box", bounciness=b, collide="all")
     sphere = Sphere(shape="sphere", bounciness=b, radius=0.15, collide="all")
     half = 0.5 * np.array(box.size)
-    return [Collider(build_of(sphere, ""), None), Collider(build_of(box, ""), half)]
+    return [Collider(build_body(sphere, ""), None), Collider(build_body(box, ""), half)]
 
 
 def measured(b: float) -> tuple[float, float]:
@@ -59,6 +59,6 @@ def measured(b: float) -> tuple[float, float]:
 
 if __name__ == "__main__":
     print("asked      least   greatest")
-    for asked in MEASURED:
+    for asked in MEASURED_BOUNCINESS:
         least, greatest = measured(asked)
         print(f"{asked:5.2f}   {math.floor(1000 * least) / 1000:8.3f} {greatest:8.3f}")

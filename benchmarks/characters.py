@@ -34,7 +34,7 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.terrain import build_ground
 from pipeline.simulation.troupe import World
 from pipeline.spec import load_scene, read_scene
-from pipeline.spec.shipped import library
+from pipeline.spec.scene_library import library
 
 ROUNDS, STEPS = 12, 48
 
@@ -114,7 +114,7 @@ def machine(made: Characters) -> Callable[[], object]:
     return made.move
 
 
-def crowd(count: int, apart: float) -> str:
+def arrays(count: int, apart: float) -> str:
     """Return so many children on a grid [m]."""
     side = int(np.ceil(np.sqrt(count)))
     return "\n".join(
@@ -182,7 +182,7 @@ def main() -> None:
     print(f"schoolyard, undecorated: {float(plain.stdout) * 1e6:.0f} us")
     for apart, how in ((3.0, "spread out"), (0.45, "touching")):
         for count in (3, 30, 300):
-            step = machine(troupe(crowd(count, apart)))
+            step = machine(troupe(arrays(count, apart)))
             step()
             print(f"{count:4d} {how}: {least(step, 12) / count:.1f} us a character")
 

@@ -26,10 +26,10 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import mujoco
 import numpy as np
 
-from pipeline.simulation.bodies.building import build_of
+from pipeline.simulation.bodies.body_model import build_body
 from pipeline.simulation.dynamics.impact_law import STIFFNESS
 from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld
-from pipeline.simulation.dynamics.rigid import State
+from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 from pipeline.spec.body import Box
@@ -68,7 +68,7 @@ def ours(count: int) -> MujocoWorld:
     p = places(count)
     q = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
     state = State(p, q, np.zeros((count, 3)), np.zeros((count, 3)))
-    collider = Collider(build_of(WORDS, ""), 0.5 * np.array(WORDS.size))
+    collider = Collider(build_body(WORDS, ""), 0.5 * np.array(WORDS.size))
     return MujocoWorld([collider] * count, state, GROUND, [], STEP)
 
 

@@ -28,16 +28,15 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 
-from audio.blows import blow_of, sounded
-from audio.materials import FAMILIES
-from audio.midi import midi_bytes
-from audio.modal import write_wav
-from audio.motions import MOTIONS
-from audio.rubs import RUBS
+from audio.acoustic_materials import FAMILIES
+from audio.cause_voices import CAUSE_VOICES
+from audio.config.sound import Sound
+from audio.midi_file import midi_bytes
+from audio.notes import notes_of
 from audio.score import Bearing, Score, ScoreEvent
-from audio.soundfont import played
-from audio.voices import notes_of
-from audio.words import Sound
+from audio.soundfont import play_soundfont
+from audio.synthesis import sound_parameters, synthesize
+from audio.wav_file import write_wav
 
 ALLOWED = 0.05
 """Share of real time that a voice may take."""
@@ -69,7 +68,10 @@ def voices(score: Score) -> tuple[float, float]:
     left = float(score.frames / score.rate)
     notes = notes_of(score)
     began = time.process_time()
-    samples = [sounded(blow_of(note, score.seed, 0, left)[0], score.seed).size for note in notes]
+    samples = [
+        synthesize(sound_parameters(note, score.seed, 0, left)[0], score.seed).size
+        for note in notes
+    ]
     return time.process_time() - began, sum(samples) / SAMPLE_RATE
 
 
@@ -104,7 +106,9 @@ def beside(folder: Path, font: Path | None) -> None:
     if importlib.util.find_spec("tinysoundfont") is None:
         print("TinySoundFont: not installed (pip install --no-deps tinysoundfont)")
     else:
-        _told("TinySoundFont", lambda: played(score, font, SECONDS * SAMPLE_RATE), lasts, font)
+        _told(
+            "TinySoundFont", lambda: play_soundfont(score, font, SECONDS * SAMPLE_RATE), lasts, font
+        )
     fluidsynth = shutil.which("fluidsynth")
     if fluidsynth is None:
         print("FluidSynth: not installed")
@@ -152,7 +156,7 @@ def main() -> None:
         for surface in ("dry soil", "stone"):
             name = f"{material} on {surface}"
             shares[name] = measure(name, score_of("collision", material, surface, lasting=False))
-    for cause in (*RUBS, *MOTIONS):
+    for cause in (*CAUSE_VOICES, *CAUSE_VOICES):
         shares[cause] = measure(cause, score_of(cause, "wood", "stone", lasting=True))
     with tempfile.TemporaryDirectory() as folder:
         whole_track(Path(folder))

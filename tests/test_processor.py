@@ -11,7 +11,7 @@ import pytest
 from pipeline.processor import HELD, RELATED, REQUIRED_FLAGS, class_name, processor_flags
 
 PRINT_CLASS = (
-    "import pipeline; from pipeline.simulation.simulate import processor_class; "
+    "import pipeline; from pipeline.simulation.versions import processor_class; "
     "print(processor_class())"
 )
 

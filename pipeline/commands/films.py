@@ -137,7 +137,7 @@ def watch(
 
     def order_now() -> Order:
         changes = changes_of(sets, size, samples)
-        return order_of(str(file), changes, out / watch.PLACE, preset, backend)
+        return order_of(str(file), changes, out / watch.FOLDER, preset, backend)
 
     def make(order: Order) -> Path:
         if film:
@@ -196,4 +196,4 @@ def bench(
     order = order_of(scene, changes_of(sets, size, samples), out, backend=backend)
     presets = [one.value for one in preset or Preset]
     speeds = render_speed.measure(order, presets, frames, reporter)
-    reporter.result(render_speed.told(speeds), presets=[asdict(speed) for speed in speeds])
+    reporter.result(render_speed.table(speeds), presets=[asdict(speed) for speed in speeds])

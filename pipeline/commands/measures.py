@@ -83,4 +83,4 @@ def fit(
 
     reporter = reporter_of(json_lines, quiet, verbose)
     fitted = fit_jerk(load_scene(find_scene(scene), sets or []), reporter)
-    reporter.result(fitted.text, fit=fitted.facts)
+    reporter.result(fitted.text, fit=fitted.facts[0])

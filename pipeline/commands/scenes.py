@@ -38,7 +38,7 @@ def check(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say whether scenes are right; every mistake at once, with its line."""
-    from pipeline.production.run.scene_check import check_scene, remarks_on
+    from pipeline.production.run.scene_check import check_scene, figure_remarks
     from pipeline.spec import find_scene, load_scene
 
     reporter = reporter_of(json_lines, quiet, verbose)
@@ -48,7 +48,7 @@ def check(
         try:
             scene = load_scene(find_scene(name), sets or [])
             reporter.result(f"{name}: {check_scene(scene)}")
-            for remark in remarks_on(scene):
+            for remark in figure_remarks(scene):
                 reporter.note(f"note: {remark}", detail=True)
         except SceneError as error:
             problems.extend(error.problems)

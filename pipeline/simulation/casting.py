@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
-from pipeline.errors import Problem, SceneError
-from pipeline.simulation.bodies.groups.groups import Groups
-from pipeline.simulation.bodies.props import Props
+from pipeline.simulation.bodies.groups.group_troupe import GroupTroupe
+from pipeline.simulation.bodies.prop_troupe import PropTroupe
 from pipeline.simulation.figures.figure import Figure, build_figure
 from pipeline.simulation.locomotion.inching.inchworm_chain import is_inchworm
 from pipeline.simulation.locomotion.inching.inchworm_troupe import InchwormTroupe
@@ -17,7 +16,11 @@ from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.terrain import level_ground
 from pipeline.simulation.troupe import Troupe, World
-from pipeline.spec.cast import Body, Character, Creature, Group, Many, Prop
+from pipeline.spec.body import Body, Many
+from pipeline.spec.character import Character
+from pipeline.spec.creature import Creature
+from pipeline.spec.group import Group
+from pipeline.spec.prop import Prop
 from pipeline.spec.scene import Scene
 
 Performer = tuple[int, Creature, Figure]
@@ -38,10 +41,10 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     troupes = [*_creatures(scene, figures, world)]
     props = [member for member in scene.cast if isinstance(member, Prop)]
     if props:
-        troupes.append(Props(props, world, [member.material or THING for member in props]))
+        troupes.append(PropTroupe(props, world, [member.material or THING for member in props]))
     if scene.dancers:
         # MuJoCo is loaded by those alone who need it.
-        from pipeline.simulation.dancers.dancers import Dancers
+        from pipeline.simulation.dancers.dancer_troupe import Dancers
 
         troupes.append(Dancers(scene.dancers, scene.dances, world))
     # Characters are not among them: they run into bodies themselves, and feel what these weigh.
@@ -60,13 +63,13 @@ def troupes_of(scene: Scene, figures: dict[str, Figure], world: World) -> list[T
     ]
     if meeting:
         # Bodies need a compiler, whose loading others need not wait for.
-        from pipeline.simulation.bodies.colliders import Colliders
+        from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 
         made_of = [member.material or THING for _, member in meeting]
-        troupes.append(Colliders(meeting, world, made_of, obstacles_of(pushing)))
+        troupes.append(ColliderTroupe(meeting, world, made_of, obstacles_of(pushing)))
     groups = [(i, member) for i, member in enumerate(scene.cast) if isinstance(member, Group)]
     if groups:
-        troupes.append(Groups(groups, world))
+        troupes.append(GroupTroupe(groups, world))
     return troupes
 
 
@@ -78,9 +81,9 @@ def makes_machine_code(scene: Scene) -> bool:
     }
     if not any(rooms.values()):
         return False
-    from pipeline.simulation.dynamics.compiled import is_made
+    from pipeline.simulation.dynamics.compiled import is_cached
 
-    return not all(is_made(room) for room, needed in rooms.items() if needed)
+    return not all(is_cached(room) for room, needed in rooms.items() if needed)
 
 
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:
@@ -111,32 +114,9 @@ def _alone(scene: Scene, world: World) -> list[Troupe]:
     ]
     if not alone:
         return []
-    from pipeline.simulation.bodies.tumblers import Tumblers
+    from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
 
-    return [Tumblers(alone, world, [member.material or THING for _, member in alone])]
-
-
-def refuse_to_direct(scene: Scene, troupes: Sequence[Troupe]) -> None:
-    """Refuse instructions to those who follow none, and looks of those who have none.
-
-    Raises:
-        SceneError: if there are any.
-    """
-    worms = {
-        w.name for troupe in troupes if isinstance(troupe, InchwormTroupe) for w in troupe.worms
-    }
-    problems = [
-        Problem(f"script[{i}].who", f"'{one.who}' is an inchworm, which follows no script")
-        for i, one in enumerate(scene.script)
-        if one.who in worms
-    ]
-    problems += [
-        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
-        for i, member in scene.creatures
-        if member.name in worms and member.look_at is not None
-    ]
-    if problems:
-        raise scene.places.located(SceneError(problems))
+    return [GroundBodyTroupe(alone, world, [member.material or THING for _, member in alone])]
 
 
 def _inches(performer: Performer) -> bool:

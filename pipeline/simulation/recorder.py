@@ -14,9 +14,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.attaching import Bond
+from pipeline.simulation.attachment import Attachment
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.reel import put_down, reel
+from pipeline.simulation.row_storage import allocate_rows, release_rows
 from pipeline.simulation.script import Orders
 from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array, continuous, matrix, quaternion
@@ -52,11 +52,11 @@ class Recorder:
         self._slices = _slices(inventories)
         self.scaled = _scaled(inventories)
         rows, nodes = clock.rows, len(self.nodes)
-        self.positions = reel((rows, nodes, 3), float)
-        self.quaternions = reel((rows, nodes, 4), float)
-        self.alive = reel((rows, nodes), bool)
-        self.values = reel((rows, len(self.channels)), float)
-        self.scales = reel((rows, len(self.scaled), 3), float)
+        self.positions = allocate_rows((rows, nodes, 3), float)
+        self.quaternions = allocate_rows((rows, nodes, 4), float)
+        self.alive = allocate_rows((rows, nodes), bool)
+        self.values = allocate_rows((rows, len(self.channels)), float)
+        self.scales = allocate_rows((rows, len(self.scaled), 3), float)
         self._R = np.zeros((0, nodes, 3, 3))
         self._first = 0
         self.contacts: list[Contact] = []
@@ -64,7 +64,7 @@ class Recorder:
         self._notes: dict[tuple[str, str], Note] = {}
         self.orders: list[Told] = []
 
-    def hang(self, bonds: Iterable[Bond]) -> None:
+    def attach(self, bonds: Iterable[Attachment]) -> None:
         """Let performers hang on the nodes that they go along with."""
         nodes = list(self.nodes)
         for bond in bonds:
@@ -117,7 +117,7 @@ class Recorder:
         """Let nodes be seen in rows that are not kept yet, but in which they are in the world."""
         self.quaternions[which, nodes] = quaternion(self._turned(which)[:, nodes])
 
-    def attached(self, which: slice, bonds: Iterable[Bond]) -> tuple[Array, Array]:
+    def attached(self, which: slice, bonds: Iterable[Attachment]) -> tuple[Array, Array]:
         """Bring all nodes of the rows `which` into the world, all troupes having written theirs.
 
         Args:
@@ -147,7 +147,7 @@ class Recorder:
         run = continuous(np.concatenate([last, quaternion(R)]))
         self.quaternions[which] = run[len(last) :]
         for rows in (self.positions, self.quaternions, self.alive, self.values, self.scales):
-            put_down(rows)
+            release_rows(rows)
         return None
 
     def solids(

@@ -1,4 +1,8 @@
-"""Spin: quaternions and vectors of one body as plain numbers, which cost less than arrays."""
+"""Quaternions, vectors and matrices of one body as plain floats.
+
+The scalar counterpart of `spatial`: for a single body, tuples of floats cost a tenth of arrays.
+Quaternions are `wxyz`; a matrix is a tuple of its rows.
+"""
 
 from __future__ import annotations
 
@@ -26,16 +30,16 @@ def quaternion_conjugate(q: Quaternion) -> Quaternion:
     return q[0], -q[1], -q[2], -q[3]
 
 
-def from_rotation_vector(turn: Vector) -> Quaternion:
-    """Return the quaternion of a rotation vector [rad]."""
-    x, y, z = turn
+def from_rotation_vector(vector: Vector) -> Quaternion:
+    """Return the quaternion of a rotation vector (axis times angle) [rad]."""
+    x, y, z = vector
     angle = math.sqrt(x * x + y * y + z * z)
     s = math.sin(0.5 * angle) / angle if angle > 1e-9 else 0.5
     return math.cos(0.5 * angle), s * x, s * y, s * z
 
 
 def to_rotation_vector(q: Quaternion) -> Vector:
-    """Return the rotation vector of a unit quaternion, of at most half a turn [rad]."""
+    """Return the rotation vector of a unit quaternion, at most half a turn long [rad]."""
     w, x, y, z = q if q[0] >= 0.0 else (-q[0], -q[1], -q[2], -q[3])
     s = math.sqrt(x * x + y * y + z * z)
     k = 2.0 * math.atan2(s, w) / s if s > 1e-12 else 2.0
@@ -43,7 +47,7 @@ def to_rotation_vector(q: Quaternion) -> Vector:
 
 
 def matrix_rows(q: Quaternion) -> Rows:
-    """Return the rows of the matrix of a unit quaternion."""
+    """Return the rows of the rotation matrix of a unit quaternion."""
     w, x, y, z = q
     return (
         (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
@@ -84,6 +88,6 @@ def cross_product(a: Vector, b: Vector) -> Vector:
 
 
 def normalize_quaternion(q: Quaternion) -> Quaternion:
-    """Return `q` with length one."""
+    """Return `q` scaled to length one."""
     n = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return n * q[0], n * q[1], n * q[2], n * q[3]

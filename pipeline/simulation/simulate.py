@@ -2,173 +2,86 @@
 
 from __future__ import annotations
 
-import hashlib
-import platform
-from collections.abc import Callable, Mapping
-from functools import cache, cached_property
-from importlib.metadata import version
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
 
-import numpy as np
-
-import pipeline
-from pipeline.errors import SceneError, SimulationError
-from pipeline.processor import class_name
-from pipeline.simulation.attaching import Bond, bonds_of, split
-from pipeline.simulation.casting import figures_of, refuse_to_direct, troupes_of
+from pipeline.errors import SceneError
+from pipeline.simulation.attachment import attachments_of
+from pipeline.simulation.casting import figures_of, troupes_of
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.detect import OF_CONTACTS, OF_HAPPENINGS, OF_MOTIONS
-from pipeline.simulation.detect.contacts import Contacts
-from pipeline.simulation.detect.motions import Motions
-from pipeline.simulation.detect.scenery import Scenery, solids_of
-from pipeline.simulation.detect.voices import Voices
-from pipeline.simulation.encounters import Encounters, encounters_of
-from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.happenings import Happening
+from pipeline.simulation.contact_coupling import coupling_of
+from pipeline.simulation.event_detection import EventDetection
+from pipeline.simulation.mechanism import Leg
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.recorder import Recorder
-from pipeline.simulation.script import Script
+from pipeline.simulation.scheduler import Batch, RowScheduler
+from pipeline.simulation.script import Orders, Script
+from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Obstacle
-from pipeline.simulation.take import Contact, Header, Note, Take
+from pipeline.simulation.take import Take
 from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.troupe import (
-    Bumps,
-    Follows,
-    Meets,
-    Prepares,
-    Rows,
-    Sees,
-    Troupe,
-    World,
-    Yields,
-)
-from pipeline.spec.cast import Creature, Dancer, Group, Prop
-from pipeline.spec.scene import VERSION, Scene
+from pipeline.simulation.troupe import Facts, World
+from pipeline.simulation.versions import header_of
+from pipeline.spec.scene import Scene
 from pipeline.spec.script import Instruction
 
-ROWS_AT_ONCE = 96
-"""Rows are worked out and written together: as arrays they cost a tenth."""
-
-ROWS_BEFORE_BODIES = 24
-"""Likewise where bodies follow, which go from row to row."""
-
-POSES_AT_ONCE = 65_536
-"""Nodes times rows that are, about: so many stay in memory that is at hand."""
-
-
 COMMAND = "command"
-"""What an instruction from outside is called in messages."""
+"""Path of an instruction from outside, in error messages."""
 
 
 class Simulation:
     """The world of one scene, one step at a time.
 
     Args:
-        scene: what the author asked for.
-        key: of the take.
-        directed: whether instructions may come from outside, by `tell`.
+        scene: the scene.
+        key: key of the take.
+        directed: whether instructions may arrive while it runs, by `add_instruction`.
 
     Attributes:
-        happened: in the last step, for those who direct it.
+        step_number: number of steps taken.
+        signals: signals of the last step.
 
     Raises:
-        SceneError: if a figure is none, or cannot do what it is asked to.
-        SimulationError: if the scene cannot begin, or diverges.
+        SceneError: if the scene asks for something impossible.
+        SimulationError: if it diverges.
     """
 
     def __init__(self, scene: Scene, key: str = "", directed: bool = False) -> None:
-        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.samples)
-        try:
-            ground = build_ground(scene.terrain, scene.seed)
-            detect = scene.sound.detect
-            script = scene.script
-            self.world = World(ground, clock, scene.seed, script, scene.all_moods, detect, directed)
-            figures = figures_of(scene)
-            self.troupes: list[Troupe] = troupes_of(scene, figures, self.world)
-            self._lookers = [troupe for troupe in self.troupes if isinstance(troupe, Sees)]
-            self._groups = [troupe for troupe in self.troupes if isinstance(troupe, Follows)]
-            self.recorder = Recorder(
-                _header(scene, key), clock, self.world.ground, [t.inventory for t in self.troupes]
-            )
-            self.bonds = bonds_of(scene.cast, figures, self.recorder.nodes, clock)
-            for groups in self._groups:
-                groups.look_around(self.recorder.nodes, self.recorder.meshes, figures)
-        except SceneError as error:
-            raise scene.places.located(error) from None
-        self.recorder.hang(self.bonds)
-        self._contacts = Contacts(OF_CONTACTS, detect, clock)
-        self._voices = Voices(OF_HAPPENINGS, detect, clock)
-        self._motions = Motions(OF_MOTIONS, detect, self._scenery(scene, figures))
-        self.script = Script(scene.script, clock)
-        refuse_to_direct(scene, self.troupes)
-        self._arrived: tuple[str, ...] = ()
-        self._touched: tuple[tuple[str, str], ...] = ()
-        self.happened: tuple[Happening, ...] = ()
         self.step_number = 0
-        self._kept = self._written = 0
-        room = POSES_AT_ONCE // max(len(self.recorder.nodes), 1)
-        self._at_once = min(max(room, ROWS_AT_ONCE // 6), ROWS_AT_ONCE)
-        self.colliders = next((t for t in self.troupes if isinstance(t, Meets)), None)
-        self._early: list[Bond] = []
-        self._late = self.bonds
-        if self.colliders is not None:
-            # What they meet should not be told much later.
-            self._at_once = min(self._at_once, ROWS_BEFORE_BODIES)
-            self._early, self._late = split(self.bonds, self._nodes_of(self.colliders))
-        self._encounters = self._who_bumps(scene)
-        self._behind: list[Troupe] = []
-        if self._encounters is not None and not self._encounters.still:
-            # They are felt where they were one step ago.
-            self._behind = self._who_is_not_felt(self._encounters)
-            self._at_once = self._at_once if self._behind else 1
+        self.signals: tuple[Signal, ...] = ()
+        self._facts = Facts()
         try:
-            self._keep()
+            self._build(scene, key, directed)
+            self.scheduler.buffer_step(0)
         except SceneError as error:
-            raise scene.places.located(error) from None
-        contacts, notes = self._facts()
-        self.recorder.happened(contacts, [], notes)
+            raise scene.source_map.with_locations(error) from None
+        self._collect_facts()
+        self.recorder.happened(self._facts.contacts, (), self._facts.notes)
 
-    def _scenery(self, scene: Scene, figures: Mapping[str, Figure]) -> Scenery:
-        recorder = self.recorder
-        return Scenery(
-            clock=self.world.clock,
-            nodes=recorder.nodes,
-            solids=solids_of(recorder.parts, recorder.meshes),
-            channels=recorder.channels,
-            figures=figures,
-            groups=frozenset(m.name for m in scene.cast if isinstance(m, Group)),
+    def _build(self, scene: Scene, key: str, directed: bool) -> None:
+        clock = Clock(scene.rate, scene.n_frames, scene.steps, scene.rows_per_frame)
+        ground = build_ground(scene.terrain, scene.seed)
+        detect = scene.sound.detect
+        self.world = World(
+            ground, clock, scene.seed, scene.script, scene.all_moods, detect, directed
         )
-
-    def _who_bumps(self, scene: Scene) -> Encounters | None:
-        """Return who runs into the solids of others, None if nobody can."""
-        one = next((t for t in self.troupes if isinstance(t, Bumps)), None)
-        if one is None:
-            return None
-        hard = {m.name for m in scene.cast if isinstance(m, Creature | Dancer | Prop)}
-        # What they carry goes where they go.
-        _, carried = split(self.bonds, self._nodes_of(one))
-        borne = {int(node) for bond in carried for node in bond.nodes}
-        fixed = [o for o in self._obstacles if o.performer in hard and o.node not in borne]
-        yields = self.colliders if isinstance(self.colliders, Yields) else None
-        first = self._nodes_of(yields).start if yields is not None else 0
-        moving = {m.name for m in scene.cast if not (isinstance(m, Prop) and _stands(m))}
-        still = yields is None and moving.isdisjoint(o.performer for o in fixed)
-        return encounters_of(one, self.recorder, fixed, yields, first, still)
-
-    def _who_is_not_felt(self, encounters: Encounters) -> list[Troupe]:
-        """Return those whose rows may be written by the dozen while others are felt in each.
-
-        They are none if somebody hangs on them.
-        """
-        bumps = encounters.troupe
-        if split(self.bonds, self._nodes_of(bumps))[1]:
-            return []
-        return [bumps, *self._groups]
-
-    def _nodes_of(self, troupe: Troupe) -> range:
-        before = self.troupes[: self.troupes.index(troupe)]
-        first = sum(len(one.inventory.nodes) for one in before)
-        return range(first, first + len(troupe.inventory.nodes))
+        figures = figures_of(scene)
+        self.troupes = troupes_of(scene, figures, self.world)
+        inventories = [troupe.inventory for troupe in self.troupes]
+        self.recorder = recorder = Recorder(header_of(scene, key), clock, ground, inventories)
+        attachments = attachments_of(scene.cast, figures, recorder.nodes, clock)
+        for troupe in self.troupes:
+            troupe.bind(recorder.nodes, recorder.meshes, figures)
+        recorder.attach(attachments)
+        self._detection = EventDetection(scene, clock, recorder, figures)
+        self.script = Script(scene.script, clock)
+        self.coupling = coupling_of(
+            scene, self.troupes, recorder, attachments, lambda: self._obstacles
+        )
+        self.scheduler = RowScheduler(
+            clock, self.troupes, recorder, attachments, self.coupling, self._record_batch
+        )
 
     @cached_property
     def _obstacles(self) -> list[Obstacle]:
@@ -176,150 +89,97 @@ class Simulation:
 
     @property
     def finished(self) -> bool:
-        """Whether the last row is written."""
+        """Whether the last step is taken."""
         return self.step_number >= self.world.clock.last_step
 
     def step(self) -> None:
-        """Advance the world by one step."""
-        self._read()
+        """Advances the world by one step."""
+        orders = self._give_orders()
+        self._show_solids(orders)
+        self._update_obstacles()
+        self._read(orders)
         self._advance()
-        self.step_number += 1
-        self._keep()
-        contacts, notes = self._facts()
-        events = self._contacts.hear(contacts)
-        voices = self._voices.hear(self.happened, self.step_number)
-        self._motions.met(contacts)
-        self.recorder.happened(contacts, [*events, *voices], notes)
+        self._write_rows()
+        self._collect_facts()
+        self._record_facts()
 
-    def tell(self, instruction: Instruction) -> None:
-        """Take in an instruction from outside; one without delay is given in the next step.
+    def add_instruction(self, instruction: Instruction) -> None:
+        """Adds an instruction from outside; one without delay is given in the next step.
 
         Raises:
-            SceneError: its performer cannot do so; nothing has changed.
+            SceneError: if its performer cannot carry it out; the state is unchanged.
         """
         for troupe in self.troupes:
-            if isinstance(troupe, Prepares):
-                troupe.prepare(instruction, COMMAND)
+            troupe.prepare(instruction, COMMAND)
         self.script.tell(instruction, self.step_number)
 
     def last_row(self) -> int:
-        """Return the last row there is, after all up to it are written."""
-        self._write_kept()
-        return self._kept - 1
+        """Returns the number of the last row, after writing all up to it."""
+        self.scheduler.flush()
+        return self.scheduler.last_row
 
     def take(self) -> Take:
-        """Return what has happened, once finished."""
-        return self.recorder.take()
+        """Returns the take of a finished simulation."""
+        mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
+        return replace(self.recorder.take(), mechanisms=mechanisms, legs=tuple(self.legs()))
 
-    def _read(self) -> None:
-        """Show everybody what the script asks of them, and let them see the step before."""
-        hugged = [(one.who, one.other) for one in self.happened if one.kind == "hug"]
-        orders = self.script.orders(self.step_number, self._arrived, self._touched, hugged)
-        for looker in self._lookers:
-            if sought := looker.sought(orders):
-                self._write_kept()
-                looker.see(self.recorder.solids(self._obstacles, sought, self._kept - 1))
-        if self._encounters is not None:
-            self._encounters.feel(self._kept - 1)
+    def legs(self) -> list[Leg]:
+        """Returns the legs of all walkers, with the stances planned so far."""
+        return [leg for troupe in self.troupes for leg in troupe.legs()]
+
+    # --- the passes of the step -------------------------------------------------------
+
+    def _give_orders(self) -> Orders:
+        facts, hugged = self._facts, [(s.who, s.other) for s in self.signals if s.kind == "hug"]
+        orders = self.script.orders(self.step_number, facts.arrived, facts.touched, hugged)
         self.recorder.told(self.step_number, orders)
+        return orders
+
+    def _show_solids(self, orders: Orders) -> None:
+        for troupe in self.troupes:
+            if needed := troupe.solids_needed(orders):
+                row = self.last_row()
+                troupe.see_solids(self.recorder.solids(self._obstacles, needed, row))
+
+    def _update_obstacles(self) -> None:
+        if self.coupling is not None:
+            self.coupling.update(self.scheduler.last_row)
+
+    def _read(self, orders: Orders) -> None:
         for troupe in self.troupes:
             troupe.read(orders)
 
     def _advance(self) -> None:
         for troupe in self.troupes:
             troupe.advance(self.step_number)
+        self.step_number += 1
 
-    def _keep(self) -> None:
-        """Let the troupes keep this step if a row stands on it, and write rows by the dozen."""
-        if self.world.clock.row_of_step(self.step_number) is None:
-            return
-        for troupe in self.troupes:
-            troupe.keep()
-        self._kept += 1
-        if self._behind:
-            self._write_felt(slice(self._kept - 1, self._kept))
-        begins = self._kept == 1 and (self.colliders or self._encounters) is not None
-        if begins or self._kept - self._written == self._at_once or self.finished:
-            self._write_kept()
+    def _write_rows(self) -> None:
+        self.scheduler.buffer_step(self.step_number)
 
-    def _write_kept(self) -> None:
-        """Write the rows that are kept and not written yet."""
-        if self._kept > self._written:
-            self._write(slice(self._written, self._kept))
-            self._written = self._kept
+    def _record_batch(self, batch: Batch) -> None:
+        self.recorder.happened(batch.contacts, self._detection.of_batch_contacts(batch), ())
+        self.recorder.happened((), self._detection.of_batch_motion(batch), ())
 
-    def _write_felt(self, which: slice) -> None:
-        """Write a row of those who are felt in it; that of the others is kept."""
-        rows = self.recorder.rows(which, self._written)
-        for troupe, own in zip(self.troupes, rows, strict=True):
-            if troupe not in self._behind:
-                self._write_own(troupe, own, which)
-        self.recorder.attached(which, self._late)
-        if self._encounters is not None and len(self._encounters.nodes):
-            self.recorder.show(which, self._encounters.nodes)
+    def _collect_facts(self) -> None:
+        self._facts = Facts.merged([troupe.facts() for troupe in self.troupes])
+        self.signals = self._facts.signals
 
-    def _write_own(self, troupe: Troupe, rows: Rows, which: slice) -> None:
-        """Write the rows of one troupe, those before it having written theirs."""
-        if troupe is self.colliders:
-            R, p = self.recorder.attached(which, self._early)
-            if self._encounters is not None:
-                self._encounters.push()
-            for k, row in enumerate(range(which.start, which.stop)):
-                step = row * self.world.clock.steps // self.world.clock.samples
-                self.colliders.meet(step, p[k], R[k])
-        troupe.write(rows)
-
-    def _write(self, which: slice) -> None:
-        first = self._written if self._behind else -1
-        for troupe, rows in zip(self.troupes, self.recorder.rows(which, first), strict=True):
-            if troupe in self._behind or not self._behind:
-                self._write_own(troupe, rows, which)
-        R, p = self.recorder.attached(which, () if self._behind else self._late)
-        for groups in self._groups:
-            # Nobody depends on them, so they see everybody in place.
-            contacts = groups.follow(R, p)
-            self.recorder.happened(contacts, self._contacts.hear(contacts), ())
-        wrong = self.recorder.keep(which)
-        if wrong is not None:
-            row, node = wrong
-            step = row * self.world.clock.steps // self.world.clock.samples
-            raise SimulationError(
-                f"the simulation diverged at step {step} "
-                f"({float(self.world.clock.time_of(step)):.3f} s): "
-                f"the pose of {node} is no longer finite"
-            )
-        alive, values = self.recorder.alive[which], self.recorder.values[which]
-        self.recorder.happened((), self._motions.look(which, p, R, alive, values), ())
-
-    def _facts(self) -> tuple[list[Contact], list[Note]]:
-        facts = [troupe.facts() for troupe in self.troupes]
-        contacts = [contact for fact in facts for contact in fact.contacts]
-        notes = [note for fact in facts for note in fact.notes]
-        self._arrived = tuple(name for fact in facts for name in fact.arrived)
-        self._touched = tuple(pair for fact in facts for pair in fact.touched)
-        self.happened = (
-            *(Happening("arrived", name) for name in self._arrived),
-            *(Happening("touch", *pair) for pair in self._touched),
-            *(one for fact in facts for one in fact.happened),
-        )
-        return sorted(contacts, key=lambda c: (c.step, c.fraction, c.part)), notes
-
-
-def _stands(prop: Prop) -> bool:
-    """Tell whether a prop stays where it begins."""
-    moved = prop.keyframes, prop.velocity, prop.spin_deg, prop.force, prop.held, prop.parent
-    return not any(moved)
+    def _record_facts(self) -> None:
+        facts = self._facts
+        events = self._detection.of_step(facts.contacts, facts.signals, self.step_number)
+        self.recorder.happened(facts.contacts, events, facts.notes)
 
 
 def simulate(
     scene: Scene, key: str = "", progress: Callable[[int, int], None] | None = None
 ) -> Take:
-    """Simulate the whole of `scene`.
+    """Simulates the whole of `scene`.
 
     Args:
-        scene: what the author asked for.
-        key: digest of what the simulation reads, kept in the take.
-        progress: called now and then with (frames done, frames in all).
+        scene: the scene.
+        key: digest of all that the take depends on, stored in it.
+        progress: called every eighth frame with (frames done, all frames).
     """
     simulation = Simulation(scene, key)
     clock = simulation.world.clock
@@ -328,42 +188,3 @@ def simulate(
         if progress and simulation.step_number % (8 * clock.steps) == 0:
             progress(simulation.step_number // clock.steps, clock.frames)
     return simulation.take()
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of all that decides a take's last bit."""
-    return {
-        "pronk": pipeline.__version__,
-        "simulation": code_digest(),
-        "language": str(VERSION),
-        "python": platform.python_version(),
-        "numpy": version("numpy"),
-        "machine": processor_class(),
-    }
-
-
-@cache
-def code_digest() -> str:
-    """Return a digest of the simulation's own code: what it computes depends on it."""
-    here = Path(__file__).parent
-    sources = [path.read_bytes() for path in sorted(here.rglob("*.py"))]
-    return hashlib.blake2b(b"".join(sources), digest_size=6).hexdigest()
-
-
-def processor_class() -> str:
-    """Return the class of processor: within it, equal scenes give equal bytes."""
-    simd = np.show_config(mode="dicts")["SIMD Extensions"]
-    return class_name(simd.get("found", []), pipeline.HELD)
-
-
-def _header(scene: Scene, key: str) -> Header:
-    return Header(
-        key=key,
-        title=scene.title,
-        rate=scene.rate,
-        frames=scene.n_frames,
-        samples=scene.samples,
-        steps=scene.steps,
-        seed=scene.seed,
-        versions=versions(),
-    )

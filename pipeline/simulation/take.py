@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.reel import rows_of
+from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
@@ -30,11 +31,11 @@ Place = tuple[float, float, float]
 
 ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
-TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes", "told")
-"""What a take has rows of that are no numbers alone."""
+TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes", "told", "mechanisms", "legs")
+"""Attributes of a take that are tables of records."""
 
-LATER = ("told",)
-"""Of these, what is left out where there is none: takes have had it only since a later version."""
+OPTIONAL_TABLES = ("told", "mechanisms", "legs")
+"""Tables left out where they are empty: earlier takes have none, and keep their digests."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,7 +298,9 @@ class Take:
         contacts: in the order of time.
         events: sound events in the order of time.
         notes: what the author should know.
-        told: what the script told whom, in the order of time.
+        told: instructions given by the script, in the order of time.
+        mechanisms: joints and masses of the creatures on legs.
+        legs: legs of these creatures, with the stances that their gaits planned.
     """
 
     header: Header
@@ -316,6 +319,8 @@ class Take:
     events: tuple[SoundEvent, ...]
     notes: tuple[Note, ...]
     told: tuple[Told, ...] = ()
+    mechanisms: tuple[Mechanism, ...] = ()
+    legs: tuple[Leg, ...] = ()
 
     def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
         """Yield the name and the values of every array, in a fixed order."""
@@ -343,7 +348,7 @@ class Take:
 
     def _kept(self) -> list[str]:
         """Return the names of the tables that are kept."""
-        return [name for name in TABLES if name not in LATER or getattr(self, name)]
+        return [name for name in TABLES if name not in OPTIONAL_TABLES or getattr(self, name)]
 
     def _words(self) -> Iterator[str]:
         """Yield, piece by piece, all that is no array as one JSON text with sorted keys."""
@@ -366,7 +371,7 @@ class Take:
             state.update(words.encode())
         for name, values in self.arrays():
             state.update(f"{name}{values.dtype.str}{values.shape}".encode())
-            for some in rows_of(values):
+            for some in row_chunks(values):
                 state.update(np.ascontiguousarray(values[some]).data)
         return state.hexdigest()
 

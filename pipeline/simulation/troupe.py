@@ -1,43 +1,45 @@
-"""Troupe: all performers of one room, advanced together as arrays.
+"""Base class of troupes: all performers of one room, advanced together as arrays.
 
-A troupe reads what the world was one step ago, so that the order of the cast cannot
-matter, and writes nothing but its own state and its own slice of the take.
+A troupe reads the world of the previous step, so the order of the cast has no effect. It
+changes only its own state and its own slice of the take.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from enum import Enum
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.happenings import Happening
+from pipeline.simulation.mechanism import Leg, Mechanism
 from pipeline.simulation.script import Orders
+from pipeline.simulation.signals import Signal
 from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
 from pipeline.simulation.terrain import Ground
-from pipeline.spec.detect import Detect
 from pipeline.spec.mood import Mood
 from pipeline.spec.script import Instruction
+from pipeline.spec.sound_thresholds import Detect
 
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What every troupe is shown.
+    """The constants of a scene that every troupe reads.
 
     Attributes:
-        ground: the terrain.
-        clock: the grid of steps, rows and frames.
-        seed: of the scene.
-        script: what the scene asks of anybody.
-        directed: whether more may be asked, from outside, as time goes by.
-        moods: that performers may be in, by name.
-        detect: what is heard, and from when on.
+        ground: terrain.
+        clock: grid of steps, rows and frames.
+        seed: seed of the scene.
+        script: all instructions of the scene.
+        moods: moods by name.
+        detect: thresholds of the sound detectors.
+        directed: whether further instructions may arrive while the simulation runs.
     """
 
     ground: Ground
@@ -51,16 +53,16 @@ class World:
 
 @dataclass(frozen=True, slots=True)
 class Inventory:
-    """What a troupe adds to the take; node numbers count from its own first node.
+    """Nodes, channels, meshes and parts of one troupe; node numbers start at 0 in each troupe.
 
     Attributes:
-        nodes: that move.
-        channels: numbers that change.
-        meshes: that follow its nodes.
-        parts: what is seen.
-        scaled: its nodes that have a scale.
-        looks: meshes that are seen in place of others; the looks of parts are their numbers.
-        solids: that others run into in place of what is seen of the same nodes.
+        nodes: moving frames.
+        channels: scalar time series.
+        meshes: collision geometry that follows the nodes.
+        parts: visible solids.
+        scaled: numbers of the nodes that have a scale.
+        looks: render meshes that replace meshes of parts; `Part.look` indexes them.
+        solids: obstacles that replace the convex hulls of parts on the same nodes.
     """
 
     nodes: tuple[Node, ...]
@@ -74,14 +76,14 @@ class Inventory:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """A troupe's slice of n rows of the take, to be written into.
+    """Writable slice of n rows of the take, for one troupe.
 
     Attributes:
-        positions: (n, J, 3) [m].
-        rotations: (n, J, 3, 3) matrices; the take holds them as quaternions.
-        alive: (n, J).
-        values: (n, C) of its channels.
-        scales: (n, N, 3) of its nodes that have one.
+        positions: (n, J, 3) node positions [m].
+        rotations: (n, J, 3, 3) matrices; the take stores quaternions.
+        alive: (n, J) whether a node exists.
+        values: (n, C) channel values.
+        scales: (n, N, 3) scales of the scaled nodes.
     """
 
     positions: Array
@@ -93,115 +95,168 @@ class Rows:
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What happened in one step.
+    """Contacts and signals of one step.
 
     Attributes:
-        contacts: that began in it.
-        notes: that the author should have.
-        arrived: who has come to the end of its way in it.
-        touched: pairs who have begun to touch one another in it, by name.
-        happened: what else those who direct the scene hear of.
+        contacts: contacts that began in the step.
+        notes: messages for the author.
+        arrived: performers that reached the end of their routes.
+        touched: pairs of performers that began to touch, by name.
+        signals: further signals for the director and the voice detector.
     """
 
     contacts: tuple[Contact, ...] = ()
     notes: tuple[Note, ...] = ()
     arrived: tuple[str, ...] = ()
     touched: tuple[tuple[str, str], ...] = ()
-    happened: tuple[Happening, ...] = ()
+    signals: tuple[Signal, ...] = ()
+
+    @staticmethod
+    def merged(facts: Sequence[Facts]) -> Facts:
+        """Returns the facts of all troupes together, contacts in the order of time."""
+        contacts = [contact for one in facts for contact in one.contacts]
+        arrived = tuple(name for one in facts for name in one.arrived)
+        touched = tuple(pair for one in facts for pair in one.touched)
+        return Facts(
+            contacts=tuple(sorted(contacts, key=lambda c: (c.step, c.fraction, c.part))),
+            notes=tuple(note for one in facts for note in one.notes),
+            arrived=arrived,
+            touched=touched,
+            signals=(
+                *(Signal("arrived", name) for name in arrived),
+                *(Signal("touch", *pair) for pair in touched),
+                *(signal for one in facts for signal in one.signals),
+            ),
+        )
 
 
-class Troupe(Protocol):
-    """The passes of the step that a troupe takes part in."""
+class WriteStage(Enum):
+    """When the rows of a troupe are computed, relative to those of the other troupes."""
+
+    INDEPENDENT = "from its own state alone"
+    AFTER_PUSHERS = "row by row, after all nodes that push it are in the world frame"
+    LAST = "after all other nodes are in the world frame"
+
+
+class Troupe:
+    """The passes of the step; each default does nothing.
+
+    Attributes:
+        inventory: nodes, channels, meshes and parts that the troupe adds to the take.
+        write_stage: when its rows are computed. At most one troupe is `AFTER_PUSHERS`.
+        hits_obstacles: whether it collides with the solids of other troupes, as they were one
+            step ago. At most one troupe does.
+    """
 
     inventory: Inventory
+    write_stage: ClassVar[WriteStage] = WriteStage.INDEPENDENT
+    hits_obstacles: ClassVar[bool] = False
 
-    def read(self, orders: Orders) -> None:
-        """Take in what the script asks of its members from this step on."""
+    # --- before the first step --------------------------------------------------------
 
-    def advance(self, step: int) -> None:
-        """Go from `step` to `step + 1`; may take sub-steps."""
-
-    def keep(self) -> None:
-        """Keep the present state as the next row, to be written with others."""
-
-    def write(self, rows: Rows) -> None:
-        """Write all rows kept since the last call into the take."""
-
-    def facts(self) -> Facts:
-        """Return what happened in the last step."""
-
-
-@runtime_checkable
-class Meets(Troupe, Protocol):
-    """A troupe that is pushed by others: it goes on from row to row, once these stand."""
-
-    def meet(self, step: int, p: Array, R: Array) -> None:
-        """Go on to the row at `step`, all nodes (J, 3), (J, 3, 3) that push standing there."""
-
-
-@runtime_checkable
-class Yields(Meets, Protocol):
-    """A troupe that is pushed, and whose solids others feel as heavy as they are."""
-
-    def solids(self) -> list[Obstacle]:
-        """Return its solids; their nodes count from its own first."""
-
-    def motion(self) -> Motion:
-        """Return where they are in the last row, and how fast."""
-
-    def push(self, impulses: Array, twists: Array) -> None:
-        """Let them be pushed until the next row: (S, 3) [N s], about their nodes [N m s]."""
-
-
-@runtime_checkable
-class Bumps(Troupe, Protocol):
-    """A troupe that runs into the solids of others, where they were one step ago, and as fast."""
-
-    def surround(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
-        """Take in what there is to run into; return that of it which is told of from then on."""
-
-    def feel(self, motion: Motion) -> None:
-        """Take in where the solids are now, and how fast."""
-
-    def pushed(self) -> tuple[Array, Array]:
-        """Return what solids were pushed by since they were felt: (S, 3) [N s], (S, 3) [N m s]."""
-
-
-@runtime_checkable
-class Sees(Troupe, Protocol):
-    """A troupe that looks at the solids of others before it does what it is told."""
-
-    def sought(self, orders: Orders) -> Collection[str]:
-        """Return whose solids somebody has to see now."""
-
-    def see(self, solids: Mapping[str, Sequence[Array]]) -> None:
-        """Take in the corners (n, 3) of the solids of each that was sought, as they are now [m]."""
-
-
-@runtime_checkable
-class Prepares(Troupe, Protocol):
-    """A troupe that prepares for what its members will be asked, and refuses what they cannot."""
-
-    def prepare(self, instruction: Instruction, where: str) -> None:
-        """Be ready for an instruction of which nobody knew at the begin.
+    def prepare(self, instruction: Instruction, path: str) -> None:
+        """Prepares for an instruction that arrives while the simulation runs.
 
         Args:
-            instruction: to anybody.
-            where: its path in the scene.
+            instruction: to any performer.
+            path: its path in error messages.
 
         Raises:
-            SceneError: its performer cannot do so.
+            SceneError: if the performer cannot carry it out; the state is unchanged.
         """
 
-
-@runtime_checkable
-class Follows(Troupe, Protocol):
-    """A troupe that follows others and is followed by nobody: it goes last."""
-
-    def look_around(
+    def bind(
         self, nodes: Sequence[Node], meshes: Sequence[Mesh], figures: Mapping[str, Figure]
     ) -> None:
-        """Find among the nodes and meshes of all performers those who are followed."""
+        """Resolves references to the nodes and meshes of all performers.
 
-    def follow(self, R: Array, p: Array) -> list[Contact]:
-        """Write all rows kept, all nodes (n, J, 3, 3), (n, J, 3) standing there."""
+        Raises:
+            SceneError: if a reference names no part.
+        """
+
+    # --- every step -------------------------------------------------------------------
+
+    def solids_needed(self, orders: Orders) -> Collection[str]:
+        """Returns the performers whose solids the troupe has to see before it reads `orders`."""
+        return ()
+
+    def see_solids(self, solids: Mapping[str, Sequence[Array]]) -> None:
+        """Receives the corners (n, 3) [m] of the solids of the performers it asked for."""
+
+    def read(self, orders: Orders) -> None:
+        """Applies the orders of the script to its members."""
+
+    def advance(self, step: int) -> None:
+        """Advances its state from `step` to `step + 1`; may take sub-steps."""
+
+    def buffer_row(self) -> None:
+        """Stores the present state as the next row, to be written with others by `write`."""
+
+    def write(self, rows: Rows) -> None:
+        """Writes all rows buffered since the last call into the take."""
+
+    def facts(self) -> Facts:
+        """Returns the contacts, notes and signals of the last step."""
+        return Facts()
+
+    # --- after the last step ----------------------------------------------------------
+
+    def mechanisms(self) -> list[Mechanism]:
+        """Returns the joints and masses of its members on legs."""
+        return []
+
+    def legs(self) -> list[Leg]:
+        """Returns the legs of its members, with the stances planned so far."""
+        return []
+
+    # --- troupes that are pushed (WriteStage.AFTER_PUSHERS) ---------------------------
+
+    def advance_to_row(self, step: int, p: Array, R: Array) -> None:
+        """Advances to the row at `step`; p (J, 3) and R (J, 3, 3) are all nodes at that row."""
+
+    def movable_solids(self) -> list[Obstacle]:
+        """Returns its solids; node numbers start at its own first node."""
+        return []
+
+    def solid_motion(self) -> Motion:
+        """Returns pose and velocity of its solids in the last row."""
+        raise NotImplementedError
+
+    def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
+        """Applies (S, 3) impulses [N s] and [N m s] to its solids, spread until the next row."""
+
+    # --- troupes that collide with others (hits_obstacles) ----------------------------
+
+    def set_obstacles(self, obstacles: Sequence[Obstacle]) -> list[Obstacle]:
+        """Receives all solids of other troupes; returns those whose motion it has to know."""
+        return []
+
+    def update_obstacles(self, motion: Motion) -> None:
+        """Receives present pose and velocity of the obstacles it asked for."""
+
+    def obstacle_impulses(self) -> tuple[Array, Array]:
+        """Returns impulses on the obstacles since the update, (S, 3) [N s] and (S, 3) [N m s]."""
+        raise NotImplementedError
+
+    # --- troupes that are written last (WriteStage.LAST) ------------------------------
+
+    def write_last(self, R: Array, p: Array) -> list[Contact]:
+        """Writes all rows buffered; returns the contacts that began in them.
+
+        Args:
+            R: (n, J, 3, 3) rotations of all nodes in these rows.
+            p: (n, J, 3) their positions [m].
+        """
+        return []
+
+
+def pushed_troupe(troupes: Sequence[Troupe]) -> Troupe | None:
+    """Returns the troupe that is pushed by others, None without any."""
+    return next((t for t in troupes if t.write_stage is WriteStage.AFTER_PUSHERS), None)
+
+
+def node_range(troupes: Sequence[Troupe], troupe: Troupe) -> range:
+    """Returns the numbers of a troupe's nodes in the take."""
+    before = troupes[: troupes.index(troupe)]
+    first = sum(len(other.inventory.nodes) for other in before)
+    return range(first, first + len(troupe.inventory.nodes))

@@ -1,59 +1,41 @@
 """The scene language: models, loading, errors with line and column."""
 
-from pipeline.spec.cast import Body, Character, Creature, Dancer, Group, Many, Member, Prop
+from pipeline.spec.body import Body, Many
+from pipeline.spec.cast import Member
+from pipeline.spec.character import Character
+from pipeline.spec.creature import Creature
 from pipeline.spec.dance import Dance, Subtask
+from pipeline.spec.dancer import Dancer
 from pipeline.spec.digest import scene_digest, simulation_key
 from pipeline.spec.figure import Figure, Node
+from pipeline.spec.group import Group
 from pipeline.spec.json_schema import figure_schema, schema
-from pipeline.spec.loading import load_figure, load_figures, load_scene, read_scene
 from pipeline.spec.operations import Operation
+from pipeline.spec.prop import Prop
 from pipeline.spec.scene import VERSION, Scene
-from pipeline.spec.shipped import find_scene, library, shipped_scenes
-from pipeline.spec.terrain import (
-    BouldersTerrain,
-    DitchesTerrain,
-    FlatTerrain,
-    FractalTerrain,
-    HillsTerrain,
-    ImageTerrain,
-    MeshTerrain,
-    RampTerrain,
-    StairsTerrain,
-    StonesTerrain,
-    SumTerrain,
-    Terrain,
-)
+from pipeline.spec.scene_library import find_scene, library, shipped_scenes
+from pipeline.spec.scene_loader import load_figure, load_figures, load_scene, read_scene
+from pipeline.spec.terrain import Terrain
 from pipeline.spec.walk import GaitWords, Walk
-from pipeline.spec.writing import dump
+from pipeline.spec.yaml_writer import dump
 
 __all__ = [
     "VERSION",
     "Body",
-    "BouldersTerrain",
     "Character",
     "Creature",
     "Dance",
     "Dancer",
-    "DitchesTerrain",
     "Figure",
-    "FlatTerrain",
-    "FractalTerrain",
     "GaitWords",
     "Group",
-    "HillsTerrain",
-    "ImageTerrain",
     "Many",
     "Member",
-    "MeshTerrain",
     "Node",
     "Operation",
     "Prop",
-    "RampTerrain",
     "Scene",
-    "StairsTerrain",
-    "StonesTerrain",
     "Subtask",
-    "SumTerrain",
     "Terrain",
     "Walk",
     "dump",

@@ -1,117 +1,154 @@
-"""Behaviour: what a character does by itself, and how it is minded (Horswill 2008)."""
+"""Behaviour: what a character does by itself, and how it is disposed (Horswill 2008).
+
+A new behaviour is a class here, its line in `FORMS`, and its implementation in
+`pipeline/simulation/characters`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Field
 
-from pipeline.spec.values import LengthOrZero, Name, Number, Words
+from pipeline.spec.model_base import ConfigModel, LengthOrZero, Name, Number, keyed_union
 
 Part = Annotated[Number, Field(ge=0, le=1)]
 
 
-class Traits(Words):
-    """How somebody is minded, each from 0 to 1."""
+@dataclass(frozen=True, slots=True)
+class TargetKind:
+    """Kinds of characters that a behaviour or an order can be directed at.
+
+    Attributes:
+        kinds: kinds that fit; all if empty.
+        text: these kinds in messages.
+    """
+
+    kinds: tuple[str, ...]
+    text: str
+
+
+JOINTED_CHARACTER = TargetKind(("child", "adult", "ragdoll"), "a child, an adult or a ragdoll")
+BALL = TargetKind(("ball",), "a ball")
+ANY_CHARACTER = TargetKind((), "a character")
+
+
+class Traits(ConfigModel):
+    """Disposition of a character, each trait from 0 to 1."""
 
     anxiety: Part = Field(
-        0.5, description="How soon it is afraid away from who cares for it, and of others."
+        0.5, description="How soon it is afraid when away from its guardian, and of strangers."
     )
-    curiosity: Part = Field(0.5, description="How much things draw it.")
+    curiosity: Part = Field(0.5, description="How strongly things attract it.")
     aggression: Part = Field(0.3, description="How soon it fights over something.")
     speed: Part = Field(0.5, description="How fast it goes: 0 strolls, 1 runs.")
 
 
-class Urge(Words):
+class Urge(ConfigModel):
     """What all behaviours have."""
 
+    target: ClassVar[TargetKind | None] = None
+    """What its key may name, None for behaviours whose key names nothing."""
+
     urge: Annotated[Number, Field(ge=-1, le=1)] = Field(
-        0.0, description="What is added to its activation, which goes from 0 to about 1."
+        0.0, description="Added to its activation, which goes from 0 to about 1."
     )
 
 
 class Attachment(Urge):
-    """Run to somebody and hug them when away for too long, until soothed."""
+    """Runs to its guardian and hugs them after too long away, until soothed."""
 
-    attachment: Name = Field(description="To whom: a character that cares for it.")
+    target = JOINTED_CHARACTER
+    attachment: Name = Field(description="Its guardian, a character.")
 
 
 class Comfort(Urge):
-    """Turn to somebody who comes to be hugged, and hug them too."""
+    """Turns to somebody who comes for a hug, and hugs them too."""
 
-    comfort: Name = Field(description="Whom: a character.")
+    target = JOINTED_CHARACTER
+    comfort: Name = Field(description="The other character.")
 
 
 class Play(Urge):
-    """Run after a ball and kick it."""
+    """Runs after a ball and kicks it."""
 
-    play: Name = Field(description="With which ball: a character.")
+    target = BALL
+    play: Name = Field(description="The ball, a character.")
     within: LengthOrZero = Field(
-        7.0, description="How far from where it began the ball is kept, about [m]."
+        7.0, description="About how far from its start the ball is kept [m]."
     )
 
 
 class Carry(Urge):
-    """Fetch something, and carry it along."""
+    """Fetches something and carries it along."""
 
-    carry: Name = Field(description="What: a character, such as a ragdoll.")
+    target = ANY_CHARACTER
+    carry: Name = Field(description="The thing, a character such as a ragdoll.")
 
 
 class Push(Urge):
-    """Go to a merry-go-round, or what else can be pushed, and push it."""
+    """Goes to a merry-go-round, or another thing that can be pushed, and pushes it."""
 
-    push: Name = Field(description="What: a character.")
+    target = ANY_CHARACTER
+    push: Name = Field(description="The thing, a character.")
 
 
 class Fight(Urge):
-    """Shove somebody who is near, when aggressive enough."""
+    """Shoves somebody near, when aggressive enough."""
 
-    fight: Name = Field(description="Whom: a character.")
+    target = JOINTED_CHARACTER
+    fight: Name = Field(description="The other character.")
 
 
 class Approach(Urge):
-    """Go to somebody or something, around what stands in the way."""
+    """Goes to somebody or something, around obstacles."""
 
-    approach: Name = Field(description="Whom or what: a character.")
-    distance: LengthOrZero = Field(0.6, description="How far from its surface to stop [m].")
+    target = ANY_CHARACTER
+    approach: Name = Field(description="The target, a character.")
+    distance: LengthOrZero = Field(
+        0.6, description="Distance from its surface at which to stop [m]."
+    )
     from_deg: Annotated[Number, Field(ge=-3600, le=3600)] | None = Field(
         None,
-        description="From which side, as a heading seen from the target; the nearest if left out "
-        "[degrees].",
+        description="Side from which to come, as a heading seen from the target; the nearest if "
+        "left out [degrees].",
     )
 
 
 class Flee(Urge):
-    """Run from somebody who comes near."""
+    """Runs from somebody who comes near."""
 
-    flee: Name = Field(description="From whom: a character.")
+    target = JOINTED_CHARACTER
+    flee: Name = Field(description="The character to run from.")
 
 
 class Shyness(Urge):
-    """Keep away from others, and look at those who come near."""
+    """Keeps away from others, and looks at those who come near."""
 
-    keep_off: LengthOrZero = Field(description="How near others may come [m].")
+    keep_off: LengthOrZero = Field(description="Distance that others must keep [m].")
 
 
 class Wander(Urge):
-    """Stroll from place to place."""
+    """Strolls from place to place."""
 
-    wander: LengthOrZero = Field(description="How far from where it began, at most [m].")
+    wander: LengthOrZero = Field(description="Largest distance from its start [m].")
 
 
 class SitDown(Urge):
-    """Sit down on the ground where nothing is more pressing, and get up when something is."""
+    """Sits down on the ground while nothing is more pressing."""
 
     rest: Annotated[Number, Field(gt=0, le=1e6)] = Field(
-        description="How long nothing has to be more pressing [s]."
+        description="Time for which nothing else must be pressing [s]."
     )
 
 
 class Freeze(Urge):
-    """Stand quite still in the face of somebody who frightens."""
+    """Stands still before somebody who frightens it."""
 
-    freeze: Name = Field(description="Of whom it is afraid: a character.")
+    target = JOINTED_CHARACTER
+    freeze: Name = Field(description="The character that frightens it.")
 
 
 FORMS: Mapping[str, type[Urge]] = {
@@ -128,44 +165,18 @@ FORMS: Mapping[str, type[Urge]] = {
     "rest": SitDown,
     "freeze": Freeze,
 }
-"""Behaviours, by the key that says them; withdrawal from pain has everybody who has a mind."""
+"""Behaviours by the key that selects them. Withdrawal from pain needs no key."""
 
 WITHDRAWAL = "withdrawal"
 
 NAMES = (WITHDRAWAL, *FORMS)
-"""All behaviours, as takes number them."""
+"""Names of all behaviours, in the order in which takes number them."""
 
-WHOM: Mapping[str, tuple[tuple[str, ...], str]] = {
-    **dict.fromkeys(
-        ("attachment", "comfort", "fight", "flee", "freeze"),
-        (("child", "adult", "ragdoll"), "a child, an adult or a ragdoll"),
-    ),
-    "play": (("ball",), "a ball"),
-    "carry": ((), "a character"),
-    "push": ((), "a character"),
-    "approach": ((), "a character"),
+TARGETS: Mapping[str, TargetKind] = {
+    key: form.target for key, form in FORMS.items() if form.target is not None
 }
-"""Those whose key names another character: what that can be; nothing is any."""
 
-
-def _form(words: Any) -> str | None:
-    if isinstance(words, Mapping):
-        return next((FORMS[key].__name__ for key in words if key in FORMS), "Approach")
-    return type(words).__name__ if isinstance(words, Words) else None
-
-
-Behaviour = Annotated[
-    Annotated[Attachment, Tag("Attachment")]
-    | Annotated[Comfort, Tag("Comfort")]
-    | Annotated[Play, Tag("Play")]
-    | Annotated[Carry, Tag("Carry")]
-    | Annotated[Push, Tag("Push")]
-    | Annotated[Fight, Tag("Fight")]
-    | Annotated[Approach, Tag("Approach")]
-    | Annotated[Flee, Tag("Flee")]
-    | Annotated[Shyness, Tag("Shyness")]
-    | Annotated[Wander, Tag("Wander")]
-    | Annotated[SitDown, Tag("SitDown")]
-    | Annotated[Freeze, Tag("Freeze")],
-    Discriminator(_form),
-]
+if TYPE_CHECKING:
+    Behaviour = Urge
+else:
+    Behaviour = keyed_union(FORMS, default="Approach")

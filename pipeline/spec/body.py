@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.values import Length, LengthOrZero, Number, Place, Whole, Words
+from pipeline.spec.keyframes import TURN, Turn
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Fault,
+    Integer,
+    Length,
+    LengthOrZero,
+    Name,
+    Number,
+    Point,
+    Position,
+    raise_faults,
+)
+from pipeline.spec.performer import At, Performer, Velocity
 
 AROUND_IT = "Diameter of the sphere around it [m]."
 
 
-class Matter(Words):
+class Matter(ConfigModel):
     """What every body has, whatever its shape."""
 
     density: Annotated[Number, Field(gt=0, le=30_000)] = Field(600.0, description="[kg/m³].")
@@ -47,7 +61,7 @@ class Matter(Words):
     def _meets_as_it_can(self) -> Self:
         if self.collide == "all" and self.soft > 0.0:
             message = "goes with collide: terrain; what meets all is rigid, take this away"
-            refuse([Fault(("soft",), message, at_key=True)])
+            raise_faults([Fault(("soft",), message, at_key=True)])
         return self
 
 
@@ -92,7 +106,7 @@ class Upright(Matter):
     shape: Literal["prism", "pyramid"] = Field(
         description="Upright over a regular polygon; a pyramid ends in a point."
     )
-    sides: Annotated[Whole, Field(ge=3, le=48)] = Field(6, description="Sides of the polygon.")
+    sides: Annotated[Integer, Field(ge=3, le=48)] = Field(6, description="Sides of the polygon.")
     radius: Length = Field(0.2, description="Of the circle around the polygon [m].")
     height: Length = Field(0.4, description="Its height [m].")
 
@@ -108,7 +122,7 @@ class HullBody(Matter):
     """The convex hull of points."""
 
     shape: Literal["hull"] = Field(description="The convex hull of points.")
-    points: Annotated[tuple[Place, ...], Field(min_length=4, max_length=1000)] = Field(
+    points: Annotated[tuple[Position, ...], Field(min_length=4, max_length=1000)] = Field(
         description="Points [x, y, z], wherever their origin is [m]."
     )
 
@@ -129,3 +143,206 @@ BodyWords = Annotated[
     Box | Brick | Cube | Regular | Upright | Sphere | HullBody | MeshBody,
     Field(discriminator="shape"),
 ]
+
+
+MAX_BODIES = 5_000
+"""Bodies of one member of a cast."""
+
+Count = Annotated[Integer, Field(ge=1, le=MAX_BODIES)]
+
+ShapeName = Literal[
+    "box",
+    "brick",
+    "cube",
+    "die",
+    "tetrahedron",
+    "octahedron",
+    "dodecahedron",
+    "icosahedron",
+    "prism",
+    "pyramid",
+    "sphere",
+]
+
+
+def _body_from_name(words: Any) -> Any:
+    """Return the words of a body that its shape's name stands for; it meets all others."""
+    if isinstance(words, str):
+        words = {"shape": words}
+    return {"collide": "all", **words} if isinstance(words, Mapping) else words
+
+
+OfWhat = Annotated[
+    BodyWords, BeforeValidator(_body_from_name, json_schema_input_type=ShapeName | BodyWords)
+]
+
+
+class Arrangement(ConfigModel, ABC):
+    """What all arrangements have."""
+
+    of: OfWhat = Field(
+        description="Shape and matter of each: a shape by its name, or all words of a body."
+    )
+    materials: tuple[Name, ...] = Field(
+        (),
+        max_length=100,
+        description="Each has one of these, by chance; if none are given, that of all.",
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.of.collide != "all":
+            message = "bodies of `many` meet one another; take this away"
+            raise_faults([Fault(("of", "collide"), message)])
+        if self.total > MAX_BODIES:
+            raise_faults([Fault((), f"makes {self.total} bodies, where {MAX_BODIES} are the most")])
+        return self
+
+    @property
+    @abstractmethod
+    def total(self) -> int:
+        """How many bodies there are."""
+
+
+class Wall(Arrangement):
+    """A wall in running bond, about its middle."""
+
+    layout: Literal["wall"] = Field(
+        "wall",
+        description="A wall along its x; every other row is moved by not quite half a body.",
+    )
+    rows: Count = Field(6, description="How high it is, in bodies.")
+    columns: Count = Field(8, description="How long it is, in bodies.")
+    gap: LengthOrZero = Field(0.002, description="Between neighbours of a row [m].")
+
+    @property
+    def total(self) -> int:
+        """How many bodies there are."""
+        return self.rows * self.columns
+
+
+class Pyramid(Arrangement):
+    """A wall of which each row is shorter by one."""
+
+    layout: Literal["pyramid"] = Field(
+        description="A wall along its x, each row shorter by one body."
+    )
+    rows: Annotated[Integer, Field(ge=1, le=100)] = Field(
+        6, description="How high it is, and how long at the ground, in bodies."
+    )
+    gap: LengthOrZero = Field(0.01, description="Between neighbours of a row [m].")
+
+    @property
+    def total(self) -> int:
+        """How many bodies there are."""
+        return self.rows * (self.rows + 1) // 2
+
+
+class Stack(Arrangement):
+    """One on top of another."""
+
+    layout: Literal["stack"] = Field(description="One on top of another.")
+    count: Count = Field(10, description="How many there are.")
+
+    @property
+    def total(self) -> int:
+        """How many bodies there are."""
+        return self.count
+
+
+class Row(Arrangement):
+    """One after another, each on the ground and looking along the row."""
+
+    layout: Literal["row"] = Field(description="One after another, as dominoes.")
+    count: Count = Field(20, description="How many there are.")
+    spacing: Length = Field(0.15, description="From middle to middle along the row [m].")
+    along: Annotated[tuple[Point, ...], Field(max_length=1000)] = Field(
+        (),
+        description="Places [x, z] that the row passes smoothly after `at`, relative to it and "
+        "its heading; straight along its x, and beyond the last one, if left out.",
+    )
+
+    @property
+    def total(self) -> int:
+        """How many bodies there are."""
+        return self.count
+
+
+class Heap(Arrangement):
+    """Turned anyhow above one another, so that they fall on a heap."""
+
+    layout: Literal["heap"] = Field(description="Loose in the air, to fall on a heap.")
+    count: Count = Field(40, description="How many there are.")
+    radius: Length = Field(0.6, description="Of the column of air that they fall in [m].")
+    above: LengthOrZero = Field(0.3, description="From the ground to the lowest of them [m].")
+
+    @property
+    def total(self) -> int:
+        """How many bodies there are."""
+        return self.count
+
+
+def _laid_out(words: Any) -> Any:
+    """Return words with their layout: what says none is a wall."""
+    return {"layout": "wall", **words} if isinstance(words, Mapping) else words
+
+
+ManyWords = Annotated[
+    Wall | Pyramid | Stack | Row | Heap,
+    Field(discriminator="layout"),
+    BeforeValidator(_laid_out),
+]
+
+
+class Body(Performer):
+    """A rigid thing that falls, bounces and rolls by itself."""
+
+    body: BodyWords = Field(description="Its shape, and what it is made of.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="Where its centre of mass begins, [x, y, z]; [x, z] puts it on the ground [m].",
+    )
+    rotation_deg: Turn = Field(
+        (0.0, 0.0, 0.0), description=f"How it begins turned, before its heading: {TURN}."
+    )
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
+    spin_deg: Turn = Field(
+        (0.0, 0.0, 0.0),
+        description="How it turns at the begin, about x, y and z of the world [degrees/s].",
+    )
+
+    @model_validator(mode="after")
+    def _moves_by_itself(self) -> Self:
+        if self.parent is not None:
+            message = "a body moves by itself; take parent away, or make it a prop"
+            raise_faults([Fault(("parent",), message, at_key=True)])
+        return self
+
+    @property
+    def kind_name(self) -> str:
+        """Name of a member that is given none."""
+        return self.body.shape
+
+
+class Many(Performer):
+    """Bodies of one kind that begin in some order and meet whatever there is."""
+
+    many: ManyWords = Field(description="Of what, how many, and how they stand.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="The middle of the ground that they stand on, or where their row begins, "
+        "[x, z]; [x, y, z] with the height that they stand at [m].",
+    )
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
+
+    @model_validator(mode="after")
+    def _moves_by_itself(self) -> Self:
+        if self.parent is not None:
+            message = "bodies move by themselves; take parent away"
+            raise_faults([Fault(("parent",), message, at_key=True)])
+        return self
+
+    @property
+    def kind_name(self) -> str:
+        """Name of a member that is given none."""
+        return self.many.layout

@@ -13,9 +13,17 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
-from pipeline.spec.faults import Fault, fault, refuse
-from pipeline.spec.nearest import hint
-from pipeline.spec.values import Length, LengthOrZero, Name, Number, Words
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Fault,
+    Length,
+    LengthOrZero,
+    Name,
+    Number,
+    fault_error,
+    raise_faults,
+)
+from pipeline.spec.suggestions import hint
 
 BODY_PLACES = (
     *("shoulder_l", "shoulder_r", "head_back", "head_back_l", "head_back_r", "head_top"),
@@ -49,7 +57,9 @@ Controller = Literal["force-field", "joint-torque"]
 def _known_joints(angles: dict[str, float]) -> dict[str, float]:
     for word in angles:
         if word not in JOINT_WORDS:
-            raise fault(f"no joint is called so, {hint(word, JOINT_WORDS)}", word, at_key=True)
+            raise fault_error(
+                f"no joint is called so, {hint(word, JOINT_WORDS)}", word, at_key=True
+            )
     return angles
 
 
@@ -67,7 +77,7 @@ Where = Annotated[
 """A place by its name, or [forward, up, right] of a person of 1.72 m, and in proportion [m]."""
 
 
-class Drum(Words):
+class Drum(ConfigModel):
     """Something round that stands before the dancer and is struck from above."""
 
     at: Position = Field(
@@ -78,7 +88,7 @@ class Drum(Words):
     material: Name = Field("leather", description="What it is made of, by name.")
 
 
-class Subtask(Words):
+class Subtask(ConfigModel):
     """One thing that one hand does."""
 
     name: str = Field("", max_length=80, description="What it is called in reports.")
@@ -126,7 +136,7 @@ class Subtask(Words):
             faults.append(Fault((), "has no goal: give touch, reach, trace or joints"))
         if self.lift and self.touch is None:
             faults.append(Fault(("lift",), "only what is touched is lifted off", at_key=True))
-        refuse(faults)
+        raise_faults(faults)
         return self
 
     @property
@@ -135,7 +145,7 @@ class Subtask(Words):
         return self.touch is None and self.reach is None and self.trace is None
 
 
-class Dance(Words):
+class Dance(ConfigModel):
     """Subtasks that are done one after the other, and again."""
 
     tempo_bpm: Annotated[Number, Field(ge=10, le=480)] = Field(
@@ -161,7 +171,9 @@ class Dance(Words):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        refuse([*self._faults_of_places(), *self._faults_of_beats(), *self._faults_of_durations()])
+        raise_faults(
+            [*self._faults_of_places(), *self._faults_of_beats(), *self._faults_of_durations()]
+        )
         return self
 
     @property

@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipeline.spec.dance import Controller, Seconds
-from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.values import Name, Number, Whole, Words
+from audio.config.sound import Sound
+from pipeline.spec.dance import ARM_JOINTS, TRUNK_JOINTS, Controller, Seconds
+from pipeline.spec.keyframes import PoseKey
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Coordinate,
+    Fault,
+    Integer,
+    Name,
+    Number,
+    Step,
+    raise_faults,
+)
+from pipeline.spec.performer import MAX_KEYFRAMES, Performer
+from pipeline.spec.script import Instruction, Perform
+from pipeline.spec.suggestions import hint
 
 Tempo = Annotated[Number, Field(ge=10, le=480)]
 Factor = Annotated[Number, Field(ge=0.05, le=20)]
 
 
-class Build(Words):
+class Build(ConfigModel):
     """How a dancer is made."""
 
     build: Literal["adult", "child"] = Field("adult", description="adult or child.")
@@ -37,7 +51,7 @@ BuildOrName = Annotated[
 ]
 
 
-class Arms(Words):
+class Arms(ConfigModel):
     """A controller for each arm."""
 
     r: Controller = Field("joint-torque", description="Of the right arm.")
@@ -54,7 +68,7 @@ Controllers = Annotated[
 ]
 
 
-class Gains(Words):
+class Gains(ConfigModel):
     """How hard controllers work, as factors on what suits a person of this size."""
 
     stiffness: Factor = Field(1.0, description="Of the servos, on errors of angles.")
@@ -79,7 +93,7 @@ Durations = Annotated[
 ]
 
 
-class DancerWords(Words):
+class DanceSettings(ConfigModel):
     """What a dancer does and how; all but the block that says that it is one."""
 
     dance: Name = Field(
@@ -101,7 +115,7 @@ class DancerWords(Words):
         "all, a list, or the name of times that the dance has, such as human. With tempo_bpm, how "
         "long hands are on their way to the beat.",
     )
-    bars: Annotated[Whole, Field(ge=1, le=100_000)] | None = Field(
+    bars: Annotated[Integer, Field(ge=1, le=100_000)] | None = Field(
         None, description="How often it dances it; until the end of the film if left out."
     )
     start: Annotated[Number, Field(ge=0, le=1e6)] = Field(
@@ -127,7 +141,7 @@ class DancerWords(Words):
         "where arms would sag without it.",
     )
     gains: Gains = Field(Gains(), description="How hard the controllers work.")
-    steps_a_second: Annotated[Whole, Field(ge=240, le=10_000)] = Field(
+    steps_a_second: Annotated[Integer, Field(ge=240, le=10_000)] = Field(
         1000, description="Steps of its dynamics a second, at least."
     )
 
@@ -135,8 +149,163 @@ class DancerWords(Words):
     def _fits_by_itself(self) -> Self:
         # A scene that is written out in full has the ordinary start as well.
         if self.beat is not None and self.start != type(self).model_fields["start"].default:
-            message = "beat says when it begins; take one of the two away"
-            refuse([Fault(("start",), message, at_key=True)])
+            message = "conflicts with beat; remove one"
+            raise_faults([Fault(("start",), message, at_key=True)])
         if self.combine == "winner" and self.controller == "joint-torque":
-            refuse([Fault(("combine",), "joint torques are no fields; take it away", at_key=True)])
+            raise_faults(
+                [Fault(("combine",), "needs a force-field controller; remove this", at_key=True)]
+            )
         return self
+
+
+ARMS = {"arm_r": "r", "hand_r": "r", "arm_l": "l", "hand_l": "l"}
+"""Sides of the limbs and nodes of a dancer that are posed."""
+
+TRUNK = "trunk"
+"""Name of waist and neck in a release."""
+
+POSED_JOINTS = (
+    *(f"{j.replace('_', f'_{side}_', 1)}_deg" for side in "rl" for j in ARM_JOINTS),
+    *(f"{joint}_deg" for joint in TRUNK_JOINTS),
+)
+"""Joints of a dancer, as pose keys name them."""
+
+
+def _faults_of_pose(keys: Sequence[PoseKey], hangs: bool) -> Iterator[Fault]:
+    """Find limbs and joints that a dancer lacks, and goals that they cannot have.
+
+    Args:
+        keys: its pose.
+        hangs: whether it has a parent.
+    """
+    for k, key in enumerate(keys):
+        faults = [*_faults_of_limbs(key), *_faults_of_joints(key)]
+        if key.frame == "world" and hangs:
+            message = "conflicts with parent; write feet or body"
+            faults.append(Fault(("frame",), message))
+        yield from (fault.below("pose", k) for fault in faults)
+
+
+def _faults_of_limbs(key: PoseKey) -> Iterator[Fault]:
+    for word in ("aim", "turn_deg", "body", "priority", "weight", "ease"):
+        # A scene that is written out in full has the defaults as well.
+        if getattr(key, word) != PoseKey.model_fields[word].default:
+            message = "a dancer's pose has reach, joints or release only; remove this"
+            yield Fault((word,), message, at_key=True)
+    for word in ("limb", "node"):
+        limb = getattr(key, word)
+        if limb is not None and limb not in ARMS:
+            yield Fault((word,), f"only the arms of a dancer are posed, {hint(limb, ARMS)}")
+    if key.release is None:
+        return
+    released = (*ARMS, TRUNK)
+    if key.release not in released:
+        message = f"nothing of a dancer is called '{key.release}', {hint(key.release, released)}"
+        yield Fault(("release",), message)
+    elif key.reach is not None or key.joints:
+        message = "conflicts with reach and joints; write it in another key"
+        yield Fault(("release",), message, at_key=True)
+
+
+def _faults_of_joints(key: PoseKey) -> Iterator[Fault]:
+    """Find unknown joints, and joints of the other arm than the one that reaches."""
+    arm = ARMS.get(key.limb or key.node or "")
+    for joint in key.joints or ():
+        if joint not in POSED_JOINTS:
+            message = f"no joint of a dancer is called so, {hint(joint, POSED_JOINTS)}"
+            yield Fault(("joints", joint), message, at_key=True)
+        elif arm is not None and side_of(joint) not in (arm, ""):
+            message = "belongs to the other arm than the one that reaches; write a key of its own"
+            yield Fault(("joints", joint), message, at_key=True)
+
+
+def side_of(joint: str) -> str:
+    """Return the side of a posed joint, "" for waist and neck."""
+    parts = joint.split("_")
+    return parts[1] if parts[1] in ("r", "l") else ""
+
+
+class Dancer(Performer, DanceSettings):
+    """A simulated torso that dances."""
+
+    dancer: BuildOrName = Field(
+        description="torso, adult or child; or how it is made, {build: adult, height: 1.8}."
+    )
+    at: tuple[Coordinate, Coordinate] = Field(
+        (0.0, 0.0), description="Where it stands, [x, z] on the ground [m]."
+    )
+    pose: Annotated[tuple[PoseKey, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
+        (),
+        description="Where hands and joints are to be at certain times, instead of dancing with "
+        "that arm until it is released; waist and neck are released as trunk.",
+    )
+
+    @model_validator(mode="after")
+    def _can_be_posed(self) -> Self:
+        raise_faults([*_faults_of_pose(self.pose, self.parent is not None)])
+        return self
+
+    @property
+    def kind_name(self) -> str:
+        """Name of a member that is given none."""
+        return "dancer"
+
+
+TEMPO_TOLERANCE = 1e-9
+"""Relative difference of two tempos' ratio from a whole number that is rounding."""
+
+
+def with_score_times(member: Dancer, sound: Sound) -> Dancer:
+    """Return a dancer with the tempo and the start that the score gives it.
+
+    Args:
+        member: the dancer; without `beat` it stays as it is.
+        sound: sound of the scene.
+    """
+    if member.beat is None:
+        return member
+    start, _ = beat_at(member.beat, sound)
+    return member.model_copy(
+        update={"tempo_bpm": member.tempo_bpm or sound.tempo_bpm, "start": start}
+    )
+
+
+def beat_at(beat: float, sound: Sound) -> tuple[float, float]:
+    """Return the time of a beat of the score, counted from 1, and the length of beats [s]."""
+    length = 60.0 / sound.tempo_bpm
+    offset = sound.quantise.offset if sound.quantise is not None else 0.0
+    return offset + (beat - 1.0) * length, length
+
+
+def faults_of_beats(
+    cast: Sequence[object], sound: Sound, script: Sequence[Instruction]
+) -> Iterator[Fault]:
+    """Find dancers whose tempo does not fit that of the score, and beats before the film."""
+    for i, member in enumerate(cast):
+        if not isinstance(member, Dancer) or member.beat is None:
+            continue
+        tempos: list[tuple[tuple[Step, ...], float | None]] = [
+            (("cast", i, "tempo_bpm"), member.tempo_bpm)
+        ]
+        for k, instruction in enumerate(script):
+            if isinstance(instruction.do, Perform) and instruction.who == member.name:
+                tempos.append((("script", k, "do", "tempo_bpm"), instruction.do.tempo_bpm))
+        score = sound.tempo_bpm
+        for path, own in tempos:
+            if own is not None and not _is_multiple(own, score):
+                message = (
+                    f"{own:g} beats a minute do not fit beat {member.beat:g} of a score at "
+                    f"{score:g}; remove this to dance at {score:g}, or write {0.5 * score:g} or "
+                    f"{2 * score:g}"
+                )
+                yield Fault(path, message)
+        start, _ = beat_at(member.beat, sound)
+        if start < 0.0:
+            message = f"beat {member.beat:g} of the score is at {start:.4g} s, before the film"
+            yield Fault(("cast", i, "beat"), message)
+
+
+def _is_multiple(tempo: float, other: float) -> bool:
+    """Return whether beats of the slower tempo fall on beats of the faster."""
+    ratio = max(tempo, other) / min(tempo, other)
+    return math.isclose(ratio, round(ratio), rel_tol=TEMPO_TOLERANCE)

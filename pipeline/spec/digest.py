@@ -1,4 +1,4 @@
-"""What a simulation depends on, as a key under which its take may be kept."""
+"""Digests of scenes, such as the key under which the take of a scene is kept."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import json
 from collections.abc import Collection
 from typing import Any
 
-from pipeline.spec.body_files import cast_simulated
-from pipeline.spec.in_time import beat_at
+from pipeline.spec.dancer import beat_at
+from pipeline.spec.file_references import content_digest
+from pipeline.spec.renamed_keys import RENAMED_KEYS
 from pipeline.spec.scene import Scene
-from pipeline.spec.terrain import simulated
 
 SIMULATED = (
     "pronk",
@@ -29,11 +29,11 @@ SIMULATED = (
 
 
 def simulation_key(scene: Scene) -> str:
-    """Return a digest of all that the simulation reads: equal keys have equal takes.
+    """Return a digest of all that the simulation reads: scenes with equal keys have equal takes.
 
     Names of materials are in it, for parts carry them; how the materials look is not.
     """
-    # What no scene had when takes were first kept is left out where there is none of it.
+    # Later blocks of the language are left out of scenes without them, whose keys stay the same.
     later = [part for part in ("dances", "moods") if getattr(scene, part)]
     if any(member.beat is not None for _, member in scene.dancers):
         later.append("beats")
@@ -52,8 +52,8 @@ def scene_digest(scene: Scene, parts: Collection[str]) -> str:
     Raises:
         KeyError: a part is no field of a scene.
     """
-    words = {part: _part(scene, part) for part in sorted(set(parts))}
-    text = json.dumps(words, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    values = {part: _part(scene, part) for part in sorted(set(parts))}
+    text = json.dumps(values, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     return hashlib.blake2b(text.encode("ascii"), digest_size=20).hexdigest()
 
 
@@ -66,15 +66,51 @@ def _part(scene: Scene, part: str) -> Any:
         return scene.sound.detect.model_dump(mode="json")
     if part == "beats":
         return beat_at(1.0, scene.sound)
-    if part not in Scene.model_fields:
+    key = _PRESENT_KEYS.get(part, part)
+    if key not in Scene.model_fields:
         raise KeyError(part)
-    words = scene.model_dump(mode="json", include={part})[part]
+    value = _with_first_keys(scene.model_dump(mode="json", include={key})[key])
     if part == "terrain":
-        return simulated(words)
+        return _simulated_terrain(value)
     if part == "cast":
-        return cast_simulated(words)
+        return [_simulated_member(member) for member in value]
     if part != "figures":
-        return words
+        return value
     used = sorted({member.figure for _, member in scene.creatures})
     # The order of nodes stays as it is: in this order the analysis meets them.
-    return [[name, words[name]] for name in used]
+    return [[name, value[name]] for name in used]
+
+
+_PRESENT_KEYS = {key.old: key.new for key in RENAMED_KEYS if not key.block}
+_FIRST_KEYS = {key.new: key.old for key in RENAMED_KEYS if key.block}
+
+
+def _with_first_keys(value: Any) -> Any:
+    """Return values by the first names of their keys, so that a renamed key keeps its takes."""
+    if isinstance(value, dict):
+        return {_FIRST_KEYS.get(k, k): _with_first_keys(below) for k, below in value.items()}
+    return [_with_first_keys(below) for below in value] if isinstance(value, list) else value
+
+
+LOOKS_OF_TERRAIN = ("show_forbidden", "footprints")
+"""Keys of a terrain that only its picture follows."""
+
+
+def _simulated_terrain(terrain: dict[str, Any]) -> dict[str, Any]:
+    """Return what the simulation reads of a terrain: the contents of files, not their names."""
+    terrain = {key: value for key, value in terrain.items() if key not in LOOKS_OF_TERRAIN}
+    if "file" in terrain:
+        terrain["file"] = content_digest(terrain["file"])
+    if "of" in terrain:
+        terrain["of"] = [_simulated_terrain(term) for term in terrain["of"]]
+    return terrain
+
+
+def _simulated_member(member: dict[str, Any]) -> dict[str, Any]:
+    """Return what the simulation reads of a member: the contents of files, not their names."""
+    block, key = (member["many"], "of") if "many" in member else (member, "body")
+    body = block.get(key) or {}
+    if "file" not in body:
+        return member
+    block = block | {key: body | {"file": content_digest(body["file"])}}
+    return member | {"many": block} if "many" in member else block

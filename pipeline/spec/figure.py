@@ -14,12 +14,20 @@ from pydantic.annotated_handlers import GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
-from pipeline.spec.faults import Fault, refuse
-from pipeline.spec.joints import JointWords
-from pipeline.spec.nearest import hint
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Coordinate,
+    Fault,
+    Length,
+    LengthOrZero,
+    Name,
+    Number,
+    Point,
+    raise_faults,
+)
 from pipeline.spec.operations import Operation, carry_out
-from pipeline.spec.operations.sheet import MOST_NODES, Mark, Sheet, faults_of_chain
-from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Words
+from pipeline.spec.operations.drawing import MOST_NODES, Mark, Sheet, faults_of_chain
+from pipeline.spec.suggestions import hint
 
 PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
 Feet = Literal["plain", "claws", "hooves", "paws", "toes"]
@@ -32,7 +40,7 @@ STICKY = 1e-3
 """How near an axis a node lands on it if nothing is said, as a part of the drawing's size."""
 
 
-class Node(Words):
+class Node(ConfigModel):
     """A node of the drawing: `[x, y]`, or a mapping that says more."""
 
     at: Point = Field(description="Position, x to the right and y towards the tail [m].")
@@ -62,7 +70,7 @@ class Node(Words):
         return {"anyOf": [full["properties"]["at"], full]}
 
 
-class Figure(Words):
+class Figure(ConfigModel):
     """A drawing: nodes, the chains that connect them, and operations on both."""
 
     style: Literal["insect", "mammal"] = Field(
@@ -121,7 +129,7 @@ class Figure(Words):
 
     @model_validator(mode="after")
     def _names_fit(self) -> Self:
-        refuse(_faults_of_figure(self))
+        raise_faults(_faults_of_figure(self))
         return self
 
     def sheet(self) -> Sheet:
@@ -151,3 +159,33 @@ def _faults_of_figure(figure: Figure) -> Iterator[Fault]:
         if tip not in sheet.marks:
             message = f"no node is called '{tip}', {hint(tip, sheet.marks)}"
             yield Fault(("parts", tip), message, at_key=True)
+
+
+Angle = Annotated[Number, Field(ge=-180, le=180)]
+
+
+class JointWords(ConfigModel):
+    """One joint: its limits and where it rests; or a joint that slides instead of turning."""
+
+    rest_deg: Angle | None = Field(None, description="Value at rest [degrees].")
+    limits_deg: tuple[Angle, Angle] | None = Field(
+        None, description="Least and greatest value [degrees]."
+    )
+    slide: tuple[Coordinate, Coordinate] | None = Field(
+        None, description="Makes it slide along its link, between these values [m]."
+    )
+    rest: Coordinate | None = Field(None, description="Value at rest of a joint that slides [m].")
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        faults = []
+        for name in ("limits_deg", "slide"):
+            limits = getattr(self, name)
+            if limits is not None and limits[0] >= limits[1]:
+                faults.append(Fault((name,), "the first must be less than the second"))
+        if self.slide is not None and (self.rest_deg is not None or self.limits_deg is not None):
+            faults.append(Fault(("slide",), "a joint that slides has rest, not angles"))
+        if self.slide is None and self.rest is not None:
+            faults.append(Fault(("rest",), "a joint that turns rests at rest_deg"))
+        raise_faults(faults)
+        return self

@@ -6,34 +6,47 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from pipeline.spec.faults import fault
-from pipeline.spec.values import FAR, LengthOrZero, Name, Number, Place, Whole, Words
+from pipeline.spec.model_base import (
+    WORLD_LIMIT,
+    ConfigModel,
+    Fault,
+    Integer,
+    LengthOrZero,
+    Name,
+    Number,
+    Position,
+    fault_error,
+    raise_faults,
+)
+from pipeline.spec.performer import At, Performer
 
 Weight = Annotated[Number, Field(ge=0, le=100)]
 Wind = Annotated[Number, Field(ge=-100, le=100)]
 Whom = Annotated[str, Field(min_length=1, max_length=200)]
-Size = Annotated[Number, Field(ge=1e-4, le=FAR)]
+Size = Annotated[Number, Field(ge=1e-4, le=WORLD_LIMIT)]
 Pace = Annotated[Number, Field(ge=1e-3, le=100)]
 Extent = tuple[Size, Size]
 
-MOST = 5000
+MAX_MEMBERS = 5000
 """Members of one group."""
 
 
-class Many(Words):
+class GroupBase(ConfigModel):
     """What every group has."""
 
-    count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(100, description="How many they are.")
+    count: Annotated[Integer, Field(ge=1, le=MAX_MEMBERS)] = Field(
+        100, description="How many they are."
+    )
 
 
-class Steered(Many):
+class Steered(GroupBase):
     """What flocks and schools have: each goes by what its neighbours do."""
 
     separation: Weight = Field(1.0, description="How much each keeps away from those too near.")
     alignment: Weight = Field(1.0, description="How much each goes where its neighbours go.")
     cohesion: Weight = Field(1.0, description="How much each keeps to its neighbours.")
     goal: Weight = Field(1.0, description="How much each makes for what all of them make for.")
-    path: Annotated[tuple[Place, ...], Field(max_length=1000)] = Field(
+    path: Annotated[tuple[Position, ...], Field(max_length=1000)] = Field(
         (), description="Places [x, y, z] that they make for, one after the other, again and again."
     )
     follow: Whom | None = Field(
@@ -49,7 +62,7 @@ class Steered(Many):
     @model_validator(mode="after")
     def _makes_for_one(self) -> Self:
         if self.path and self.follow is not None:
-            raise fault("give either path or follow, not both", "follow")
+            raise fault_error("give either path or follow, not both", "follow")
         return self
 
 
@@ -80,7 +93,7 @@ class School(Steered):
     )
 
 
-class Swarm(Many):
+class Swarm(GroupBase):
     """Insects around something."""
 
     rule: Literal["swarm"] = Field(description="A swarm of insects.")
@@ -92,11 +105,11 @@ class Swarm(Many):
     speed: Pace = Field(1.2, description="How fast they fly, as a mean square [m/s].")
 
 
-class Rain(Many):
+class Rain(GroupBase):
     """Drops that fall and end on the ground."""
 
     rule: Literal["rain"] = Field(description="Rain.")
-    count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(
+    count: Annotated[Integer, Field(ge=1, le=MAX_MEMBERS)] = Field(
         400, description="How many are in the air at once."
     )
     size: Size = Field(0.12, description="Length of a drop as it is seen [m].")
@@ -109,7 +122,7 @@ class Rain(Many):
     )
 
 
-class Fire(Many):
+class Fire(GroupBase):
     """Flames that rise, shrink and die."""
 
     rule: Literal["fire"] = Field(description="Flames of a fire, or smoke.")
@@ -122,11 +135,13 @@ class Fire(Many):
     wind: tuple[Wind, Wind] = Field((0.0, 0.0), description="Along x and z [m/s].")
 
 
-class Grass(Many):
+class Grass(GroupBase):
     """Blades that stand on the ground."""
 
     rule: Literal["grass"] = Field(description="Grass.")
-    count: Annotated[Whole, Field(ge=1, le=MOST)] = Field(500, description="How many blades.")
+    count: Annotated[Integer, Field(ge=1, le=MAX_MEMBERS)] = Field(
+        500, description="How many blades."
+    )
     size: Size = Field(0.3, description="Their height, about [m].")
     area: Extent = Field((2.0, 2.0), description="Where they stand, along x and z, about `at` [m].")
     wind: tuple[Wind, Wind] = Field((2.0, 0.0), description="Along x and z [m/s].")
@@ -139,3 +154,25 @@ GroupWords = Annotated[Flock | School | Swarm | Rain | Fire | Grass, Field(discr
 
 DIRECTED = ("flock", "school")
 """Rules of the groups that a script can send somewhere."""
+
+
+class Group(Performer):
+    """Many bodies that move by one rule."""
+
+    group: GroupWords = Field(description="How many they are, and by which rule they move.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="About where they begin, [x, y, z]; [x, z] is on the ground [m].",
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if self.parent is not None and not isinstance(self.group, Fire):
+            message = "only a fire goes along with a parent; a flock may follow somebody"
+            raise_faults([Fault(("parent",), message, at_key=True)])
+        return self
+
+    @property
+    def kind_name(self) -> str:
+        """Name of a member that is given none."""
+        return self.group.rule

@@ -7,53 +7,52 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from pipeline.spec.faults import fault
-from pipeline.spec.values import Name, Number
-from render.config.base import PresetModel
+from pipeline.spec.model_base import Name, Number, fault_error
+from render.config.base import PresetWords
 
 Factor = Annotated[Number, Field(ge=0.05, le=20)]
 Tilt = Annotated[Number, Field(ge=-80, le=80)]
 
 MOODS: Mapping[str, Mapping[str, float]] = {
     "happy": {
-        "stride": 1.05, "cycle": 0.88, "bounciness": 2.2, "step_height": 1.4,
+        "stride": 1.05, "cycle": 0.88, "body_bob": 2.2, "step_height": 1.4,
         "head_deg": 10, "tail_deg": 20, "sway": 1.6, "looseness": 1.3,
     },
     "sad": {
-        "stride": 0.72, "cycle": 1.3, "bounciness": 0.5, "step_height": 0.6, "duty": 0.04,
+        "stride": 0.72, "cycle": 1.3, "body_bob": 0.5, "step_height": 0.6, "duty": 0.04,
         "head_deg": -30, "tail_deg": -20, "pitch_deg": -3, "sway": 0.6, "wander": 0.4,
     },
     "tired": {
-        "stride": 0.7, "cycle": 1.45, "bounciness": 0.8, "step_height": 0.3, "duty": 0.06,
+        "stride": 0.7, "cycle": 1.45, "body_bob": 0.8, "step_height": 0.3, "duty": 0.06,
         "body_height": 0.95, "head_deg": -22, "tail_deg": -15, "sway": 1.7, "wander": 0.6,
         "looseness": 1.6,
     },
     "impatient": {
-        "stride": 0.85, "cycle": 0.62, "bounciness": 1.2, "head_deg": 4, "tail_deg": 10,
+        "stride": 0.85, "cycle": 0.62, "body_bob": 1.2, "head_deg": 4, "tail_deg": 10,
         "wander": 2.5,
     },
     "proud": {
-        "stride": 1.1, "cycle": 1.12, "bounciness": 1.3, "step_height": 1.7, "body_height": 1.03,
+        "stride": 1.1, "cycle": 1.12, "body_bob": 1.3, "step_height": 1.7, "body_height": 1.03,
         "head_deg": 26, "tail_deg": 22, "pitch_deg": 4, "sway": 0.7, "looseness": 0.6,
     },
     "sneaking": {
-        "stride": 0.8, "cycle": 1.8, "bounciness": 0.2, "step_height": 1.5, "body_height": 0.8,
+        "stride": 0.8, "cycle": 1.8, "body_bob": 0.2, "step_height": 1.5, "body_height": 0.8,
         "duty": 0.1, "head_deg": -12, "tail_deg": -10, "sway": 0.4, "wander": 1.6,
         "looseness": 0.5,
     },
     "frightened": {
-        "stride": 0.85, "cycle": 0.6, "bounciness": 0.7, "body_height": 0.88, "head_deg": -8,
+        "stride": 0.85, "cycle": 0.6, "body_bob": 0.7, "body_height": 0.88, "head_deg": -8,
         "tail_deg": -35, "pitch_deg": -2, "wander": 2.2, "looseness": 0.5,
     },
     "angry": {
-        "stride": 1.12, "cycle": 0.82, "bounciness": 1.4, "step_height": 1.3, "body_height": 0.96,
+        "stride": 1.12, "cycle": 0.82, "body_bob": 1.4, "step_height": 1.3, "body_height": 0.96,
         "head_deg": -16, "tail_deg": 12, "pitch_deg": -3, "sway": 1.2, "looseness": 0.6,
     },
 }  # fmt: skip
 """The library of moods."""
 
 
-class Mood(PresetModel):
+class Mood(PresetWords):
     """A mood: factors on how somebody walks, and how it carries itself.
 
     What is left out is not changed. A mood of half the weight changes half as much: factors by
@@ -67,7 +66,7 @@ class Mood(PresetModel):
     duty: Annotated[Number, Field(ge=-0.5, le=0.5)] = Field(
         0.0, description="Part of the cycle that feet stay down longer, in gaits without flights."
     )
-    bounciness: Factor = Field(1.0, description="Factor on the bounce of the body.")
+    body_bob: Factor = Field(1.0, description="Factor on the amplitude of the body bob.")
     body_height: Factor = Field(1.0, description="Factor on the height of the body.")
     step_height: Factor = Field(1.0, description="Factor on how high feet are lifted.")
     pitch_deg: Annotated[Number, Field(ge=-30, le=30)] = Field(
@@ -93,7 +92,7 @@ def _weighed(words: object) -> object:
 
 def _few(mix: dict[str, float]) -> dict[str, float]:
     if sum(mix.values()) > MOST:
-        raise fault(f"the weights of moods should not sum up to more than {MOST:g}")
+        raise fault_error(f"the weights of moods should not sum up to more than {MOST:g}")
     return mix
 
 

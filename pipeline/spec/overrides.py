@@ -1,4 +1,4 @@
-"""Values given on the command line: `cast[0].walk.speed=0.5`, `cast.bug.walk.speed=1`."""
+"""Overrides: values from the command line, `cast[0].walk.speed=0.5`, `cast.bug.walk.speed=1`."""
 
 from __future__ import annotations
 
@@ -6,59 +6,72 @@ import re
 from collections.abc import Sequence
 
 from pipeline.errors import Problem
-from pipeline.spec.cast import called, names_of
-from pipeline.spec.faults import Step
-from pipeline.spec.nearest import hint
-from pipeline.spec.reader import read_yaml
-from pipeline.spec.tree import Entry, Leaf, Place, Row, Table, Tree, path_text, plain
+from pipeline.spec.model_base import Step
+from pipeline.spec.partial_scene import member_names
+from pipeline.spec.source_tree import (
+    Entry,
+    ListNode,
+    MappingNode,
+    ScalarNode,
+    SourceLocation,
+    SourceNode,
+    path_text,
+    plain_values,
+)
+from pipeline.spec.suggestions import hint
+from pipeline.spec.yaml_reader import read_yaml
 
 _STEP = re.compile(r"(?:^|\.)([^.\[\]=]+)|\[([0-9]{1,9})\]")
 
-# Blocks for which the name of a preset may stand: a change adjusts the preset.
+MAX_SHOWN = 80
+"""Longer assignments are cut off in messages [characters]."""
+
+# Blocks that may be the name of a preset: a change adjusts the preset.
 _PRESETS = re.compile(r"terrain|light|materials\..+")
 
-# Either word says how long a scene lasts: giving one takes the other back.
-_INSTEAD = {"frames": "duration", "duration": "frames"}
+# Both keys give the length of a scene: setting one removes the other.
+_ALTERNATIVES = {"frames": "duration", "duration": "frames"}
 
 
-class _Wrong(Exception):
-    """An override leads nowhere."""
+class _PathError(Exception):
+    """The path of an assignment leads nowhere."""
 
     def __init__(self, path: Sequence[Step], message: str) -> None:
         self.path = tuple(path)
         self.message = message
 
 
-def override(scene: Table, words: Sequence[str]) -> tuple[Table, list[Problem]]:
+def override(scene: MappingNode, assignments: Sequence[str]) -> tuple[MappingNode, list[Problem]]:
     """Lay values over a scene.
 
     Args:
         scene: the scene as its file has it.
-        words: `path=value` each; the value is YAML.
+        assignments: `path=value` each; the value is YAML.
 
     Returns:
-        The changed scene, and what is wrong with the words themselves.
+        The changed scene, and what is wrong with the assignments themselves.
     """
     problems: list[Problem] = []
-    for one in words:
-        place = Place(f"--set {one if len(one) <= 80 else one[:77] + '...'}")
+    for text in assignments:
+        is_short = len(text) <= MAX_SHOWN
+        place = SourceLocation(f"--set {text if is_short else text[: MAX_SHOWN - 3] + '...'}")
         try:
-            scene = _overridden(scene, one, place)
-        except _Wrong as wrong:
-            problems.append(place.problem(wrong.path, wrong.message))
+            scene = _assigned(scene, text, place)
+        except _PathError as error:
+            problems.append(place.problem(error.path, error.message))
     return scene, problems
 
 
-def _overridden(scene: Table, words: str, place: Place) -> Table:
-    text, equals, value_text = words.partition("=")
+def _assigned(scene: MappingNode, assignment: str, place: SourceLocation) -> MappingNode:
+    text, equals, value_text = assignment.partition("=")
     if not equals:
-        raise _Wrong((), "should be path=value, such as cast[0].walk.speed=0.5")
+        raise _PathError((), "should be path=value, such as cast[0].walk.speed=0.5")
     path = _path(text.strip())
     value = _value(value_text, path, place)
-    if len(path) == 1 and path[0] in _INSTEAD:
-        scene = scene.without(_INSTEAD[str(path[0])])
+    if len(path) == 1 and path[0] in _ALTERNATIVES:
+        scene = scene.without(_ALTERNATIVES[str(path[0])])
     changed = _changed(scene, path, 0, value, place)
-    assert isinstance(changed, Table)
+    assert isinstance(changed, MappingNode)
     return changed
 
 
@@ -72,62 +85,67 @@ def _path(text: str) -> list[Step]:
         steps.append(int(match[2]) if match[2] else match[1].strip())
         end = match.end()
     if end < len(text) or not steps or text.startswith("."):
-        raise _Wrong((), f"'{text}' is no path; write one as cast[0].walk.speed")
+        raise _PathError((), f"'{text}' is no path; write one as cast[0].walk.speed")
     return steps
 
 
-def _value(text: str, path: Sequence[Step], place: Place) -> Tree:
+def _value(text: str, path: Sequence[Step], place: SourceLocation) -> SourceNode:
     tree, problems = read_yaml(text, place.file)
     if problems:
-        raise _Wrong(path, problems[0].message)
-    return Leaf(place, None) if tree is None else _moved(tree, place)
+        raise _PathError(path, problems[0].message)
+    return ScalarNode(place, None) if tree is None else _at_place(tree, place)
 
 
-def _moved(tree: Tree, place: Place) -> Tree:
+def _at_place(tree: SourceNode, place: SourceLocation) -> SourceNode:
+    """Return the tree with all its nodes at one location."""
     match tree:
-        case Leaf():
-            return Leaf(place, tree.value)
-        case Row():
-            return Row(place, tuple(_moved(item, place) for item in tree.items))
-        case Table():
-            entries = {k: Entry(place, _moved(e.value, place)) for k, e in tree.entries.items()}
-            return Table(place, entries)
+        case ScalarNode():
+            return ScalarNode(place, tree.value)
+        case ListNode():
+            return ListNode(place, tuple(_at_place(item, place) for item in tree.items))
+        case MappingNode():
+            entries = {k: Entry(place, _at_place(e.value, place)) for k, e in tree.entries.items()}
+            return MappingNode(place, entries)
 
 
 def _changed(
-    tree: Tree | None, path: Sequence[Step], depth: int, value: Tree, place: Place
-) -> Tree:
+    tree: SourceNode | None,
+    path: Sequence[Step],
+    depth: int,
+    value: SourceNode,
+    place: SourceLocation,
+) -> SourceNode:
     """Return the tree with the value below it at `path[depth:]`."""
     if depth == len(path):
         return value
     before, step = path[:depth], path[depth]
-    if tree is None or (isinstance(tree, Leaf) and tree.value is None):
-        tree = Table(place, {})
-    if isinstance(tree, Leaf) and isinstance(tree.value, str):
+    if tree is None or (isinstance(tree, ScalarNode) and tree.value is None):
+        tree = MappingNode(place, {})
+    if isinstance(tree, ScalarNode) and isinstance(tree.value, str):
         if _PRESETS.fullmatch(path_text(before)):
-            tree = Table(tree.place, {"preset": Entry(tree.place, tree)})
-    if isinstance(tree, Row):
+            tree = MappingNode(tree.place, {"preset": Entry(tree.place, tree)})
+    if isinstance(tree, ListNode):
         i = _index(tree, before, step)
         item = _changed(tree.items[i], [*before, i, *path[depth + 1 :]], depth + 1, value, place)
-        return Row(tree.place, (*tree.items[:i], item, *tree.items[i + 1 :]))
-    if isinstance(tree, Leaf):
-        raise _Wrong(path, f"{path_text(before)} is no mapping, so nothing below it can be set")
+        return tree.with_item(i, item)
+    if isinstance(tree, ScalarNode):
+        raise _PathError(path, f"{path_text(before)} is no mapping, so nothing below it can be set")
     if isinstance(step, int):
-        raise _Wrong(path, f"{path_text(before)} is no list")
+        raise _PathError(path, f"{path_text(before)} is no list")
     entry = tree.entries.get(step)
     below = _changed(entry.value if entry else None, path, depth + 1, value, place)
     # The key stays where it stands in the file, unless it is new.
-    return tree.having(step, entry.key if entry else place, below)
+    return tree.with_entry(step, entry.key if entry else place, below)
 
 
-def _index(row: Row, before: Sequence[Step], step: Step) -> int:
+def _index(row: ListNode, before: Sequence[Step], step: Step) -> int:
     where = path_text(before)
     if isinstance(step, int):
         if step < len(row.items):
             return step
-        raise _Wrong((*before, step), f"{where} has {len(row.items)} entries, counted from 0")
-    names = names_of([called(plain(item)) for item in row.items])
+        raise _PathError((*before, step), f"{where} has {len(row.items)} entries, counted from 0")
+    names = member_names([plain_values(item) for item in row.items])
     if step in names:
         return names.index(step)
     close = hint(step, [name for name in names if not name.startswith("_")])
-    raise _Wrong((*before, step), f"nothing in {where} is called '{step}', {close}")
+    raise _PathError((*before, step), f"nothing in {where} is called '{step}', {close}")

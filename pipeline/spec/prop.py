@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self, TypeGuard
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipeline.spec.faults import fault
-from pipeline.spec.keyframes import Time
-from pipeline.spec.values import Length, LengthOrZero, Whole, Words
+from pipeline.spec.keyframes import (
+    TURN,
+    Keyframe,
+    Rates,
+    Time,
+    Turn,
+    faults_of_order,
+    faults_of_tangents,
+)
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Fault,
+    Integer,
+    Length,
+    LengthOrZero,
+    Number,
+    fault_error,
+    raise_faults,
+)
+from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
+from render.config.ease import EASE, Ease
 
 
-class BoxShape(Words):
+class BoxShape(ConfigModel):
     """A box about its middle."""
 
     shape: Literal["box"] = Field(description="A box.")
@@ -20,14 +39,14 @@ class BoxShape(Words):
     )
 
 
-class BallShape(Words):
+class BallShape(ConfigModel):
     """A ball about its middle."""
 
     shape: Literal["ball"] = Field(description="A ball.")
     radius: Length = Field(0.2, description="Its radius [m].")
 
 
-class CylinderShape(Words):
+class CylinderShape(ConfigModel):
     """An upright cylinder about its middle."""
 
     shape: Literal["cylinder"] = Field(description="An upright cylinder.")
@@ -35,7 +54,7 @@ class CylinderShape(Words):
     height: Length = Field(0.4, description="Its height [m].")
 
 
-class ConeShape(Words):
+class ConeShape(ConfigModel):
     """An upright cone, or a part of one, about the middle of its height."""
 
     shape: Literal["cone"] = Field(description="An upright cone, or a part of one.")
@@ -44,11 +63,11 @@ class ConeShape(Words):
     height: Length = Field(0.4, description="Its height [m].")
 
 
-class GearShape(Words):
+class GearShape(ConfigModel):
     """A gear wheel about its middle, its axis upright."""
 
     shape: Literal["gear"] = Field(description="A gear wheel, its axis upright.")
-    teeth: Annotated[Whole, Field(ge=5, le=120)] = Field(12, description="How many teeth.")
+    teeth: Annotated[Integer, Field(ge=5, le=120)] = Field(12, description="How many teeth.")
     radius: Length = Field(
         0.2,
         description="Of its pitch circle [m]; two gears mesh at the sum of their radii, if these "
@@ -62,7 +81,7 @@ Shape = Annotated[
 ]
 
 
-class Hold(Words):
+class Hold(ConfigModel):
     """Somebody has the prop in a hand: it goes with that link, as it was when it was taken."""
 
     by: str = Field(
@@ -79,5 +98,176 @@ class Hold(Words):
     @model_validator(mode="after")
     def _ends_later(self) -> Self:
         if self.until is not None and self.until <= self.at:
-            raise fault(f"should be later than it is taken, at {self.at:g}", "until")
+            raise fault_error(f"should be later than it is taken, at {self.at:g}", "until")
         return self
+
+
+Push = Annotated[Number, Field(ge=-1e9, le=1e9)]
+Pushes = tuple[Push, Push, Push]
+
+DRIVEN_EASE = f"{EASE}, hold keeps the value before until then."
+
+
+class VelocityKey(ConfigModel):
+    """How fast a prop goes and turns at one time."""
+
+    at: Time = Field(description="When [s].")
+    linear: Velocity | None = Field(None, description="Its velocity [x, y, z] [m/s].")
+    spin_deg: Rates | None = Field(
+        None, description="How it turns, about x, y and z of its parent or the world [degrees/s]."
+    )
+    ease: Ease = Field("linear", description=DRIVEN_EASE)
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.linear is None and self.spin_deg is None:
+            raise_faults([Fault((), "should say a velocity as linear, a spin_deg, or both")])
+        return self
+
+
+def _velocity_form(words: Any) -> str:
+    if isinstance(words, list | tuple) and words and not isinstance(words[0], int | float):
+        return "keys"
+    return "one"
+
+
+VelocityWords = Annotated[
+    Annotated[Velocity, Tag("one")]
+    | Annotated[
+        tuple[VelocityKey, ...], Field(min_length=1, max_length=MAX_KEYFRAMES), Tag("keys")
+    ],
+    Discriminator(_velocity_form),
+]
+"""One velocity [m/s], or velocities at certain times."""
+
+
+class ForceKey(ConfigModel):
+    """What pushes and turns a prop at one time."""
+
+    at: Time = Field(description="When [s].")
+    force: Pushes | None = Field(None, description="At its middle, [x, y, z] [N].")
+    torque: Pushes | None = Field(None, description="About x, y and z [N m].")
+    ease: Ease = Field("linear", description=DRIVEN_EASE)
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.force is None and self.torque is None:
+            raise_faults([Fault((), "should say a force, a torque, or both")])
+        return self
+
+
+class ForceWords(ConfigModel):
+    """What pushes a prop: it meets nothing, and goes as its mass lets it."""
+
+    force: Pushes | None = Field(None, description="At its middle, all the time [N].")
+    torque: Pushes | None = Field(None, description="About x, y and z, all the time [N m].")
+    keys: Annotated[tuple[ForceKey, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
+        (), description="Instead: forces and torques at certain times."
+    )
+    mass: Annotated[Number, Field(gt=0, le=1e9)] | None = Field(
+        None, description="[kg]; by its shape and density if left out."
+    )
+    density: Annotated[Number, Field(gt=0, le=30_000)] = Field(600.0, description="[kg/m³].")
+    gravity: bool = Field(False, description="Whether its weight pulls it down as well.")
+    drag: Annotated[Number, Field(ge=0, le=1e6)] = Field(
+        0.0, description="Force that holds it back, for each metre a second [N s/m]."
+    )
+    turning_drag: Annotated[Number, Field(ge=0, le=1e6)] = Field(
+        0.0, description="Torque that holds it back, for each radian a second [N m s]."
+    )
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin [m/s].")
+    spin_deg: Rates = Field((0.0, 0.0, 0.0), description="At the begin [degrees/s].")
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        raise_faults(self._faults())
+        return self
+
+    def _faults(self) -> Iterator[Fault]:
+        yield from faults_of_order(self.keys, "keys")
+        for word in ("force", "torque"):
+            if self.keys and getattr(self, word) is not None:
+                yield Fault((word,), "give it in the keys, or take the keys away", at_key=True)
+
+
+def _keyed(velocity: VelocityWords | None) -> TypeGuard[tuple[VelocityKey, ...]]:
+    return velocity is not None and isinstance(velocity[0], VelocityKey)
+
+
+class Prop(Performer):
+    """A thing that moves only as its author says."""
+
+    prop: Shape = Field(description="What it looks like.")
+    at: At = Field(
+        (0.0, 0.0),
+        description="Where its middle is, [x, y, z]; [x, z] puts it on the ground, or on the "
+        "origin of its parent [m].",
+    )
+    rotation_deg: Turn = Field(
+        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN}."
+    )
+    keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
+        (),
+        description="Where it is at certain times; they replace at, rotation_deg and heading_deg.",
+    )
+    repeat: bool = Field(
+        False,
+        description="Whether the keyframes begin again when the last is reached, which should "
+        "then be as the first; a rotation may be whole turns on.",
+    )
+    velocity: VelocityWords | None = Field(
+        None,
+        description="How fast it goes from where it is at the begin, [x, y, z], or a list of "
+        "velocities at certain times; relative to its parent or the world [m/s].",
+    )
+    spin_deg: Rates | None = Field(
+        None,
+        description="How it turns all the time, about x, y and z of its parent or the world "
+        "[degrees/s].",
+    )
+    force: ForceWords | None = Field(
+        None, description="What pushes and turns it, as its mass lets it."
+    )
+    held: Annotated[tuple[Hold, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
+        (), description="By whom it is held, and when."
+    )
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        faults = [
+            *faults_of_order(self.keyframes, "keyframes"),
+            *faults_of_tangents(self.keyframes, "keyframes"),
+            *self._faults_of_moving(),
+        ]
+        for i in range(1, len(self.held)):
+            before = self.held[i - 1]
+            if before.until is None or self.held[i].at < before.until:
+                message = f"'{before.by}' still holds it then; let it go with `until` first"
+                faults.append(Fault(("held", i, "at"), message))
+        raise_faults(faults)
+        return self
+
+    def _faults_of_moving(self) -> Iterator[Fault]:
+        ways = [word for word in ("keyframes", "velocity", "force") if getattr(self, word)]
+        for word in ways[1:]:
+            message = f"it is moved by its {ways[0]} already; take one of the two away"
+            yield Fault((word,), message, at_key=True)
+        if self.repeat and not (self.keyframes and self.keyframes[-1].at > self.keyframes[0].at):
+            yield Fault(("repeat",), "needs two keyframes to go between", at_key=True)
+        if self.spin_deg is not None and ways not in ([], ["velocity"]):
+            message = f"it turns by its {ways[0]}; say there how"
+            yield Fault(("spin_deg",), message, at_key=True)
+        elif self.spin_deg is not None and _keyed(self.velocity):
+            message = "give it in the keys of its velocity"
+            yield Fault(("spin_deg",), message, at_key=True)
+        if _keyed(self.velocity):
+            yield from faults_of_order(self.velocity, "velocity")
+        moving = [*ways, *(["spin_deg"] if self.spin_deg is not None else [])]
+        if moving and self.held:
+            message = f"what is held does not follow {moving[0]}; take one of the two away"
+            yield Fault(("held",), message, at_key=True)
+
+    @property
+    def kind_name(self) -> str:
+        """Name of a member that is given none."""
+        return self.prop.shape

@@ -1,4 +1,4 @@
-"""Scene: all that an author asks for, typed and validated. No arrays, no files."""
+"""Scene: everything an author asks for, typed and validated. No arrays, no files."""
 
 from __future__ import annotations
 
@@ -7,93 +7,142 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
-from pipeline.spec.cast import Creature, Dancer, Member, called, names_of
+from pipeline.spec.cast import Member
+from pipeline.spec.creature import Creature
 from pipeline.spec.dance import Dance
-from pipeline.spec.detect import SceneSound
-from pipeline.spec.faults import fault, refuse
+from pipeline.spec.dancer import Dancer, faults_of_beats, with_score_times
 from pipeline.spec.figure import Figure
-from pipeline.spec.golden import Golden, faults_of_golden
-from pipeline.spec.in_time import faults_of_beats, in_time
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Fault,
+    Integer,
+    Name,
+    Number,
+    fault_error,
+    raise_faults,
+)
 from pipeline.spec.mood import MOODS, Mood
-from pipeline.spec.places import Places
-from pipeline.spec.rate import Rate, rate_of
-from pipeline.spec.references import faults_of_references
+from pipeline.spec.name_references import faults_of_references
+from pipeline.spec.partial_scene import member_names
 from pipeline.spec.script import Instruction
-from pipeline.spec.terrain import FlatTerrain, Terrain
+from pipeline.spec.sound_thresholds import SceneSound
+from pipeline.spec.source_tree import SourceMap, SourceNode
+from pipeline.spec.terrain import Terrain
+from pipeline.spec.terrain.kinds import FlatTerrain
 from pipeline.spec.timing import (
-    DEFAULT_SAMPLES,
+    DEFAULT_ROWS_PER_FRAME,
     DEFAULT_STEPS,
-    MOST_FRAMES,
+    MAX_FRAMES,
+    Rate,
     faults_of_timing,
     frames_of,
+    rate_of,
 )
-from pipeline.spec.tree import Tree
-from pipeline.spec.values import Name, Number, Whole, Words
 from render.config import Camera, Cuts, Film, Light, Material
+from render.config.film import Even
+
+MAX_GOLDEN_FRAMES = 24
+"""Frames of one golden, which is kept in version control."""
+
+
+class Golden(ConfigModel):
+    """Frames that a golden check renders: few, small, with a fixed number of rays."""
+
+    frames: (
+        Annotated[
+            tuple[Annotated[Integer, Field(ge=1)], ...],
+            Field(min_length=1, max_length=MAX_GOLDEN_FRAMES),
+        ]
+        | None
+    ) = Field(
+        None, description="Frames to compare; the first, the middle and the last if left out."
+    )
+    size: tuple[Even, Even] | None = Field(
+        None, description="Width and height [pixels], even; 256 wide if left out."
+    )
+    samples: Annotated[Integer, Field(ge=1, le=65536)] = Field(
+        64,
+        description="Rays through each pixel: more rays leave less noise to hide differences in.",
+    )
+
+
+def faults_of_golden(golden: Golden, given: dict[str, Any], last: int | None) -> list[Fault]:
+    """Find frames that the scene does not have.
+
+    Args:
+        golden: the frames to render.
+        given: values that the author wrote; defaults are not checked.
+        last: last frame of the scene, None if unknown.
+    """
+    if "golden" not in given or golden.frames is None or last is None:
+        return []
+    return [
+        Fault(("golden", "frames", i), f"the scene has frames 1-{last}, no {frame}")
+        for i, frame in enumerate(golden.frames)
+        if frame > last
+    ]
+
 
 VERSION = 1
 """The version of the language that this pronk reads."""
 
-MOST_INSTRUCTIONS = 10_000
-"""Of a script."""
+MAX_INSTRUCTIONS = 10_000
+"""Instructions of one script."""
 
 
 def _named(cast: tuple[Member, ...]) -> tuple[Member, ...]:
-    names = names_of([called(member) for member in cast])
-    pairs = zip(cast, names, strict=True)
+    pairs = zip(cast, member_names(cast), strict=True)
     return tuple(member.model_copy(update={"name": name}) for member, name in pairs)
 
 
-class Scene(Words):
-    """A scene: what is in it, how long it lasts, how it is filmed and heard."""
+class Scene(ConfigModel):
+    """A scene: its cast, length, camera and sound."""
 
     pronk: Literal[1] = Field(description="Version of the scene language.")
     title: str = Field("", max_length=200, description="Title of the film.")
     fps: Rate = Field(24, description="Frames a second: 24, 25, 60 or '30000/1001'.")
-    duration: Annotated[Number, Field(gt=0, le=MOST_FRAMES)] | None = Field(
+    duration: Annotated[Number, Field(gt=0, le=MAX_FRAMES)] | None = Field(
         None, description="How long the film lasts [s]; give this or frames."
     )
-    frames: Annotated[Whole, Field(gt=0, le=MOST_FRAMES)] | None = Field(
+    frames: Annotated[Integer, Field(gt=0, le=MAX_FRAMES)] | None = Field(
         None, description="How many frames the film has; give this or duration."
     )
-    seed: Annotated[Whole, Field(ge=0, lt=2**63)] = Field(
-        1, description="Where all random numbers of the scene come from."
+    seed: Annotated[Integer, Field(ge=0, lt=2**63)] = Field(
+        1, description="Seed of all random numbers of the scene."
     )
-    samples: Annotated[Whole, Field(ge=1, le=64)] = Field(
-        DEFAULT_SAMPLES, description="Samples of the motion that are kept a frame."
+    rows_per_frame: Annotated[Integer, Field(ge=1, le=64)] = Field(
+        DEFAULT_ROWS_PER_FRAME, description="Rows of the motion that are kept per frame."
     )
-    steps: Annotated[Whole, Field(ge=1, le=1024)] = Field(
-        DEFAULT_STEPS, description="Steps of the world a frame; a multiple of samples."
+    steps: Annotated[Integer, Field(ge=1, le=1024)] = Field(
+        DEFAULT_STEPS, description="Steps of the world per frame; a multiple of rows_per_frame."
     )
     terrain: Terrain = Field(FlatTerrain(), description="The ground.")
     figures: dict[Name, Figure] = Field({}, description="Drawings of figures, by name.")
-    dances: dict[Name, Dance] = Field({}, description="What dancers do, by name.")
+    dances: dict[Name, Dance] = Field({}, description="Dances, by name.")
     cast: Annotated[tuple[Member, ...], Field(min_length=1), AfterValidator(_named)] = Field(
-        description="Who is in the scene."
+        description="The performers of the scene."
     )
     moods: dict[Name, Mood] = Field(
-        {}, description="The author's own moods, beside and before those of the library."
+        {}, description="The author's own moods, which come before those of the library."
     )
-    script: Annotated[tuple[Instruction, ...], Field(max_length=MOST_INSTRUCTIONS)] = Field(
-        (), description="What performers are to do, and when."
+    script: Annotated[tuple[Instruction, ...], Field(max_length=MAX_INSTRUCTIONS)] = Field(
+        (), description="Orders to performers, and when they are given."
     )
-    materials: dict[Name, Material] = Field(
-        {}, description="The author's own materials, usable wherever a material is named."
-    )
+    materials: dict[Name, Material] = Field({}, description="The author's own materials, by name.")
     camera: Cuts = Field((Camera(),), description="One camera, or a list of cuts.")
-    light: Light = Field(Light(), description="What lights the scene.")
+    light: Light = Field(Light(), description="Lights of the scene.")
     film: Film = Field(Film(), description="Size and quality of the frames.")
-    sound: SceneSound = Field(SceneSound(), description="What the scene sounds like.")
-    golden: Golden = Field(Golden(), description="What golden checks render.")
-    _places: Places = PrivateAttr(default_factory=Places)
+    sound: SceneSound = Field(SceneSound(), description="Sound of the scene.")
+    golden: Golden = Field(Golden(), description="Frames of the regression test.")
+    _source_map: SourceMap = PrivateAttr(default_factory=SourceMap)
 
     @field_validator("pronk", mode="before")
     @classmethod
     def _version(cls, version: Any) -> Any:
         if isinstance(version, bool) or not isinstance(version, int):
-            raise fault(f"should be the number of the version, {VERSION}")
+            raise fault_error(f"should be the number of the version, {VERSION}")
         if version != VERSION:
-            raise fault(f"this pronk reads version {VERSION} of the language, not {version}")
+            raise fault_error(f"this pronk reads version {VERSION} of the language, not {version}")
         return version
 
     @model_validator(mode="after")
@@ -103,36 +152,36 @@ class Scene(Words):
         last = None if timing else self.n_frames
         golden = faults_of_golden(self.golden, given, last)
         beats = faults_of_beats(self.cast, self.sound, self.script)
-        refuse([*timing, *faults_of_references(self), *beats, *golden])
+        raise_faults([*timing, *faults_of_references(self), *beats, *golden])
         return self
 
     @property
-    def places(self) -> Places:
-        """Where its words stand."""
-        return self._places
+    def source_map(self) -> SourceMap:
+        """Locations of its values in its file."""
+        return self._source_map
 
-    def standing_in(self, tree: Tree) -> Self:
-        """Return the scene, which was made of a tree, with the places of its words."""
-        self._places = Places(tree)
+    def with_source(self, tree: SourceNode) -> Self:
+        """Return this scene, made of a tree, with the locations of its values."""
+        self._source_map = SourceMap(tree)
         return self
 
     @property
     def creatures(self) -> list[tuple[int, Creature]]:
-        """Its creatures, with their places in the cast."""
+        """Its creatures, with their indices in the cast."""
         return [(i, member) for i, member in enumerate(self.cast) if isinstance(member, Creature)]
 
     @property
     def dancers(self) -> list[tuple[int, Dancer]]:
-        """Its dancers, with their places in the cast, in time with its score if they are to be."""
+        """Its dancers, with their indices in the cast; their times are those of the score."""
         return [
-            (i, in_time(member, self.sound))
+            (i, with_score_times(member, self.sound))
             for i, member in enumerate(self.cast)
             if isinstance(member, Dancer)
         ]
 
     @property
     def all_moods(self) -> dict[str, Mood]:
-        """The moods that may be named in it."""
+        """Moods that it may name."""
         return {name: Mood.model_validate(name) for name in MOODS} | self.moods
 
     @property
@@ -142,7 +191,7 @@ class Scene(Words):
 
     @property
     def n_frames(self) -> int:
-        """Number of frames: the least that last as long as the duration."""
+        """Number of frames: the fewest that last as long as the duration."""
         if self.frames is not None:
             return self.frames
         assert self.duration is not None

@@ -3,30 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Field, model_validator
 
-from pipeline.spec.faults import Fault, refuse
 from pipeline.spec.keyframes import Angle, Time
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Fault,
+    Integer,
+    Length,
+    LengthOrZero,
+    Name,
+    Number,
+    Point,
+    Target,
+    keyed_union,
+    raise_faults,
+)
 from pipeline.spec.mood import MoodMix
-from pipeline.spec.values import Length, LengthOrZero, Name, Number, Point, Target, Whole, Words
 from pipeline.spec.walk import GAIT, Gait, Manner
 
 
-class GoTo(Words):
+class GoTo(ConfigModel):
     """Go to a place and stop there."""
 
     go_to: Point = Field(description="Where to, [x, z] [m].")
 
 
-class TurnBy(Words):
+class TurnBy(ConfigModel):
     """Turn: on the spot who stands, along an arc who walks; who hops turns in the air."""
 
     turn_deg: Angle = Field(description="By how much; positive turns to the left [degrees].")
 
 
-class SetSpeed(Words):
+class SetSpeed(ConfigModel):
     """Go faster or slower from now on."""
 
     speed: Annotated[Number, Field(gt=0, le=1000)] = Field(
@@ -34,7 +45,7 @@ class SetSpeed(Words):
     )
 
 
-class Wait(Words):
+class Wait(ConfigModel):
     """Stop, and go on later."""
 
     wait: Annotated[Number, Field(gt=0, le=1e6)] = Field(
@@ -48,31 +59,31 @@ class ChangeGait(Manner):
     gait: Gait = Field(description=GAIT)
 
 
-class ChangeMood(Words):
+class ChangeMood(ConfigModel):
     """Feel otherwise from now on."""
 
     mood: MoodMix = Field(description="A mood by name, or weights of several; {} takes all away.")
 
 
-class LookAt(Words):
+class LookAt(ConfigModel):
     """Look at something from now on, wherever it goes."""
 
     look_at: Target = Field(description="Another creature, or a place [x, y, z] [m].")
 
 
-class LookAhead(Words):
+class LookAhead(ConfigModel):
     """Look where it goes again."""
 
     look: Literal["ahead"] = Field(description="ahead.")
 
 
-class HopOver(Words):
+class HopOver(ConfigModel):
     """Jump over somebody or something, and go on."""
 
     hop_over: Name = Field(description="Over whom or what: a prop, a body or a creature.")
 
 
-class JumpWords(Words):
+class JumpWords(ConfigModel):
     """One jump; what is left out is as the creature's `pronk` block says, or suits its legs."""
 
     distance: LengthOrZero | None = Field(
@@ -90,11 +101,11 @@ class JumpWords(Words):
     def _aims_or_goes(self) -> Self:
         message = "land_at says how far it jumps; take one of the two away"
         given = [word for word in ("distance", "speed") if getattr(self, word) is not None]
-        refuse([Fault((word,), message, at_key=True) for word in given if self.land_at])
+        raise_faults([Fault((word,), message, at_key=True) for word in given if self.land_at])
         return self
 
 
-class JumpOnce(Words):
+class JumpOnce(ConfigModel):
     """Make one jump, and go on."""
 
     jump: JumpWords = Field(description="The jump; {} is an ordinary one.")
@@ -103,14 +114,14 @@ class JumpOnce(Words):
 Side = Literal["left", "right", "both"]
 
 
-class Reach(Words):
+class Reach(ConfigModel):
     """Hold a hand out to something, wherever it goes."""
 
     reach: Target = Field(description="Another character, or a place [x, y, z] [m].")
     hand: Side = Field("right", description="With which hand: left, right or both.")
 
 
-class Grab(Words):
+class Grab(ConfigModel):
     """Go near something, take it and hold on to it; it hangs from the hand."""
 
     grab: Name = Field(description="What or whom: a character.")
@@ -121,31 +132,31 @@ class Grab(Words):
     )
 
 
-class LetGo(Words):
+class LetGo(ConfigModel):
     """Let go of what is held, reached for or hugged; the arm hangs again."""
 
     let_go: Side = Field(description="With which hand: left, right or both.")
 
 
-class Hug(Words):
+class Hug(ConfigModel):
     """Go to somebody and put both arms around them."""
 
     hug: Name = Field(description="Whom: a character.")
 
 
-class Grapple(Words):
+class Grapple(ConfigModel):
     """Go to somebody and shove, with both arms ahead."""
 
     grapple: Name = Field(description="Whom: a character.")
 
 
-class SitOn(Words):
+class SitOn(ConfigModel):
     """Go to something and sit down on it."""
 
     sit: Name = Field(description="On what: a bench or a box.")
 
 
-class SetUrges(Words):
+class SetUrges(ConfigModel):
     """Have more or less of a mind to do something, from now on."""
 
     urge: dict[Name, Annotated[Number, Field(ge=-2, le=2)]] = Field(
@@ -154,13 +165,13 @@ class SetUrges(Words):
     )
 
 
-class Perform(Words):
+class Perform(ConfigModel):
     """Dance something from now on, or so many bars of it."""
 
     dance: Name = Field(
         description="What: a dance of this scene, of a file beside it or of the library."
     )
-    bars: Annotated[Whole, Field(ge=1, le=100_000)] | None = Field(
+    bars: Annotated[Integer, Field(ge=1, le=100_000)] | None = Field(
         None, description="How often; then it goes on with what it did before."
     )
     tempo_bpm: Annotated[Number, Field(ge=10, le=480)] | None = Field(
@@ -172,7 +183,7 @@ Plain = Literal["stop", "walk", "hop", "sit", "stand", "freeze", "let_go", "danc
 """Stop here; walk, or hop, straight on; sit down on the ground, stand up; keep quite still until
 something else is told; let go with both hands; go on with one's own dance."""
 
-FORMS: Mapping[str, type[Words]] = {
+FORMS: Mapping[str, type[ConfigModel]] = {
     "gait": ChangeGait,
     "mood": ChangeMood,
     "go_to": GoTo,
@@ -195,36 +206,10 @@ FORMS: Mapping[str, type[Words]] = {
 """What can be done, by the key that says it."""
 
 
-def _form(words: Any) -> str | None:
-    if isinstance(words, str):
-        return "a word"
-    if isinstance(words, Mapping):
-        return next((FORMS[key].__name__ for key in words if key in FORMS), "GoTo")
-    return type(words).__name__ if isinstance(words, Words) else None
-
-
-Do = Annotated[
-    Annotated[Plain, Tag("a word")]
-    | Annotated[ChangeGait, Tag("ChangeGait")]
-    | Annotated[ChangeMood, Tag("ChangeMood")]
-    | Annotated[GoTo, Tag("GoTo")]
-    | Annotated[TurnBy, Tag("TurnBy")]
-    | Annotated[SetSpeed, Tag("SetSpeed")]
-    | Annotated[Wait, Tag("Wait")]
-    | Annotated[LookAt, Tag("LookAt")]
-    | Annotated[LookAhead, Tag("LookAhead")]
-    | Annotated[HopOver, Tag("HopOver")]
-    | Annotated[JumpOnce, Tag("JumpOnce")]
-    | Annotated[Reach, Tag("Reach")]
-    | Annotated[Grab, Tag("Grab")]
-    | Annotated[LetGo, Tag("LetGo")]
-    | Annotated[Hug, Tag("Hug")]
-    | Annotated[Grapple, Tag("Grapple")]
-    | Annotated[SitOn, Tag("SitOn")]
-    | Annotated[SetUrges, Tag("SetUrges")]
-    | Annotated[Perform, Tag("Perform")],
-    Discriminator(_form),
-]
+if TYPE_CHECKING:
+    Do = Plain | ConfigModel
+else:
+    Do = keyed_union(FORMS, default="GoTo", word=Plain)
 
 
 def said(do: Do) -> str:
@@ -243,7 +228,7 @@ def _flow(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-class When(Words):
+class When(ConfigModel):
     """Something that happens."""
 
     arrived: Name | None = Field(
@@ -266,11 +251,11 @@ class When(Words):
     def _is_one_thing(self) -> Self:
         given = [word for word in ("arrived", "touch", "hug") if getattr(self, word) is not None]
         if len(given) != 1:
-            refuse([Fault((), "should have one of arrived, touch and hug")])
+            raise_faults([Fault((), "should have one of arrived, touch and hug")])
         return self
 
 
-class Instruction(Words):
+class Instruction(ConfigModel):
     """What somebody is to do, and when."""
 
     at: Time | None = Field(None, description="When, from the start of the film [s].")
@@ -289,5 +274,5 @@ class Instruction(Words):
     @model_validator(mode="after")
     def _has_a_time(self) -> Self:
         if (self.at is None) == (self.when is None):
-            refuse([Fault((), "should have either at or when")])
+            raise_faults([Fault((), "should have either at or when")])
         return self

@@ -7,14 +7,24 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from pipeline.spec.faults import Fault, fault, refuse
-from pipeline.spec.values import Length, LengthOrZero, Name, Number, Phase, Point, Words
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Fault,
+    Length,
+    LengthOrZero,
+    Name,
+    Number,
+    Phase,
+    Point,
+    fault_error,
+    raise_faults,
+)
 
 CONTRADICTION = 1e-6
 """Relative difference between stride and speed * cycle that is still rounding."""
 
 
-class GaitWords(Words):
+class GaitWords(ConfigModel):
     """A gait written out: when each foot goes up and comes down within the cycle."""
 
     up: dict[Name, Phase] = Field(
@@ -37,7 +47,7 @@ class GaitWords(Words):
             for leg, phase in self.down.items()
             if self.up.get(leg) == phase
         ]
-        refuse(lacking + idle)
+        raise_faults(lacking + idle)
         return self
 
 
@@ -77,7 +87,7 @@ GAIT = (
 )
 
 
-class Manner(Words):
+class Manner(ConfigModel):
     """How a figure sets its feet; what is left out is chosen to suit its legs."""
 
     gait: Gait = Field("trot", description=GAIT)
@@ -98,8 +108,8 @@ class Manner(Words):
     stride: Length | None = Field(
         None, description="Length of one gait cycle over the ground, speed * cycle [m]."
     )
-    bounciness: LengthOrZero | None = Field(
-        None, description="Amplitude of the bounce of the body within a cycle [m]."
+    body_bob: LengthOrZero | None = Field(
+        None, description="Amplitude of the vertical bob of the body within a cycle [m]."
     )
     body_height: Length | None = Field(None, description="Height of the body above the ground [m].")
     step_height: LengthOrZero | None = Field(
@@ -123,7 +133,7 @@ class Manner(Words):
                 f"not {self.stride:g}; leave one of the three out, or take stride: {product:.9g}, "
                 f"speed: {self.stride / self.cycle:.9g} or cycle: {self.stride / self.speed:.9g}"
             )
-            raise fault(message, "stride")
+            raise fault_error(message, "stride")
         return self
 
 
@@ -150,5 +160,5 @@ class Walk(Manner):
         ]
         if self.repeat != "once" and not self.path:
             faults.append(Fault(("repeat",), "needs a path that is repeated", at_key=True))
-        refuse(faults)
+        raise_faults(faults)
         return self

@@ -1,4 +1,4 @@
-"""Every shipped scene's track: onsets on their samples, peaks below the ceiling, loud as told."""
+"""Tracks of all shipped scenes: onsets on their samples, peak ceiling, loudness."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import pyloudnorm
 import pytest
 from scipy.signal import resample_poly
 
-from audio.grid import sample_at
-from audio.modal import write_wav
-from audio.voices import notes_of
+from audio.notes import notes_of
+from audio.time_grid import sample_at
+from audio.wav_file import write_wav
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import load_scene
-from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
 
 SLOW = {"squeaky_robot": pytest.mark.slow, "pass_by": pytest.mark.slow, "toy": pytest.mark.slow}
 SCENES = [
@@ -42,7 +42,7 @@ def test_the_track_of_a_shipped_scene(name: str, read_wav: Any, tmp_path: Path) 
         return
     master = scene.sound.master
     assert master is not None
-    # Others' meters: eight times oversampled, and the loudness of a library of its own.
+    # Independent meters: eight times oversampled, and another library's loudness.
     assert np.abs(resample_poly(sound, 8, 1, axis=0)).max() < 10 ** (master.true_peak_db / 20)
     loudness = pyloudnorm.Meter(48_000).integrated_loudness(sound)
     assert loudness == pytest.approx(report.lufs, abs=0.3)

@@ -1,4 +1,4 @@
-"""The examples of docs/sound.md are scenes that load and are heard."""
+"""The examples of docs/sound.md load and play."""
 
 from __future__ import annotations
 
@@ -8,13 +8,10 @@ from typing import Any
 
 import pytest
 
-from audio.chords import KINDS
-from audio.midi import midi_bytes
-from audio.phrase_words import PhraseWords, StepWords
-from audio.quantise_words import QuantiseWords
-from audio.scales import MODES
-from audio.velocity_words import VelocityWords
-from audio.words import Sound, Voice, When
+from audio.config.notes import Phrase, PhraseStep, Quantisation, Velocity
+from audio.config.sound import EventFilter, Sound, Voice
+from audio.harmony import CHORD_KINDS, MODES
+from audio.midi_file import midi_bytes
 from pipeline.spec import load_scene
 
 PAGE = (Path(__file__).parents[2] / "docs" / "sound.md").read_text(encoding="utf-8")
@@ -28,7 +25,7 @@ def test_there_are_examples() -> None:
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_an_example_is_a_scene_that_loads_and_plays(
+def test_every_example_loads_and_plays(
     example: str, tmp_path: Path, step: Any, score_of: Any, read_smf: Any, check_laws: Any
 ) -> None:
     path = tmp_path / "example.yaml"
@@ -47,9 +44,9 @@ def test_an_example_is_a_scene_that_loads_and_plays(
     assert len(smf.onsets()) >= heard
 
 
-def test_the_page_names_every_kind_of_scale_chord_and_word() -> None:
-    for kind in (*MODES, *filter(None, KINDS)):
+def test_the_page_names_every_scale_chord_and_key() -> None:
+    for kind in (*MODES, *filter(None, CHORD_KINDS)):
         assert f"`{kind}`" in PAGE, kind
     said = set(re.findall(r"[a-z_]+", PAGE))
-    for model in (Sound, Voice, When, QuantiseWords, VelocityWords, PhraseWords, StepWords):
+    for model in (Sound, Voice, EventFilter, Quantisation, Velocity, Phrase, PhraseStep):
         assert set(model.model_fields) <= said, model

@@ -17,12 +17,13 @@ from pipeline.errors import GoldenMissing, PronkError, UsageError
 from pipeline.production.goldens.motion_comparison import compare
 from pipeline.production.goldens.motion_file import read_golden, write_golden
 from pipeline.production.goldens.motion_golden import golden_of
-from pipeline.production.goldens.motion_verdict import Outcome
+from pipeline.production.goldens.motion_sensitivity import predictable_steps
+from pipeline.production.goldens.motion_verdict import MotionOutcome
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene
-from pipeline.spec.nearest import hint
-from pipeline.spec.shipped import SUFFIX, library, shipped_scenes
+from pipeline.spec.scene_library import SUFFIX, library, shipped_scenes
+from pipeline.spec.suggestions import hint
 
 MOTION = Path(__file__).parent / "motion"
 
@@ -51,11 +52,12 @@ def update(name: str, always: bool) -> str:
     """Write the golden of a shipped scene if it is due; return in words why or why not."""
     if name not in shipped_scenes():
         raise UsageError(f"no shipped scene is called {name!r}, {hint(name, shipped_scenes())}")
-    take = simulate(load_scene(library() / (name + SUFFIX)))
+    scene = load_scene(library() / (name + SUFFIX))
+    take = simulate(scene)
     path = MOTION / f"{name}.json"
     due, why = _due(path, take)
     if due or always:
-        write_golden(golden_of(take, name), path)
+        write_golden(golden_of(take, name, predictable_steps(scene, take)), path)
         why += f"\n  written: {path.stat().st_size / 1000:.0f} kB"
     return why
 
@@ -67,7 +69,7 @@ def _due(path: Path, take: Take) -> tuple[bool, str]:
         return True, f"{path.stem}: new"
     except PronkError as error:
         return True, str(error)
-    return verdict.outcome is Outcome.CHANGED, str(verdict)
+    return verdict.outcome is MotionOutcome.CHANGED, str(verdict)
 
 
 def orphans() -> list[Path]:

@@ -20,7 +20,7 @@ from pipeline import cli
 from pipeline.commands import options
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import render
-from pipeline.production.run.progress import Quiet
+from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, load_scene
@@ -86,7 +86,7 @@ class Studio:
 
     def render(self, *sets: str, **more: Any) -> None:
         """Make the film."""
-        render(self.order(*sets, **more), Quiet())
+        render(self.order(*sets, **more), Reporter())
 
     def state(self) -> State:
         """Return time stamp and digest of every file in the output."""

@@ -1,4 +1,4 @@
-"""Efforts: weights, flights, works and the command that tells them."""
+"""Efforts: weight, flights, work, and the command that reports them."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import pytest
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.errors import UsageError
-from pipeline.production.reports.effort import Effort, efforts, legged_of
-from pipeline.production.reports.effort_report import facts, torques_csv
+from pipeline.production.reports.effort_report import facts, legged_of, torques_csv
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.effort import Effort, efforts_of
 from pipeline.simulation.figures.inverse_dynamics import finite_difference_motion
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array, rotation
@@ -34,43 +34,43 @@ CAST = """\
 def found() -> dict[str, Effort]:
     """Efforts of a stool, a horse and a person who runs."""
     scene = read_scene(HEAD.format(2) + CAST)
-    return {e.name: e for e in efforts(legged_of(scene), simulate(scene))}
+    return {e.name: e for e in efforts_of(simulate(scene), legged_of(scene))}
 
 
 @pytest.mark.slow
-def test_everybody_on_legs_is_told_of(found: dict[str, Effort]) -> None:
+def test_every_creature_on_legs_has_an_effort(found: dict[str, Effort]) -> None:
     assert list(found) == ["stool", "mare", "pip"]
 
 
-def test_who_stands_still_carries_exactly_its_weight_and_does_no_work(
+def test_a_standing_creature_carries_exactly_its_weight_and_does_no_work(
     found: dict[str, Effort],
 ) -> None:
     stool = found["stool"]
-    total = stool.feet.sum(axis=1)
+    total = stool.foot_forces.sum(axis=1)
     assert np.allclose(total, [0.0, stool.mass * GRAVITY, 0.0], rtol=1e-9, atol=1e-6)
-    assert np.abs(stool.unbalanced).max() < 1e-9 * stool.mass * GRAVITY
-    assert (stool.feet[..., 1] > 0.0).all()
+    assert np.abs(stool.unbalanced_moment).max() < 1e-9 * stool.mass * GRAVITY
+    assert (stool.foot_forces[..., 1] > 0.0).all()
     assert stool.energy == pytest.approx(0.0, abs=1e-6)
     assert stool.cost_of_transport is None
 
 
-def test_who_walks_carries_its_weight_on_average(found: dict[str, Effort]) -> None:
+def test_a_walking_creature_carries_its_weight_on_average(found: dict[str, Effort]) -> None:
     """Over whole cycles the body rises as much as it falls."""
     mare = found["mare"]
-    assert np.abs(mare.unborne).max() < 1e-9 * mare.mass * GRAVITY
-    up = mare.feet[..., 1].sum(axis=1).mean()
+    assert np.abs(mare.unsupported_force).max() < 1e-9 * mare.mass * GRAVITY
+    up = mare.foot_forces[..., 1].sum(axis=1).mean()
     assert up == pytest.approx(mare.mass * GRAVITY, rel=0.03)
 
 
-def test_who_flies_falls_freely(found: dict[str, Effort]) -> None:
+def test_a_creature_in_flight_falls_freely(found: dict[str, Effort]) -> None:
     """In the middle of a flight only the limbs' swinging is left to be borne."""
     pip = found["pip"]
-    flies = ~np.abs(pip.feet).any(axis=(1, 2))
+    flies = ~np.abs(pip.foot_forces).any(axis=(1, 2))
     deep = flies[:-4] & flies[1:-3] & flies[2:-2] & flies[3:-1] & flies[4:]
     assert deep.any()
     weight = pip.mass * GRAVITY
-    assert np.abs(pip.unborne[2:-2][deep, 1]).max() < 0.75 * weight
-    assert np.abs(pip.unborne[2:-2][deep, 1]).mean() < 0.35 * weight
+    assert np.abs(pip.unsupported_force[2:-2][deep, 1]).max() < 0.75 * weight
+    assert np.abs(pip.unsupported_force[2:-2][deep, 1]).mean() < 0.35 * weight
 
 
 def test_costs_are_those_of_animals(found: dict[str, Effort]) -> None:
@@ -121,9 +121,9 @@ def test_the_csv_holds_all_torques(found: dict[str, Effort]) -> None:
     assert np.abs(values[:, hip]).max() == pytest.approx(largest, rel=1e-5)
 
 
-def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+def called(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     """Run a command and return its exit code."""
-    monkeypatch.setattr(sys, "argv", ["pronk", *words])
+    monkeypatch.setattr(sys, "argv", ["pronk", *arguments])
     with pytest.raises(SystemExit) as end:
         cli.main()
     return int(end.value.code or 0)
@@ -138,7 +138,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     bug = "- {name: bug, figure: beetle, walk: {}}\n"
     (tmp_path / "play.yaml").write_text(HEAD.format(0.5) + bug)
     (tmp_path / "flash.yaml").write_text(
-        HEAD.format(0.5).replace("duration: 0.5", "frames: 1\nsamples: 1") + bug
+        HEAD.format(0.5).replace("duration: 0.5", "frames: 1\nrows_per_frame: 1") + bug
     )
     (tmp_path / "worm.yaml").write_text(HEAD.format(0.5) + "- {figure: inchworm, walk: {}}\n")
     return tmp_path

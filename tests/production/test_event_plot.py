@@ -1,4 +1,4 @@
-"""Event plots: what is drawn is what the score plays, where the film has it."""
+"""Event plots: notes, pictures and waveform stand where the score and the film have them."""
 
 from __future__ import annotations
 
@@ -14,50 +14,49 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from audio.config.sound import Sound
 from audio.errors import SoundFileError
+from audio.notes import notes_of
 from audio.score import Marker, Score, ScoreEvent
-from audio.voices import notes_of
-from audio.waveform import outline
-from audio.words import Sound
-from pipeline.production.reports.cause_colors import CAUSES, color_of
+from audio.wav_file import read_waveform
+from pipeline.production.reports.canvas import CAUSE_COLORS, cause_color, png_of
 from pipeline.production.reports.event_plot import (
-    Heard,
+    EventPlot,
     axis_of,
     event_svg,
     plot_events,
-    shown,
+    shown_frames,
 )
-from pipeline.production.reports.figure_picture import png_of
-from pipeline.production.run.progress import Quiet
-from pipeline.spec.detect import Detect
+from pipeline.production.run.progress import Reporter
+from pipeline.spec.sound_thresholds import Detect
 
 SVG = "{http://www.w3.org/2000/svg}"
 RATE = Fraction(24)
 
 
-def event(frame: int, cause: str = "footfall", **words: object) -> ScoreEvent:
+def event(frame: int, cause: str = "footfall", **changes: object) -> ScoreEvent:
     """Return an event of a beetle."""
     fields = {"who": "bug", "part": f"l{frame % 3}", "material": "chitin", "distance": 4.0}
-    return ScoreEvent(frame, (frame - 1) / RATE, cause, **{**fields, **words})  # type: ignore[arg-type]
+    return ScoreEvent(frame, (frame - 1) / RATE, cause, **{**fields, **changes})  # type: ignore[arg-type]
 
 
-def heard(events: list[ScoreEvent], frames: int = 48, **words: object) -> Heard:
-    """Return what a plot of two seconds shows."""
-    score = Score(RATE, frames, tuple(events), Sound(), title="T & all", **words)  # type: ignore[arg-type]
+def plot_of(events: list[ScoreEvent], frames: int = 48, **fields: object) -> EventPlot:
+    """Return the plot of two seconds."""
+    score = Score(RATE, frames, tuple(events), Sound(), title="T & all", **fields)  # type: ignore[arg-type]
     wave_ = np.zeros((round(axis_of(score).length), 2, 2))
-    return Heard("T & all", score, notes_of(score), (), (16, 9), wave_)
+    return EventPlot("T & all", score, notes_of(score), (), (16, 9), wave_)
 
 
 def onsets(root: ET.Element, cause: str) -> list[float]:
     """Return the left edges of what is drawn in a cause's color, its legend left out."""
-    color = color_of(cause)
+    color = cause_color(cause)
     boxes = [e for e in root.iter(f"{SVG}rect") if e.get("fill") == color and e.get("fill-opacity")]
     return sorted({round(float(e.get("x", "nan")), 3) for e in boxes})
 
 
 def test_every_note_stands_at_its_frame_in_the_color_of_its_cause() -> None:
     frames = {"footfall": [2, 9, 30], "collision": [9, 48], "boing": [17]}
-    plot = heard([event(f, cause) for cause, own in frames.items() for f in own])
+    plot = plot_of([event(f, cause) for cause, own in frames.items() for f in own])
     axis = axis_of(plot.score)
     root = ET.fromstring(event_svg(plot))
     for cause, own in frames.items():
@@ -68,10 +67,10 @@ def test_every_note_stands_at_its_frame_in_the_color_of_its_cause() -> None:
 
 
 def test_higher_notes_stand_higher_and_all_within_the_roll() -> None:
-    plot = heard([event(f, size=0.02 * f) for f in range(1, 40, 3)])
+    plot = plot_of([event(f, size=0.02 * f) for f in range(1, 40, 3)])
     rows = {}
     for box in ET.fromstring(event_svg(plot)).iter(f"{SVG}rect"):
-        if box.get("fill") == CAUSES["footfall"] and box.get("fill-opacity"):
+        if box.get("fill") == CAUSE_COLORS["footfall"] and box.get("fill-opacity"):
             rows[round(float(box.get("x", "nan")), 3)] = float(box.get("y", "nan"))
     tops = [rows[x] for x in sorted(rows)]
     pitches = [note.pitch for note in plot.notes]
@@ -83,10 +82,10 @@ def test_higher_notes_stand_higher_and_all_within_the_roll() -> None:
 
 def test_what_lasts_is_a_line_that_bends_with_its_speed_to_its_end() -> None:
     speeds = (1.0, 2.0, 4.0, 2.0, 1.0)
-    plot = heard([event(7, "roll", duration=1.0, speeds=speeds)])
+    plot = plot_of([event(7, "roll", duration=1.0, speeds=speeds)])
     axis = axis_of(plot.score)
     lines = [e for e in ET.fromstring(event_svg(plot)).iter(f"{SVG}path")
-             if e.get("stroke") == CAUSES["roll"]]  # fmt: skip
+             if e.get("stroke") == CAUSE_COLORS["roll"]]  # fmt: skip
     (line,) = lines
     *points, last = line.get("d", "").replace("M", " ").replace("L", " ").replace("H", " ").split()
     x, y = np.array([[float(v) for v in point.split(",")] for point in points]).T
@@ -102,7 +101,7 @@ def test_what_lasts_is_a_line_that_bends_with_its_speed_to_its_end() -> None:
 
 def test_cuts_and_instructions_are_marked_at_their_frames() -> None:
     marks = (Marker(1, "cut", "side"), Marker(25, "script", "mare: gait trot"))
-    plot = heard([event(3)], markers=marks)
+    plot = plot_of([event(3)], markers=marks)
     root = ET.fromstring(event_svg(plot))
     axis = axis_of(plot.score)
     dashed = [e for e in root.iter(f"{SVG}path") if e.get("stroke-dasharray")]
@@ -113,22 +112,22 @@ def test_cuts_and_instructions_are_marked_at_their_frames() -> None:
 
 @pytest.mark.parametrize("events", [[], [event(48)], [event(1 + k % 48) for k in range(2000)]])
 def test_silence_one_note_and_a_crowd_are_drawn(events: list[ScoreEvent]) -> None:
-    svg = event_svg(heard(events))
+    svg = event_svg(plot_of(events))
     assert np.asarray(Image.open(io.BytesIO(png_of(svg))).convert("L"), dtype=float).std() > 5.0
     assert ("nothing is heard of 0 events" in svg) == (not events)
 
 
 def test_pictures_are_those_of_the_frames_they_stand_at() -> None:
-    plot = heard([event(3)])
+    plot = plot_of([event(3)])
     axis = axis_of(plot.score)
-    frames = shown(axis, plot.shape, 48)
+    frames = shown_frames(axis, plot.shape, 48)
     assert frames[0] == 1
     assert frames == sorted(set(frames))
     assert 1 <= frames[-1] <= 48
     picture = io.BytesIO()
     Image.new("RGB", (32, 18), (200, 10, 10)).save(picture, "PNG")
     pictures = tuple((frame, picture.getvalue()) for frame in frames)
-    root = ET.fromstring(event_svg(Heard(**{**vars_of(plot), "pictures": pictures})))
+    root = ET.fromstring(event_svg(EventPlot(**{**vars_of(plot), "pictures": pictures})))
     images = list(root.iter(f"{SVG}image"))
     assert len(images) == len(frames)
     for image, frame in zip(images, frames, strict=True):
@@ -138,15 +137,15 @@ def test_pictures_are_those_of_the_frames_they_stand_at() -> None:
         assert base64.b64decode(data.split(",")[1]) == picture.getvalue()
 
 
-def vars_of(plot: Heard) -> dict[str, object]:
+def vars_of(plot: EventPlot) -> dict[str, object]:
     """Return the fields of a plot."""
-    return {name: getattr(plot, name) for name in Heard.__dataclass_fields__}
+    return {name: getattr(plot, name) for name in EventPlot.__dataclass_fields__}
 
 
 def test_causes_are_told_apart_and_new_ones_keep_their_color() -> None:
-    assert set(Detect.model_fields) == set(CAUSES)
-    assert len(set(CAUSES.values())) == len(CAUSES)
-    assert color_of("meow") == color_of("meow")
+    assert set(CAUSE_COLORS) <= set(Detect.model_fields)
+    assert len(set(map(cause_color, Detect.model_fields))) == len(Detect.model_fields)
+    assert cause_color("meow") == cause_color("meow")
 
 
 # --- waveform ------------------------------------------------------------------------------
@@ -167,7 +166,7 @@ def wav(path: Path, sound: np.ndarray, width: int = 3) -> Path:
 def test_the_outline_holds_every_sample_and_no_more(tmp_path: Path, samples: int) -> None:
     rng = np.random.default_rng(samples)
     sound = rng.uniform(-1, 1, (samples, 2)) * np.array([1.0, 0.3])
-    found = outline(wav(tmp_path / "a.wav", sound), 50)
+    found = read_waveform(wav(tmp_path / "a.wav", sound), 50)
     assert found.shape == (50, 2, 2)
     edges = np.linspace(0, samples, 51).round().astype(int)
     for k, (a, b) in enumerate(pairwise(edges)):
@@ -180,12 +179,12 @@ def test_the_outline_holds_every_sample_and_no_more(tmp_path: Path, samples: int
 
 def test_what_is_no_such_sound_is_refused_with_its_name(tmp_path: Path) -> None:
     with pytest.raises(SoundFileError, match=r"gone\.wav: cannot be read"):
-        outline(tmp_path / "gone.wav", 10)
+        read_waveform(tmp_path / "gone.wav", 10)
     (tmp_path / "torn.wav").write_bytes(b"RIFF")
     with pytest.raises(SoundFileError, match=r"torn\.wav: cannot be read"):
-        outline(tmp_path / "torn.wav", 10)
+        read_waveform(tmp_path / "torn.wav", 10)
     with pytest.raises(SoundFileError, match="no WAV file of 24 bits and two sides"):
-        outline(wav(tmp_path / "coarse.wav", np.zeros((9, 2)), 2), 10)
+        read_waveform(wav(tmp_path / "coarse.wav", np.zeros((9, 2)), 2), 10)
 
 
 # --- the command ---------------------------------------------------------------------------
@@ -208,7 +207,7 @@ def test_the_command_draws_rendered_frames_and_overwrites_none(studio, pronk) ->
 @pytest.mark.slow
 def test_frames_that_are_not_there_are_rendered_small_and_kept_nowhere(unmade, tmp_path) -> None:
     studio = unmade.copied(tmp_path / "studio")
-    svg, _ = plot_events(studio.order(), Quiet())
+    svg, _ = plot_events(studio.order(), Reporter())
     assert len(list(ET.parse(svg).getroot().iter(f"{SVG}image"))) > 1
     assert not list(studio.made.rglob("frames/*"))
 

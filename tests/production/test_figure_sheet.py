@@ -1,4 +1,4 @@
-"""Figure sheets: what is told of a figure, and that its picture is one."""
+"""Figure sheets: the report on a figure and its picture."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ import pytest
 from PIL import Image
 
 from pipeline.errors import SceneError, UsageError
-from pipeline.production.reports.canvas import Panel
-from pipeline.production.reports.figure_picture import figure_svg, png_of
+from pipeline.production.reports.canvas import Panel, png_of
+from pipeline.production.reports.figure_drawing import FRONT, SIDE, StandingFigure
 from pipeline.production.reports.figure_report import report
-from pipeline.production.reports.figure_sheet import figure_sheet, figures_of
-from pipeline.production.reports.figure_views import FRONT, SIDE, Standing
+from pipeline.production.reports.figure_sheet import figure_sheet, figure_svg, figures_of
 from pipeline.production.shots.solid_preview import Painted, shaded
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass
@@ -57,7 +56,7 @@ def beetle() -> Figure:
         ("first_steps", ["beetle"]),
     ],
 )
-def test_what_a_name_stands_for(folder: Path, name: str, found: list[str]) -> None:
+def test_a_name_stands_for_these_figures(folder: Path, name: str, found: list[str]) -> None:
     assert [figure.name for figure in figures_of(name)] == found
 
 
@@ -78,13 +77,13 @@ def test_files_here_come_before_the_library(folder: Path) -> None:
         ("a\0b", "no figure or scene is called 'a\\x00b'"),
     ],
 )
-def test_names_that_stand_for_nothing(folder: Path, name: str, says: str) -> None:
+def test_unknown_names_are_refused(folder: Path, name: str, says: str) -> None:
     with pytest.raises(UsageError, match="called") as caught:
         figures_of(name)
     assert says in str(caught.value)
 
 
-def test_a_figure_that_is_none_is_refused_at_its_line(folder: Path) -> None:
+def test_a_wrong_figure_is_refused_at_its_line(folder: Path) -> None:
     text = "pronk: 1\nfigure:\n  nodes: {a: [0, 0], b: [0, 1], c: [1, 0]}\n"
     text += "  chains: [[a, b, c, a]]\n  parts: {b: leg}\n"
     (folder / "ring.yaml").write_text(text)
@@ -95,7 +94,7 @@ def test_a_figure_that_is_none_is_refused_at_its_line(folder: Path) -> None:
     assert "'b' is on a loop" in problem.message
 
 
-def test_the_report_tells_all_parts(folder: Path, beetle: Figure) -> None:
+def test_the_report_has_all_parts(folder: Path, beetle: Figure) -> None:
     told = report(beetle, FigureMass(beetle)).splitlines()
     assert told[0].startswith("beetle: insect, 6 legs, 1 head, 1 tail, 2 feelers, 47 joints")
     for limb in beetle.skeleton.limbs:
@@ -109,7 +108,7 @@ def test_the_report_tells_all_parts(folder: Path, beetle: Figure) -> None:
 
 
 @pytest.mark.nightly
-def test_the_picture_names_all_that_there_is(beetle: Figure) -> None:
+def test_the_picture_labels_all_parts(beetle: Figure) -> None:
     svg = figure_svg(beetle)
     texts = [element.text for element in ET.fromstring(svg).iter() if element.tag.endswith("text")]
     for limb in beetle.skeleton.limbs:
@@ -141,11 +140,11 @@ def test_figures_of_all_kinds_are_pictured(folder: Path, name: str) -> None:
 
 
 def test_a_figure_stands_on_the_ground_and_is_seen_whole(beetle: Figure) -> None:
-    standing = Standing(beetle)
+    standing = StandingFigure(beetle)
     assert standing.ground == pytest.approx(standing.bounds(SIDE)[0][1])
     low, high = standing.bounds(FRONT)
     assert low[0] == pytest.approx(-high[0], rel=1e-2), "a beetle has two equal sides"
-    # Whoever looks from the side sees the head to the right.
+    # From the side, the head is on the right.
     head = [limb.name for limb in beetle.skeleton.limbs].index("head")
     assert (standing.tips @ SIDE[0])[head] > 0
 
@@ -174,9 +173,9 @@ def test_the_nearer_ball_hides_the_other() -> None:
         assert picture[40, 66, 2] > picture[40, 66, 0]
 
 
-def test_panels_know_what_they_hold() -> None:
+def test_panels_contain_and_overlap_others() -> None:
     panel = Panel(0, 0, 10, 10)
-    assert panel.holds(Panel(1, 1, 9, 9))
-    assert not panel.holds(Panel(1, 1, 10, 9))
+    assert panel.contains(Panel(1, 1, 9, 9))
+    assert not panel.contains(Panel(1, 1, 10, 9))
     assert panel.overlaps(Panel(9, 9, 5, 5))
     assert not panel.overlaps(Panel(10, 0, 5, 5))

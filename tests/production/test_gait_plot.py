@@ -1,4 +1,4 @@
-"""Gait plots: what is drawn is what was planned, and what the poses show."""
+"""Gait plots: planned stances, and those that the poses show."""
 
 from __future__ import annotations
 
@@ -15,9 +15,13 @@ from PIL import Image
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.errors import UsageError
-from pipeline.production.reports.figure_picture import png_of
-from pipeline.production.reports.gait_contacts import CreatureBars, bars_of, walkers_of
-from pipeline.production.reports.gait_plot import gait_svg
+from pipeline.production.reports.canvas import png_of
+from pipeline.production.reports.gait_plot import (
+    CreatureStances,
+    creature_stances,
+    gait_svg,
+    walkers_of,
+)
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Scene, read_scene
@@ -32,31 +36,34 @@ CAST = """\
 """
 
 
-def bars(scene: Scene) -> list[CreatureBars]:
-    return list(bars_of(scene, walkers_of(scene), simulate(scene)))
+def stances(scene: Scene) -> list[CreatureStances]:
+    take = simulate(scene)
+    return [creature_stances(scene, name, take) for name in walkers_of(scene)]
 
 
 @pytest.fixture(scope="module")
-def creatures() -> list[CreatureBars]:
-    """Bars of a beetle, a horse and a person."""
-    return bars(read_scene(HEAD + CAST))
+def creatures() -> list[CreatureStances]:
+    """Stances of a beetle, a horse and a person."""
+    return stances(read_scene(HEAD + CAST))
 
 
 def samples(spans: Array, times: Array) -> Array:
-    """Tell which moments lie within intervals."""
+    """Return which moments lie within intervals."""
     inside = (times[:, None] >= spans[:, 0]) & (times[:, None] < spans[:, 1])
     result: Array = inside.any(axis=-1)
     return result
 
 
 @pytest.mark.slow
-def test_there_is_a_panel_for_everybody_who_walks_on_legs(creatures: list[CreatureBars]) -> None:
+def test_there_is_a_panel_for_every_creature_that_walks_on_legs(
+    creatures: list[CreatureStances],
+) -> None:
     assert [creature.name for creature in creatures] == ["bug", "mare", "pip"]
     assert [creature.gait for creature in creatures] == ["ripple", "rotary gallop", "run"]
     assert [leg.name for leg in creatures[1].legs] == ["l1", "l2", "r1", "r2"]
 
 
-def test_feet_were_down_when_the_gait_had_them_down(creatures: list[CreatureBars]) -> None:
+def test_feet_were_down_when_the_gait_had_them_down(creatures: list[CreatureStances]) -> None:
     """Poses show a touch to a fraction of a step, a lift to a row of the take."""
     row = 1.0 / 96.0
     for creature in creatures:
@@ -67,7 +74,7 @@ def test_feet_were_down_when_the_gait_had_them_down(creatures: list[CreatureBars
             assert np.abs(ends).max() <= row
 
 
-def test_flights_are_when_no_bar_is_drawn(creatures: list[CreatureBars]) -> None:
+def test_flights_are_when_no_bar_is_drawn(creatures: list[CreatureStances]) -> None:
     times = np.linspace(0.0, 1.99, 1999)
     for creature in creatures:
         down = np.any([samples(leg.planned, times) for leg in creature.legs], axis=0)
@@ -76,7 +83,7 @@ def test_flights_are_when_no_bar_is_drawn(creatures: list[CreatureBars]) -> None
     assert len(creatures[1].flights) >= 4
 
 
-def test_duty_is_what_is_drawn(creatures: list[CreatureBars]) -> None:
+def test_duty_is_what_is_drawn(creatures: list[CreatureStances]) -> None:
     """Of the person: 30 % of each whole cycle."""
     for leg in creatures[2].legs:
         begins, ends = leg.planned.T
@@ -84,16 +91,16 @@ def test_duty_is_what_is_drawn(creatures: list[CreatureBars]) -> None:
         assert np.allclose(lengths[: len(cycles)] / cycles[: len(lengths)], 0.3, atol=1e-6)
 
 
-def test_who_halts_is_drawn_on_its_feet_to_the_end() -> None:
+def test_a_halted_creature_stands_to_the_end() -> None:
     member = "- {name: bug, figure: beetle, scale: 0.5, at: [2.2, 0], walk: {gait: tripod}}\n"
     scene = read_scene(HEAD.replace("2\n", "6\n", 1).replace("60, 60", "6, 6") + member)
-    (bug,) = bars(scene)
+    (bug,) = stances(scene)
     for leg in bug.legs:
         assert leg.actual[-1, 1] >= 6.0
         assert leg.actual[-1, 0] < 3.0
 
 
-def test_the_svg_has_a_bar_for_every_contact(creatures: list[CreatureBars]) -> None:
+def test_the_svg_has_a_bar_for_every_contact(creatures: list[CreatureStances]) -> None:
     svg = gait_svg("Title & all", creatures, 2.0, 24.0)
     root = ET.fromstring(svg)
     filled = [e for e in root.iter("{http://www.w3.org/2000/svg}rect") if e.get("fill-opacity")]
@@ -135,9 +142,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def called(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+def called(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     """Run a command and return its exit code."""
-    monkeypatch.setattr(sys, "argv", ["pronk", *words])
+    monkeypatch.setattr(sys, "argv", ["pronk", *arguments])
     with pytest.raises(SystemExit) as end:
         cli.main()
     return int(end.value.code or 0)
@@ -185,7 +192,7 @@ def test_the_command_refuses_with_one_message(
 def test_a_change_of_gait_is_planned_as_it_was_walked() -> None:
     member = "- {name: mare, figure: horse, walk: {gait: walk}}\n"
     script = "script: [{at: 1.5, who: mare, do: {gait: trot}}, {at: 5, who: mare, do: stop}]\n"
-    (mare,) = bars(read_scene(HEAD.replace("2\n", "5\n", 1) + member + script))
+    (mare,) = stances(read_scene(HEAD.replace("2\n", "5\n", 1) + member + script))
     assert mare.gait == "walk → trot"
     for leg in mare.legs:
         assert leg.planned.shape == leg.actual.shape
@@ -198,7 +205,7 @@ def test_a_leg_that_is_held_up_has_no_bars_while_it_is() -> None:
     member = "- {name: pip, figure: person, walk: {gait: walk}}\n"
     do = "{gait: hop, legs: [r1]}"
     script = f"script: [{{at: 1, who: pip, do: {do}}}, {{at: 3, who: pip, do: {{gait: walk}}}}]\n"
-    (pip,) = bars(read_scene(HEAD.replace("2\n", "6\n", 1) + member + script))
+    (pip,) = stances(read_scene(HEAD.replace("2\n", "6\n", 1) + member + script))
     left = next(leg for leg in pip.legs if leg.name == "l1")
     assert left.planned.shape == left.actual.shape
     assert np.max(left.planned[1:, 0] - left.planned[:-1, 1]) > 1.0

@@ -1,4 +1,4 @@
-"""Jump report: what is told of a jump is what the simulated creature does."""
+"""Jump report: its numbers are those of the simulated jumps."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import pytest
 from pipeline import cli
 from pipeline.commands import options
 from pipeline.errors import UsageError
-from pipeline.production.reports.jump_report import Hop, facts, hops_of, report_jumps, table
+from pipeline.production.reports.jump_report import facts, report_jumps, table
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.jump_plans import JumpPlan, jump_plans
 from pipeline.simulation.locomotion.pronking.hop_simulation import HopSimulation
 from pipeline.simulation.locomotion.pronking.hopper_troupe import HopperTroupe
 from pipeline.simulation.simulate import Simulation
@@ -42,9 +43,9 @@ def scene() -> Scene:
 
 
 @pytest.fixture(scope="module")
-def found(scene: Scene) -> dict[str, Hop]:
-    """Return the creatures of the scene that hop."""
-    return {hop.of.name: hop for hop in hops_of(scene)}
+def found(scene: Scene) -> dict[str, JumpPlan]:
+    """Return the jump plans of the scene."""
+    return {plan.name: plan for plan in jump_plans(scene)}
 
 
 def forces(hopping: HopSimulation) -> np.ndarray:
@@ -55,38 +56,40 @@ def forces(hopping: HopSimulation) -> np.ndarray:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["roo", "tic", "tac"])
-def test_what_is_told_is_what_it_does(found: dict[str, Hop], scene: Scene, name: str) -> None:
+def test_the_report_agrees_with_the_simulated_jump(
+    found: dict[str, JumpPlan], scene: Scene, name: str
+) -> None:
     told = facts(found[name])
     simulation = Simulation(scene)
     (troupe,) = (t for t in simulation.troupes if isinstance(t, HopperTroupe))
-    hopping = troupe.hoppings[troupe.herd.names.index(name)]
+    hopping = troupe.simulations[troupe.herd.names.index(name)]
     seen: dict[str, list[float]] = {"pushing": [], "landing": []}
     lifts, crouches, touches = [], [], []
-    while hopping.state.jumps < 5 and not simulation.finished:
+    while hopping.state.jump_count < 5 and not simulation.finished:
         before = hopping.state.phase
         simulation.step()
         state = hopping.state
-        if state.jumps == 4 and state.phase in seen and state.down.all():
+        if state.jump_count == 4 and state.phase in seen and state.down.all():
             seen[state.phase].append(float(forces(hopping)))
         if before == "landing" and state.phase == "pushing":
-            crouches.append(float(state.p[1]) - hopping.of.mass.centre[1])
-        lifts += [h.time for h in hopping.happened if h.kind == "lift"]
-        touches += [h.time for h in hopping.happened if h.kind == "touch"]
-    n = len(hopping.of.hips)
+            crouches.append(float(state.p[1]) - hopping.hopper.mass.centre[1])
+        lifts += [h.time for h in hopping.events if h.kind == "lift"]
+        touches += [h.time for h in hopping.events if h.kind == "touch"]
+    n = len(hopping.hopper.hips)
     assert np.median(seen["pushing"]) == pytest.approx(told["push_force_newtons"], rel=0.01)
     assert np.median(seen["landing"]) == pytest.approx(told["landing_force_newtons"], rel=0.01)
     assert told["flight"] == pytest.approx(max(touches[: 4 * n]) - lifts[3 * n], rel=0.01)
     assert crouches[-1] == pytest.approx(told["crouch"], rel=0.05)
-    p, v = state.lift
+    p, v = state.lift_off
     assert np.hypot(v[0], v[2]) == pytest.approx(told["forward"], rel=1e-3)
     assert v[1] == pytest.approx(told["up"], rel=1e-3)
-    rise = p[1] - hopping.of.mass.centre[1] - told["crouch"]
+    rise = p[1] - hopping.hopper.mass.centre[1] - told["crouch"]
     assert told["rise"] == pytest.approx(rise, rel=0.02)
 
 
-def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, Hop]) -> None:
-    for hop in found.values():
-        told = facts(hop)
+def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, JumpPlan]) -> None:
+    for plan in found.values():
+        told = facts(plan)
         assert told["up"] ** 2 == pytest.approx(2.0 * GRAVITY * told["height"])
         assert told["max_force"] * told["mass"] * GRAVITY == pytest.approx(
             told["max_force_newtons"]
@@ -106,7 +109,9 @@ def test_the_numbers_of_a_jump_agree_with_one_another(found: dict[str, Hop]) -> 
             assert told["speed"] ** 2 == pytest.approx(v2)
 
 
-def test_it_says_what_was_asked_for_and_what_was_resolved(found: dict[str, Hop]) -> None:
+def test_the_report_says_what_was_asked_for_and_what_was_resolved(
+    found: dict[str, JumpPlan],
+) -> None:
     roo, toc = facts(found["roo"]), facts(found["toc"])
     assert roo["asked"] == ["distance", "height", "crouch", "max_force"]
     assert (roo["distance"], roo["height"], roo["crouch"]) == (1.6, 0.8, 0.56)
@@ -122,14 +127,14 @@ def test_it_says_what_was_asked_for_and_what_was_resolved(found: dict[str, Hop])
     assert "each jump as far as its place" in table(found["toc"])
 
 
-def test_legs_that_saturate_are_told(found: dict[str, Hop]) -> None:
+def test_saturated_legs_are_reported(found: dict[str, JumpPlan]) -> None:
     assert facts(found["weak"])["saturated"]
     assert "more than there is" in table(found["weak"])
     assert not facts(found["roo"])["saturated"]
     assert "more than there is" not in table(found["roo"])
 
 
-def test_who_walks_is_not_told_and_nobody_who_hops_is_an_error() -> None:
+def test_walkers_are_left_out_and_a_scene_without_jumps_is_an_error() -> None:
     walker = "{name: w, figure: beetle, walk: {}}"
     assert [told["name"] for told in report_jumps(scene_of(walker, ROO)).facts] == ["roo"]
     with pytest.raises(UsageError, match="nobody in this scene hops"):

@@ -15,7 +15,7 @@ import pytest
 import symusic
 
 from pipeline.production.run.production import score_only
-from pipeline.production.run.progress import Quiet
+from pipeline.production.run.progress import Reporter
 from render.color import developed
 from render.image_files import read_exr, read_png
 
@@ -78,7 +78,7 @@ def _onsets(path: Path) -> list[Fraction]:
 def test_every_note_stands_on_the_frame_of_its_event(studio: Studio, fps: str) -> None:
     # A pitch for each foot, so that no two notes of one frame are one.
     order = studio.order(f"fps={fps}", "frames=40", "sound.voices=[{pitch: by foot}]")
-    outputs = score_only(order, Quiet())
+    outputs = score_only(order, Reporter())
     lines = outputs.events.read_text(encoding="utf-8").splitlines()
     frames = sorted(json.loads(line)["frame"] for line in lines)
     rate = order.scene.rate

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.bodies.tumblers import Tumblers
+from pipeline.simulation.bodies.ground_body_troupe import GroundBodyTroupe
 from pipeline.simulation.clock import Clock
-from pipeline.simulation.dynamics.bouncing import Bouncing
-from pipeline.simulation.dynamics.rigid import State
+from pipeline.simulation.dynamics.rigid_body import State
+from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground, build_ground
 from pipeline.simulation.troupe import World
 from pipeline.spec import read_scene
-from pipeline.spec.cast import Body
+from pipeline.spec.body import Body
 
 DT = 1.0 / 96.0
 
@@ -46,7 +46,7 @@ def ground_of(terrain: str, seed: int = 3) -> Ground:
 
 def thrown(
     words: Sequence[dict[str, Any]], ground: Ground, state: State | None = None, **more: Any
-) -> Bouncing:
+) -> TerrainBodies:
     """Return bodies above a ground, with more words for all of them, in a state if given."""
     high = float(ground.field.heights.max()) + 50.0
     cast = [
@@ -54,7 +54,7 @@ def thrown(
         for i, one in enumerate(words)
     ]
     world = World(ground, Clock(24, 1), 1)  # type: ignore[arg-type]
-    bouncing = Tumblers(cast, world, ["wood"] * len(cast)).bouncing
+    bouncing = GroundBodyTroupe(cast, world, ["wood"] * len(cast)).bouncing
     if state is not None:
         bouncing.state.put(np.arange(len(cast)), state)
         bouncing.look()
@@ -75,7 +75,7 @@ def still(p: Array, q: Array | None = None) -> State:
     return State(p.copy(), q.copy(), np.zeros((len(p), 3)), np.zeros((len(p), 3)))
 
 
-def face_down(bouncing: Bouncing) -> Array:
+def face_down(bouncing: TerrainBodies) -> Array:
     """Return attitudes (N, 4) in which the first facet of each body looks down."""
     n = np.array([[0, -1, 0] if h is None else h.normals[0] for h in bouncing.bodies.hulls])
     # The shortest turn from n to -Y: (1 - n·y, n × -y), normalised.

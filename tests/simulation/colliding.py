@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.bodies.polyhedra import CORNERS
+from pipeline.simulation.bodies.body_model import CUBE_CORNERS
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld, Strike
-from pipeline.simulation.dynamics.rigid import Build, State
+from pipeline.simulation.dynamics.rigid_body import BodyModel, State
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
@@ -22,16 +22,16 @@ FLAT = HeightField(np.zeros((3, 3)), (40.0, 40.0))
 def box(size: Sequence[float], b: float = 0.3, friction: float = 0.5) -> Collider:
     """Return a wooden box."""
     half = 0.5 * np.array(size)
-    hull = hull_of(CORNERS * half)
+    hull = hull_of(CUBE_CORNERS * half)
     return Collider(
-        Build(mass_of_solid(hull.vertices, hull.faces, 600.0), hull, 0.0, b, friction), half
+        BodyModel(mass_of_solid(hull.vertices, hull.faces, 600.0), hull, 0.0, b, friction), half
     )
 
 
 def ball(radius: float, b: float = 0.3, friction: float = 0.5, mass: float = 1.0) -> Collider:
     """Return a ball that rolls without resistance."""
     own = MassProperties(mass, np.zeros(3), 0.4 * mass * radius**2 * np.eye(3))
-    return Collider(Build(own, None, radius, b, friction), None)
+    return Collider(BodyModel(own, None, radius, b, friction), None)
 
 
 def polyhedron(corners: Array, b: float = 0.3, friction: float = 0.5) -> Collider:
@@ -40,7 +40,7 @@ def polyhedron(corners: Array, b: float = 0.3, friction: float = 0.5) -> Collide
     own = mass_of_solid(hull.vertices, hull.faces, 600.0)
     hull = hull_of(hull.vertices - own.centre)
     own = mass_of_solid(hull.vertices, hull.faces, 600.0)
-    return Collider(Build(own, hull, 0.0, b, friction), None)
+    return Collider(BodyModel(own, hull, 0.0, b, friction), None)
 
 
 def begin(p: Sequence[Sequence[float]], v: Sequence[Sequence[float]] | None = None) -> State:

@@ -52,10 +52,10 @@ class Walk:
     def look(self) -> None:
         """Keep the state of this step."""
         walkers = self.walkers
-        self.swinging.append(walkers.feet.swinging.copy())
+        self.swinging.append(walkers.stepping.feet.swinging.copy())
         self.phases.append(walkers.phase.copy())
-        self.lifted.append(walkers.feet.lifted.copy())
-        self.ends.append(walkers.feet.end.copy())
+        self.lifted.append(walkers.stepping.feet.lift_phase.copy())
+        self.ends.append(walkers.stepping.feet.end.copy())
 
     @cached_property
     def take(self) -> Take:
@@ -97,7 +97,7 @@ def tips_of(simulation: Simulation, herd: Herd) -> Array:
 
 def walk_through(scene: Scene) -> Walk:
     """Simulate `scene` and look at every step; a row stands at each."""
-    assert scene.steps == scene.samples
+    assert scene.steps == scene.rows_per_frame
     walk = Walk(Simulation(scene))
     walk.look()
     while not walk.simulation.finished:

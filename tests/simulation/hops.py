@@ -48,12 +48,12 @@ class Hops:
 
     def look(self) -> None:
         """Keep the state of this step."""
-        for c, one in enumerate(self.troupe.hoppings):
+        for c, one in enumerate(self.troupe.simulations):
             self.seen[c].append(_seen(one))
-            self.happened[c].extend(one.happened)
-        state = self.troupe.hoppings[0].state
-        if state.jumps:
-            self._lifts[state.jumps] = state.lift
+            self.happened[c].extend(one.events)
+        state = self.troupe.simulations[0].state
+        if state.jump_count:
+            self._lifts[state.jump_count] = state.lift_off
 
     @property
     def lifts(self) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -64,7 +64,7 @@ class Hops:
     def lift_times(self) -> list[float]:
         """When these were [s]."""
         times = [h.time for h in self.happened[0] if h.kind == "lift"]
-        return times[:: len(self.troupe.pronkers[0].hips)]
+        return times[:: len(self.troupe.hoppers[0].hips)]
 
     @property
     def take(self) -> Take:
@@ -77,15 +77,15 @@ class Hops:
 
 
 def _seen(one: HopSimulation) -> Seen:
-    state, of = one.state, one.of
+    state, of = one.state, one.hopper
     return Seen(
         state.time,
         state.phase,
-        state.jumps,
+        state.jump_count,
         state.p.copy(),
         state.v.copy(),
-        level_height(of, state.p) - state.floor,
-        state.now(of).tilt,
+        level_height(of, state.p) - state.floor_height,
+        state.body(of).tilt,
         state.down.copy(),
         one.leg_forces(),
     )
@@ -95,12 +95,12 @@ def hop_through(scene: Scene, until: int | None = None) -> Hops:
     """Simulate `scene` and look at every step; with `until`, as far as so many jumps of all."""
     simulation = Simulation(scene)
     hops = Hops(simulation)
-    count = len(hops.troupe.hoppings)
+    count = len(hops.troupe.simulations)
     hops.seen, hops.happened = [[] for _ in range(count)], [[] for _ in range(count)]
     hops.look()
     while not simulation.finished:
         simulation.step()
         hops.look()
-        if until is not None and all(s.state.jumps > until for s in hops.troupe.hoppings):
+        if until is not None and all(s.state.jumps > until for s in hops.troupe.simulations):
             break
     return hops

@@ -18,7 +18,7 @@ from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import Scene, load_scene, read_scene
 from pipeline.spec.mood import MOODS
-from pipeline.spec.terrain.presets import TERRAIN_PRESETS
+from pipeline.spec.terrain.base import TERRAIN_PRESETS
 
 WALKERS = (
     "antelope beetle camel centipede hopper horse kangaroo ostrich person scorpion spider tripod"

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pipeline.simulation.dynamics.bouncing import Bouncing, Impact
-from pipeline.simulation.dynamics.rigid import State, energy
-from pipeline.simulation.dynamics.striking import REST
+from pipeline.simulation.dynamics.impact import REST_SPEED
+from pipeline.simulation.dynamics.rigid_body import State, total_energy
+from pipeline.simulation.dynamics.terrain_bodies import GroundImpact, TerrainBodies
 from pipeline.simulation.spatial import Array
 
 from .bodies import DT, SHAPES, attitudes, face_down, ground_of, still, thrown
@@ -33,7 +33,7 @@ TERRAINS = {
 }
 
 
-def run(bouncing: Bouncing, seconds: float) -> list[tuple[float, Impact]]:
+def run(bouncing: TerrainBodies, seconds: float) -> list[tuple[float, GroundImpact]]:
     """Go on for some seconds; return the times of impacts, and the impacts."""
     found = []
     for k in range(round(seconds / DT)):
@@ -41,11 +41,11 @@ def run(bouncing: Bouncing, seconds: float) -> list[tuple[float, Impact]]:
     return found
 
 
-def speeds(impacts: Sequence[tuple[float, Impact]], body: int) -> Array:
+def speeds(impacts: Sequence[tuple[float, GroundImpact]], body: int) -> Array:
     return np.array([one.speed for _, one in impacts if one.body == body])
 
 
-def dropped_flat(b: float, height: float, **more: Any) -> Bouncing:
+def dropped_flat(b: float, height: float, **more: Any) -> TerrainBodies:
     """Return balls and polyhedra at rest over flat ground, each on a facet."""
     ground = ground_of(TERRAINS["flat"])
     bouncing = thrown(FALLING, ground, bounciness=b, **more)
@@ -63,7 +63,7 @@ def test_bounces_are_as_high_as_asked(b: float) -> None:
     impacts = run(dropped_flat(b, 1.0, friction=0.0), 4.5)
     first = np.sqrt(2.0 * 9.81)
     expected = first * b ** np.arange(40)
-    expected = expected[expected > REST * 1.001]
+    expected = expected[expected > REST_SPEED * 1.001]
     for body in range(len(FALLING)):
         found = speeds(impacts, body)
         assert len(found) == len(expected)
@@ -86,13 +86,13 @@ def test_full_bounciness_keeps_the_energy(count: int) -> None:
     bouncing = thrown(
         words, ground_of("{kind: flat, size: [100, 100]}"), state, bounciness=1.0, friction=0.0
     )
-    before, seen = energy(bouncing.bodies, bouncing.state), 0
+    before, seen = total_energy(bouncing.bodies, bouncing.state), 0
     while seen < count:
         seen += sum(one.body == 0 for one in bouncing.advance(0.25))
-    np.testing.assert_allclose(energy(bouncing.bodies, bouncing.state), before, rtol=1e-3)
+    np.testing.assert_allclose(total_energy(bouncing.bodies, bouncing.state), before, rtol=1e-3)
 
 
-def drops(chance: np.random.Generator, count: int, terrain: str) -> Bouncing:
+def drops(chance: np.random.Generator, count: int, terrain: str) -> TerrainBodies:
     """Return bodies of any kind in any state above a terrain."""
     words = []
     for i in range(count):
@@ -121,10 +121,10 @@ def drops(chance: np.random.Generator, count: int, terrain: str) -> Bouncing:
 )
 def test_energy_never_rises_and_nothing_sinks(terrain: str, count: int) -> None:
     bouncing = drops(np.random.default_rng(count), count, terrain)
-    before = energy(bouncing.bodies, bouncing.state)
+    before = total_energy(bouncing.bodies, bouncing.state)
     for _ in range(96 * 5):
         bouncing.advance(DT)
-        after = energy(bouncing.bodies, bouncing.state)
+        after = total_energy(bouncing.bodies, bouncing.state)
         over = bouncing.state.p[:, 1] > -5.0
         assert (after - before <= 1e-9 * np.abs(before))[over].all()
         before = after
@@ -229,7 +229,7 @@ def test_bodies_alone_move_as_beside_others() -> None:
     for i in range(6):
         words_alone = drops(np.random.default_rng(5), 6, "fractal")
         bodies = words_alone.bodies.some(np.array([i]))
-        alone = Bouncing(bodies, start.some(np.array([i])), words_alone.ground)
+        alone = TerrainBodies(bodies, start.some(np.array([i])), words_alone.ground)
         run(alone, 1.0)
         np.testing.assert_array_equal(alone.state.p[0], everyone.state.p[i])
         np.testing.assert_array_equal(alone.state.q[0], everyone.state.q[i])

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
+from pipeline.simulation.bodies.collider_troupe import ColliderTroupe
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, dump, find_scene, load_scene, read_scene
@@ -60,8 +61,8 @@ def test_every_layout_is_as_many_as_it_says_and_begins_clear(scene_of: Scenes) -
         many = f"{{layout: {layout}, of: {box}, {own}}}"
         text = f"{{name: some, many: {many}, heading_deg: 30}}"
         scene = scene_of(text, terrain="{kind: hills, height: 0.4}")
-        colliders = Simulation(scene).colliders
-        assert colliders is not None
+        (colliders,) = Simulation(scene).troupes
+        assert isinstance(colliders, ColliderTroupe)
         assert len(colliders.blocks) == scene.cast[0].many.total
         assert read_scene(dump(scene)) == scene
 
@@ -179,7 +180,10 @@ def test_creature_pushes_and_is_not_pushed(scene_of: Scenes) -> None:
 
 def test_steps_between_rows_do_not_matter_to_order(scene_of: Scenes) -> None:
     scene = scene_of(
-        crate("one", [0, 1.0, 0]), crate("two", [0.05, 1.6, 0]), duration=1.0, more="samples: 1"
+        crate("one", [0, 1.0, 0]),
+        crate("two", [0.05, 1.6, 0]),
+        duration=1.0,
+        more="rows_per_frame: 1",
     )
     take = simulate(scene)
     moments = [(c.step, c.fraction) for c in take.contacts]
@@ -223,7 +227,8 @@ def test_mesh_of_many_is_named_from_the_folder_of_the_scene(tmp_path: Path) -> N
     many = "{layout: stack, count: 2, of: {shape: mesh, file: stone.obj}}"
     text = f"pronk: 1\nduration: 0.1\ncast:\n- many: {many}\n"
     (tmp_path / "stones.yaml").write_text(text)
-    assert Simulation(load_scene(tmp_path / "stones.yaml")).colliders is not None
+    recorder = Simulation(load_scene(tmp_path / "stones.yaml")).recorder
+    assert len(recorder.nodes) == 2
 
 
 # --- what rolls and slides --------------------------------------------------------

@@ -50,7 +50,7 @@ def test_machine_code_does_what_python_does() -> None:
 ENTRY = """
 import numpy as np
 from pipeline.simulation.dynamics.compiled import is_made
-from pipeline.simulation.dynamics.tumbling import tumble
+from pipeline.simulation.dynamics.free_motion import tumble
 q, one = np.array([[1.0, 0.0, 0.0, 0.0]]), np.eye(3)[None]
 before = is_made("dynamics")
 tumble(q, np.ones((1, 3)), one, one, 0.01)

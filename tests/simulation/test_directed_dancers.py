@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.dancers.dancers import Dancers
-from pipeline.simulation.dancers.dancing import Dancing
+from pipeline.simulation.dancers.dancer_motion import DancerMotion
+from pipeline.simulation.dancers.dancer_troupe import Dancers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import dump, read_scene
-from pipeline.spec.telling import instruction_of
+from pipeline.spec.rpc_instruction import instruction_of
 
 SCENE = """pronk: 1
 duration: {duration}
@@ -55,7 +55,7 @@ def told(*script: str, words: str = "", duration: float = 6.0, more: str = "") -
     )
 
 
-def ada(simulation: Simulation) -> Dancing:
+def ada(simulation: Simulation) -> DancerMotion:
     troupe = next(t for t in simulation.troupes if isinstance(t, Dancers))
     return troupe.dancing[0]
 

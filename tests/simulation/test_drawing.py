@@ -87,7 +87,7 @@ def become_figures(seed: int, count: int) -> tuple[int, set[str]]:
             try:
                 figure = build_figure("it", read.figures["it"], 1.0)
             except SceneError as error:
-                raise read.places.located(error) from None
+                raise read.source_map.with_locations(error) from None
         except SceneError as error:
             for problem in error.problems:
                 assert problem.path.startswith("figures.it."), problem

@@ -11,18 +11,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.errors import SceneError
-from pipeline.simulation.bodies.paths import mass_of
+from pipeline.simulation.bodies.integrated_attitude import SpunAttitude, TorquedAttitude
+from pipeline.simulation.bodies.integrated_motion import (
+    MAX_DEGREE,
+    IntegratedMotion,
+    PiecewisePolynomial,
+    phi_functions,
+)
+from pipeline.simulation.bodies.prop_paths import prop_mass
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.pieces import DEGREE, Carried, Pieces, phis
+from pipeline.simulation.keyframe_track import Track
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, heading, matrix, rotation
 from pipeline.simulation.take import Take
-from pipeline.simulation.tracks import Track
-from pipeline.simulation.turning import Spun, Torqued
-from pipeline.spec.driving import ForceWords
 from pipeline.spec.keyframes import Ease
-from pipeline.spec.prop import BoxShape
+from pipeline.spec.prop import BoxShape, ForceWords
 
 from .conftest import scene_of
 
@@ -56,14 +60,16 @@ def test_pieces_are_the_track(keys: list[tuple[float, float, Ease]]) -> None:
     times = np.linspace(0.0, track.times[-1] + 1.0, 97)
     away = np.abs(times[:, None] - track.times).min(axis=1) > 1e-6
     times = times[away]
-    np.testing.assert_allclose(Pieces.of(track).at(times), track(times), atol=1e-11)
+    np.testing.assert_allclose(PiecewisePolynomial.of(track).at(times), track(times), atol=1e-11)
 
 
 @given(KEYS)
 def test_a_velocity_is_integrated_exactly(keys: list[tuple[float, float, Ease]]) -> None:
     track = track_of(keys)
     end = float(track.times[-1]) + 0.5
-    place = Carried.by_velocity(Pieces.of(track), np.array([2.0])).at(np.array([end]))[0]
+    place = IntegratedMotion.by_velocity(PiecewisePolynomial.of(track), np.array([2.0])).at(
+        np.array([end])
+    )[0]
     # Gauss' rule of four points is exact for what is no more than of seventh degree.
     nodes, weights = np.polynomial.legendre.leggauss(4)
     edges = [0.0, *track.times, end]
@@ -80,9 +86,9 @@ def test_phi_is_what_its_integral_says(z: float) -> None:
     # φ_n(z) = ∫₀¹ exp((1 - s) z) s^(n-1) / (n-1)! ds.
     nodes, weights = np.polynomial.legendre.leggauss(64)
     s = 0.5 + 0.5 * nodes
-    found = phis(np.array([z]))[:, 0]
+    found = phi_functions(np.array([z]))[:, 0]
     assert found[0] == pytest.approx(math.exp(z), rel=1e-12)
-    for n in range(1, DEGREE + 3):
+    for n in range(1, MAX_DEGREE + 3):
         whole = 0.5 * weights @ (np.exp((1 - s) * z) * s ** (n - 1)) / math.factorial(n - 1)
         assert found[n] == pytest.approx(whole, rel=1e-10)
 
@@ -91,8 +97,8 @@ def test_phi_is_what_its_integral_says(z: float) -> None:
 def test_a_force_with_drag_obeys_its_equation(
     keys: list[tuple[float, float, Ease]], drag: float
 ) -> None:
-    pieces = Pieces.of(track_of(keys))
-    carried = Carried.by_acceleration(pieces, np.array([1.0]), np.array([-2.0]), drag)
+    pieces = PiecewisePolynomial.of(track_of(keys))
+    carried = IntegratedMotion.by_acceleration(pieces, np.array([1.0]), np.array([-2.0]), drag)
     begins = np.append(pieces.begins, pieces.begins[-1] + 1.0)
     times = np.concatenate([a + (b - a) * np.linspace(0.05, 0.95, 7) for a, b in pairwise(begins)])
     h = 1e-4
@@ -141,7 +147,7 @@ def test_pieces_of_constant_force_are_pieces_of_parabolas() -> None:
 def test_a_constant_torque_turns_ever_faster() -> None:
     words = ForceWords(torque=(0.0, 0.6, 0.0), mass=5.0)
     box = BoxShape(shape="box", size=(0.4, 0.2, 0.9))
-    moment = mass_of(box, words).inertia[1, 1]
+    moment = prop_mass(box, words).inertia[1, 1]
     member = (
         "{name: a, prop: {shape: box, size: [0.4, 0.2, 0.9]}, at: [0, 1, 0], heading_deg: 20,"
         " force: {torque: [0, 0.6, 0], mass: 5}}"
@@ -154,8 +160,10 @@ def test_a_constant_torque_turns_ever_faster() -> None:
 
 def test_without_torque_momentum_and_energy_stay() -> None:
     mass = MassProperties(2.0, np.zeros(3), np.diag([0.2, 0.5, 0.6]))
-    still = Pieces.of(Track.of([(0.0, (0.0, 0.0, 0.0), "linear")]))
-    body = Torqued(still, mass, rotation(np.array([0.6, 0.8, 0.0]), 1.0), np.array([1.0, 6, 2]), 0)
+    still = PiecewisePolynomial.of(Track.of([(0.0, (0.0, 0.0, 0.0), "linear")]))
+    body = TorquedAttitude(
+        still, mass, rotation(np.array([0.6, 0.8, 0.0]), 1.0), np.array([1.0, 6, 2]), 0
+    )
     momenta, energies = [], []
     for time in np.linspace(0.0, 5.0, 60):
         body.at(np.array([time]))
@@ -170,8 +178,10 @@ def test_a_torque_changes_momentum_by_as_much_as_it_lasts() -> None:
         2.0, np.zeros(3), np.array([[0.3, 0.05, 0], [0.05, 0.5, -0.1], [0, -0.1, 0.6]])
     )
     keys = [(0.0, (0.2, -0.4, 0.1), "linear"), (1.0, (1.0, 0.4, -0.9), "linear")]
-    torque = Pieces.of(Track.of(keys))  # type: ignore[arg-type]
-    body = Torqued(torque, mass, rotation(np.array([0.6, 0.8, 0.0]), 1.0), np.array([1.0, 2, 2]), 0)
+    torque = PiecewisePolynomial.of(Track.of(keys))  # type: ignore[arg-type]
+    body = TorquedAttitude(
+        torque, mass, rotation(np.array([0.6, 0.8, 0.0]), 1.0), np.array([1.0, 2, 2]), 0
+    )
     start = body.momentum
     np.testing.assert_allclose(body.at(np.zeros(1))[0], rotation(np.array([0.6, 0.8, 0]), 1.0))
     body.at(np.array([1.0]))
@@ -180,8 +190,8 @@ def test_a_torque_changes_momentum_by_as_much_as_it_lasts() -> None:
 
 def test_turning_drag_stops_a_spin() -> None:
     mass = MassProperties(2.0, np.zeros(3), 0.5 * np.eye(3))
-    still = Pieces.of(Track.of([(0.0, (0.0, 0.0, 0.0), "linear")]))
-    body = Torqued(still, mass, np.eye(3), np.array([0.0, 8.0, 0.0]), 0.75)
+    still = PiecewisePolynomial.of(Track.of([(0.0, (0.0, 0.0, 0.0), "linear")]))
+    body = TorquedAttitude(still, mass, np.eye(3), np.array([0.0, 8.0, 0.0]), 0.75)
     (R,) = body.at(np.array([2.0]))
     np.testing.assert_allclose(R, heading(8.0 / 1.5 * (1 - math.exp(-3.0))), atol=1e-9)
 
@@ -191,16 +201,21 @@ def test_a_spin_about_one_axis_is_exact_however_it_changes(ease: Ease) -> None:
     axis = np.array([2.0, -1.0, 2.0]) / 3.0
     keys = [(0.0, tuple(axis), "linear"), (0.4, tuple(9 * axis), ease), (1.1, tuple(-axis), ease)]
     spin = Track.of(keys)  # type: ignore[arg-type]
-    angle = Carried.by_velocity(Pieces.of(spin), np.zeros(3)).at(np.array([1.7]))[0] @ axis
-    turned = Spun(Pieces.of(spin), heading(0.3)).at(np.array([1.7]))[0]
+    angle = (
+        IntegratedMotion.by_velocity(PiecewisePolynomial.of(spin), np.zeros(3)).at(np.array([1.7]))[
+            0
+        ]
+        @ axis
+    )
+    turned = SpunAttitude(PiecewisePolynomial.of(spin), heading(0.3)).at(np.array([1.7]))[0]
     np.testing.assert_allclose(turned, rotation(axis, float(angle[0])) @ heading(0.3), atol=1e-12)
 
 
 def test_a_spin_whose_axis_turns_is_of_fourth_order() -> None:
     keys = [(0.0, (9.0, 0.0, 0.0), "linear"), (1.0, (0.0, 0.0, 9.0), "linear")]
-    pieces = Pieces.of(Track.of(keys))  # type: ignore[arg-type]
-    exact = Spun(pieces, np.eye(3)).at(np.linspace(0.0, 1.0, 4001))[-1]
-    (whole,) = Spun(pieces, np.eye(3)).at(np.array([1.0]))
+    pieces = PiecewisePolynomial.of(Track.of(keys))  # type: ignore[arg-type]
+    exact = SpunAttitude(pieces, np.eye(3)).at(np.linspace(0.0, 1.0, 4001))[-1]
+    (whole,) = SpunAttitude(pieces, np.eye(3)).at(np.array([1.0]))
     np.testing.assert_allclose(whole, exact, atol=1e-8)
     np.testing.assert_allclose(whole.T @ whole, np.eye(3), atol=1e-13)
 

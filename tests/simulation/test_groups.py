@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.bodies.groups.chance import Chance
-from pipeline.simulation.bodies.groups.groups import RULES
-from pipeline.simulation.bodies.groups.steering import FASTEST, SLOWEST, nearest
+from pipeline.simulation.bodies.groups.counter_random import CounterRandom
+from pipeline.simulation.bodies.groups.group_troupe import RULES
+from pipeline.simulation.bodies.groups.steering import MAX_SPEED, MIN_SPEED, nearest_members
 from pipeline.simulation.bodies.groups.swarm import oscillated
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec import library, load_scene, shipped_scenes
-from pipeline.spec.cast import Group
-from pipeline.spec.group import Fire, Flock, Grass, Rain, School, Swarm
+from pipeline.spec.group import Fire, Flock, Grass, Group, Rain, School, Swarm
 
 from .conftest import scene_of
 
@@ -103,8 +102,8 @@ def test_birds_fly_as_they_can(fps: int) -> None:
     v = velocities(take)
     speeds = np.linalg.norm(v, axis=-1)
     # A hair: what is lifted over the ground goes a little faster.
-    assert speeds.min() > 0.99 * SLOWEST * 6
-    assert speeds.max() < 1.01 * FASTEST * 6
+    assert speeds.min() > 0.99 * MIN_SPEED * 6
+    assert speeds.max() < 1.01 * MAX_SPEED * 6
     dt = 1 / float(take.header.rate * take.header.samples)
     mean = np.linalg.norm(np.diff(v, axis=0), axis=-1).mean() / dt
     assert mean < 12 + 3 * 0.16 * 6 / math.sqrt(dt)
@@ -143,7 +142,7 @@ def test_neighbours_fly_alike() -> None:
     alike = []
     for row in range(96, len(v), 48):
         ways = v[row] / np.linalg.norm(v[row], axis=1, keepdims=True)
-        alike.append((ways[nearest(p[row], 5)] * ways[:, None]).sum(axis=-1).mean())
+        alike.append((ways[nearest_members(p[row], 5)] * ways[:, None]).sum(axis=-1).mean())
     assert np.mean(alike) > 0.85
 
 
@@ -308,11 +307,11 @@ def test_the_nearest_are_the_nearest() -> None:
     far = np.linalg.norm(p[:, None] - p[None], axis=-1)
     np.fill_diagonal(far, np.inf)
     expected = np.sort(np.argsort(far, axis=1)[:, :7], axis=1)
-    np.testing.assert_array_equal(nearest(p, 7), expected)
+    np.testing.assert_array_equal(nearest_members(p, 7), expected)
 
 
 def test_chance_is_even_and_depends_on_what_it_is_for() -> None:
-    chance, slots = Chance(3, "a"), np.arange(20_000)
+    chance, slots = CounterRandom(3, "a"), np.arange(20_000)
     draws = [chance.uniform(slots, life, draw) for life in (0, 1) for draw in (0, 1)]
     for one in draws:
         # Uniform: the largest gap of the distribution stays below Kolmogorov's bound.

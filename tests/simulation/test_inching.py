@@ -397,7 +397,7 @@ FIGURES = (
     [
         ("{figure: inchworm, walk: {gait: wave}}", "walk.gait", ["no legs", "`gait`"]),
         ("{figure: inchworm, walk: {body_height: 1}}", "walk.body_height", ["`body_height`"]),
-        ("{figure: inchworm, walk: {bounciness: 0}}", "walk.bounciness", ["`bounciness`"]),
+        ("{figure: inchworm, walk: {body_bob: 0}}", "walk.body_bob", ["`body_bob`"]),
         ("{figure: inchworm, walk: {stride: 3}}", "walk", ["stride", "3", "at most"]),
         ("{figure: inchworm, walk: {speed: 9, cycle: 2}}", "walk", ["stride", "18", "at most"]),
         ("{figure: stiff, walk: {}}", "walk", ["'stiff'", "joints"]),

@@ -17,7 +17,7 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import (
 )
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 SCENE = """\
 pronk: 1
@@ -118,11 +118,11 @@ def test_a_crouch_that_is_refused_gets_one_that_works(figure: str, crouch: float
     ).groups()
     assert nearest == (low if crouch < 1.0 else high)
     for value in (low, high):
-        (of,) = begun(figure, f"{{crouch: {value}}}").pronkers
-        assert of.crouch == float(value)
-    stands = of.stand
+        (of,) = begun(figure, f"{{crouch: {value}}}").hoppers
+        assert of.crouch_height == float(value)
+    stands = of.standing_height
     assert stands * (1.0 - 2e-3) < float(high) < stands
-    assert of.low <= float(low) < of.low * (1.0 + 1e-3)
+    assert of.lowest_height <= float(low) < of.lowest_height * (1.0 + 1e-3)
 
 
 @pytest.mark.parametrize("figure", ["kangaroo", "hopper", "tripod", "centipede"])
@@ -130,8 +130,8 @@ def test_legs_that_are_too_weak_get_a_force_that_works(figure: str) -> None:
     (problem,) = refusal(figure, "{max_force: 0.01}").problems
     assert (problem.path, problem.line) == ("cast[0].pronk.max_force", 6)
     force = re.search(r"take ([0-9.]+) or more", problem.message)[1]
-    (of,) = begun(figure, f"{{max_force: {force}}}").pronkers
-    assert 1.0 < of.most * len(of.hips) / of.weight < 1.002
+    (of,) = begun(figure, f"{{max_force: {force}}}").hoppers
+    assert 1.0 < of.max_leg_force * len(of.hips) / of.weight < 1.002
     refusal(figure, f"{{max_force: {0.999 * float(force):.6g}}}")
 
 
@@ -159,7 +159,7 @@ def test_all_who_are_wrong_are_told_at_once() -> None:
 def test_the_jump_that_the_manual_explains_works() -> None:
     words: dict[str, Any] = {"distance": 1.6, "height": 0.8, "crouch": 0.56, "max_force": 6}
     text = ", ".join(f"{word}: {value}" for word, value in words.items())
-    (of,) = begun("kangaroo", f"{{{text}}}").pronkers
-    assert of.low < of.crouch == 0.56 < of.stand
-    assert of.most == pytest.approx(6.0 * of.weight)
+    (of,) = begun("kangaroo", f"{{{text}}}").hoppers
+    assert of.lowest_height < of.crouch_height == 0.56 < of.standing_height
+    assert of.max_leg_force == pytest.approx(6.0 * of.weight)
     assert of.jump == Jump(1.6, 0.8)

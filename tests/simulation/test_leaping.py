@@ -16,8 +16,7 @@ from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene, find_scene, load_scene
-from pipeline.spec.cast import Prop
-from pipeline.spec.prop import BoxShape
+from pipeline.spec.prop import BoxShape, Prop
 
 from .conftest import scene_of, tips_of
 from .hops import Hops, hop_through
@@ -75,10 +74,12 @@ class Leap:
         """Keep the state of this step."""
         walkers = self.walkers
         trip = walkers.leaps.trips.get(0)
-        leaping = trip is not None and trip.stage == "leaping" and trip.hopping is not None
+        leaping = trip is not None and trip.stage == "leaping" and trip.simulation is not None
         self.stages.append("walking" if trip is None else trip.stage)
-        hopping = trip.hopping if trip is not None and leaping else None
-        self.down.append(~walkers.feet.swinging if hopping is None else hopping.state.down.copy())
+        hopping = trip.simulation if trip is not None and leaping else None
+        self.down.append(
+            ~walkers.stepping.feet.swinging if hopping is None else hopping.state.down.copy()
+        )
 
     @property
     def changes(self) -> list[int]:
@@ -266,7 +267,7 @@ def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
         assert isinstance(walkers, Walkers)
         trip = walkers.leaps.trips.get(0)
         if trip is not None and trip.stage == "landed" and landed is None:
-            landed = walkers.feet.end[:, [0, 2]].mean(axis=0)
+            landed = walkers.stepping.feet.end[:, [0, 2]].mean(axis=0)
     assert landed is not None
     assert np.linalg.norm(landed - [2.5, -0.5]) < 0.02
     np.testing.assert_allclose(simulation.take().positions[-1, 0, [0, 2]], [4, 1], atol=1e-3)
@@ -303,7 +304,7 @@ def test_a_kangaroo_hops_over_a_crate_and_on() -> None:
 
 def test_goes_to_a_place_and_lands_on_it() -> None:
     hops = directed("{at: 1, who: roo, do: {go_to: [4, 3]}}", 9)
-    state = hops.troupe.hoppings[0].state
+    state = hops.troupe.simulations[0].state
     assert state.phase == "standing"
     assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [4, 3]) < 0.05
     assert hops.seen[0][-1].tilt < math.radians(3)
@@ -378,7 +379,7 @@ def test_others_wait_for_a_hopper_that_arrives() -> None:
         "{when: {arrived: roo}, who: roo, do: {jump: {land_at: [3, 0]}}}"
     )
     hops = directed(script, 12)
-    state = hops.troupe.hoppings[0].state
+    state = hops.troupe.simulations[0].state
     assert np.linalg.norm(state.tips[:, [0, 2]].mean(axis=0) - [3, 0]) < 0.05
 
 

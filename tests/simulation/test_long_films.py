@@ -29,7 +29,7 @@ WALK = """
 import sys
 from pathlib import Path
 import numpy as np
-from pipeline.simulation import reel
+from pipeline.simulation import row_storage
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
@@ -37,7 +37,7 @@ def anonymous():
     lines = Path("/proc/self/status").read_text().splitlines()
     return int(next(line for line in lines if line.startswith("RssAnon")).split()[1]) * 1024
 
-reel.SHORT = int(sys.argv[1])
+row_storage.MAX_IN_MEMORY = int(sys.argv[1])
 simulation = Simulation(read_scene(sys.stdin.read()))
 last, most = simulation.world.clock.last_step, [0, 0]
 while not simulation.finished:
@@ -52,7 +52,7 @@ take = simulation.take()
 take.digest
 early, late = most[0], max(most[1], anonymous())
 finite = all(np.isfinite(take.positions[some]).all() and np.isfinite(take.values[some]).all()
-             for some in reel.rows_of(take.positions))
+             for some in row_storage.row_chunks(take.positions))
 print(early, late, footfalls, len(take.contacts), len(take.positions), finite)
 """
 

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import MEASURED, PAIR, _sort
-from pipeline.simulation.dynamics.mujoco_ground import add_ground
+from pipeline.simulation.dynamics.impact_arrays import PAIR
+from pipeline.simulation.dynamics.impact_law import MEASURED_BOUNCINESS, _sort_pairs
+from pipeline.simulation.dynamics.kinematic_bodies import Poses
+from pipeline.simulation.dynamics.mujoco_callback import array_at, layout_of
+from pipeline.simulation.dynamics.mujoco_model import add_ground
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN
-from pipeline.simulation.dynamics.native import array_at, layout_of
-from pipeline.simulation.dynamics.pushing import Pushed
-from pipeline.simulation.terrain.heightfield import HeightField
-from pipeline.simulation.terrain.quadfield import QuadField
+from pipeline.simulation.terrain.heightfield import HeightField, QuadField
 from tests.simulation.colliding import FLAT, STEP, ball, begin, box, polyhedron, run, world_of
 
 CUBE = [[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]
@@ -72,9 +72,9 @@ def test_strike_is_told_when_and_where_it_was() -> None:
 def test_ball_that_a_moving_wall_hits_leaves_at_twice_its_speed() -> None:
     world = world_of([ball(0.1, 1.0, 0.0)], [[0.0, 5.0, 0.0]], pushers=[WALL])
     start, v = np.array([[-0.6, 5.0, 0.0]]), np.array([[3.0, 0.0, 0.0]])
-    world.place_pushers(Pushed(start, np.eye(3)[None]))
+    world.place_pushers(Poses(start, np.eye(3)[None]))
     for i in range(40):
-        world.advance(Pushed(start + (i + 1) * STEP * v, np.eye(3)[None]))
+        world.advance(Poses(start + (i + 1) * STEP * v, np.eye(3)[None]))
     assert world.state.v[0, 0] == pytest.approx(6.0, rel=0.01)
     end = world._qpos[1, :3]
     np.testing.assert_allclose(end, (start + 40 * STEP * v)[0], atol=1e-4)
@@ -86,9 +86,9 @@ def test_ball_that_a_turning_wall_hits_takes_its_speed_there() -> None:
     R = np.array(
         [[[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]] for a in angles]
     )
-    world.place_pushers(Pushed(np.array([[0.0, 5.0, 0.0]]), R[:1]))
+    world.place_pushers(Poses(np.array([[0.0, 5.0, 0.0]]), R[:1]))
     for k in range(1, 60):
-        world.advance(Pushed(np.array([[0.0, 5.0, 0.0]]), R[k : k + 1]))
+        world.advance(Poses(np.array([[0.0, 5.0, 0.0]]), R[k : k + 1]))
     v = world.state.v[0, [0, 2]]
     # The face goes at 2 rad/s times its arm; the ball was met a little later, farther round.
     assert 3.0 < np.hypot(*v) < 3.6
@@ -214,7 +214,7 @@ def test_box_slides_down_a_slope_as_galilei_says() -> None:
 
 
 def test_measured_bounciness_is_what_the_law_says_of_itself() -> None:
-    for asked, (least, most) in MEASURED.items():
+    for asked, (least, most) in MEASURED_BOUNCINESS.items():
         assert asked - 0.02 <= least <= most <= asked + 0.02
 
 
@@ -253,13 +253,13 @@ def test_compiled_code_sees_what_the_bindings_say() -> None:
 
 def test_what_sleeps_costs_no_steps_and_wakes_when_it_is_pushed() -> None:
     world = world_of([box((0.2, 0.2, 0.2))], [[0, 0.1, 0]], pushers=[WALL])
-    world.place_pushers(Pushed(np.array([[-3.0, 1.0, 0.0]]), np.eye(3)[None]))
-    still = Pushed(np.array([[-3.0, 1.0, 0.0]]), np.eye(3)[None])
+    world.place_pushers(Poses(np.array([[-3.0, 1.0, 0.0]]), np.eye(3)[None]))
+    still = Poses(np.array([[-3.0, 1.0, 0.0]]), np.eye(3)[None])
     for _ in range(60):
         world.advance(still)
     assert world.asleep.all()
     for i in range(60):
-        world.advance(Pushed(np.array([[-3.0 + 0.1 * i, 1.0, 0.0]]), np.eye(3)[None]))
+        world.advance(Poses(np.array([[-3.0 + 0.1 * i, 1.0, 0.0]]), np.eye(3)[None]))
     assert world.state.p[0, 0] > 2.0
 
 
@@ -267,7 +267,7 @@ def test_pairs_stay_in_order_whatever_order_contacts_have() -> None:
     pairs = np.zeros(40, dtype=PAIR).view(np.recarray)
     keys = np.random.default_rng(1).permutation(40)
     pairs.key, pairs.onset = keys, 0.5 * keys
-    _sort.py_func(pairs, 40)
+    _sort_pairs.py_func(pairs, 40)
     np.testing.assert_array_equal(pairs.key, np.arange(40))
     np.testing.assert_array_equal(pairs.onset, 0.5 * np.arange(40))
 

@@ -10,11 +10,11 @@ import pytest
 from pipeline.errors import SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.pose_plan import PartNames
+from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array, heading, matrix, turn
 from pipeline.simulation.take import Take
-from pipeline.simulation.tracks import turned
 
 from .conftest import scene_of
 
@@ -161,7 +161,7 @@ def test_the_last_link_points_where_it_is_asked_to() -> None:
     turn_keys = "{at: 0, node: elbow_r, frame: body, turn_deg: [10, 20, 70]}"
     R, _, _ = person(turn_keys).link("elbow_r")
     R_WB, _ = person(turn_keys).body
-    asked = R_WB[-1] @ turned(np.radians([10.0, 20.0, 70.0]))
+    asked = R_WB[-1] @ rotation_from_angles(np.radians([10.0, 20.0, 70.0]))
     np.testing.assert_allclose(R[-1], asked, atol=1e-3)
 
 

@@ -19,7 +19,7 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import (
 from pipeline.simulation.locomotion.pronking.leg_forces import distribute_force, phase_force
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import find_scene, load_scene
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 from .conftest import SHIPPED, scene_of
 from .hops import Hops, hop_through
@@ -147,7 +147,7 @@ def test_four_hips_around_the_centre_give_the_whole_moment():
 
 @pytest.mark.slow
 def test_apex_and_travel_are_those_asked_for(level_hops):
-    of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
+    of, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
     flights = level_hops.lifts
     assert len(flights) >= 3
     for _, v in flights:
@@ -159,7 +159,7 @@ def test_apex_and_travel_are_those_asked_for(level_hops):
     for (_, a), (__, b) in itertools.pairwise(enumerate(seen)):
         if a.phase == "flight" and b.phase == "landing":
             p, _ = flights[b.jumps - 1]
-            assert b.p[1] <= p[1] + 0.02 * of.leg
+            assert b.p[1] <= p[1] + 0.02 * of.leg_length
 
 
 def test_flights_are_parabolas(level_hops):
@@ -193,13 +193,13 @@ def test_landings_end_at_the_crouch_at_rest(monkeypatch, figure, words):
 
     def landing(of, ground, state, events):
         # That before the first jump comes from standing, not from the air.
-        if state.jumps:
+        if state.jump_count:
             begins.append((state.p[1], state.v[1]))
         begin(of, ground, state, events)
 
     def pushing(of, ground, state, events):
-        if state.jumps:
-            ends.append((state.p[1] - of.mass.centre[1], of.crouch))
+        if state.jump_count:
+            ends.append((state.p[1] - of.mass.centre[1], of.crouch_height))
         push(of, ground, state, events)
 
     monkeypatch.setattr(hop_phases, "begin_landing", landing)
@@ -208,13 +208,13 @@ def test_landings_end_at_the_crouch_at_rest(monkeypatch, figure, words):
     speeds = []
 
     def before_it_is_set_to_nothing(of, ground, state, events):
-        if state.phase == "landing" and state.jumps:
+        if state.phase == "landing" and state.jump_count:
             speeds.append(float(state.v[1]))
         ended(of, ground, state, events)
 
     monkeypatch.setattr(hop_simulation, "finish_phase", before_it_is_set_to_nothing)
     hops = hop_through(scene_of(hopper(figure, words), duration=8), until=3)
-    centre = hops.troupe.pronkers[0].mass.centre[1]
+    centre = hops.troupe.hoppers[0].mass.centre[1]
     assert len(ends) == len(begins) == len(speeds) >= 3
     for (height, crouch), (top, fall), speed in zip(ends, begins, speeds, strict=True):
         assert abs(height - crouch) < 0.01 * (top - centre - crouch)
@@ -222,7 +222,7 @@ def test_landings_end_at_the_crouch_at_rest(monkeypatch, figure, words):
 
 
 def test_forces_of_legs_are_what_accelerates_the_mass(level_hops):
-    of, seen = level_hops.troupe.pronkers[0], level_hops.seen[0]
+    of, seen = level_hops.troupe.hoppers[0], level_hops.seen[0]
     for a, b in itertools.pairwise(seen):
         if a.phase == b.phase and a.phase in ("landing", "pushing") and a.jumps == b.jumps:
             found = (b.v - a.v) / (b.time - a.time)
@@ -239,7 +239,10 @@ def landing_errors(figure: str, words: str, terrain: str) -> tuple[float, float]
     points = []
     for steps in (4, 8, 64):
         scene = scene_of(
-            hopper(figure, words), terrain=terrain, duration=5, more=f"steps: {steps}\nsamples: 4"
+            hopper(figure, words),
+            terrain=terrain,
+            duration=5,
+            more=f"steps: {steps}\nrows_per_frame: 4",
         )
         points.append(landing_points(hop_through(scene, until=3))[:3])
         assert len(points[-1]) == 3
@@ -282,7 +285,7 @@ def test_landing_points_on_level_ground_do_not_depend_on_the_step(figure):
 
 def landing_points(hops: Hops) -> np.ndarray:
     """Return the middles of the feet (k, 3) of the landings, one after the other."""
-    n = len(hops.troupe.pronkers[0].hips)
+    n = len(hops.troupe.hoppers[0].hips)
     places = [h.place for h in hops.happened[0] if h.kind == "touch"]
     count = len(places) // n * n
     return np.array(places[:count]).reshape(-1, n, 3).mean(axis=1)
@@ -319,7 +322,7 @@ def test_twenty_jumps_without_a_fall(long_hops):
 
 def kept(hops: Hops) -> int:
     """Return how many rows are written."""
-    return hops.simulation._written
+    return hops.simulation.scheduler.written
 
 
 def test_feet_stay_where_they_are_put_and_above_the_ground(long_hops):
@@ -381,18 +384,18 @@ def test_legs_that_are_too_weak_let_the_body_strike_the_ground():
         duration=3,
     )
     hops = hop_through(scene)
-    of = hops.troupe.pronkers[0]
+    of = hops.troupe.hoppers[0]
     assert any(h.kind == "body" for h in hops.happened[0])
     assert any(h.kind == "saturated" for h in hops.happened[0])
     sizes = [np.linalg.norm(s.forces, axis=-1).max() for s in hops.seen[0]]
-    assert max(sizes) == pytest.approx(of.most, rel=1e-9)
+    assert max(sizes) == pytest.approx(of.max_leg_force, rel=1e-9)
 
 
 # --- events -----------------------------------------------------------------------------------
 
 
 def test_each_jump_is_heard_once_at_its_take_off_and_once_a_foot_at_its_landing(level_hops):
-    take, n = level_hops.take, len(level_hops.troupe.pronkers[0].hips)
+    take, n = level_hops.take, len(level_hops.troupe.hoppers[0].hips)
     jumps = level_hops.seen[0][-1].jumps
     lifts = [c for c in take.contacts if c.kind == "lift"]
     touches = [c for c in take.contacts if c.kind == "touch"]

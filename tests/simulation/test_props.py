@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.bodies.shapes import solid_of
+from pipeline.simulation.bodies.prop_shapes import prop_solid
 from pipeline.simulation.simulate import Simulation, simulate
 from pipeline.simulation.spatial import Array, heading, matrix
 from pipeline.simulation.take import Take
@@ -108,7 +108,7 @@ def test_what_is_put_down_stays_with_its_parent() -> None:
         (["{prop: {shape: ball}, parent: plat}"], "nobody in the cast is called 'plat'"),
         (["{prop: {shape: ball}, name: a, parent: a}"], "'a' cannot go along with itself"),
         (["{name: a, parent: b, prop: {shape: ball}}", "{name: b, parent: a, prop: {shape: ball}}"],
-         "in a ring"),
+         "form a ring"),
         (["{parent: bug.tip, prop: {shape: ball}}", "{figure: beetle, name: bug}"],
          "no part 'tip'"),
         (["{figure: beetle, parent: a, walk: {}}", "{prop: {shape: ball}, name: a}"], "walk away"),
@@ -145,7 +145,7 @@ def test_refuses(cast: list[str], message: str) -> None:
     ],
 )
 def test_solids_are_closed_and_face_outward(words: Shape) -> None:
-    solid = solid_of(words)
+    solid = prop_solid(words)
     edges = np.concatenate([solid.faces[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
     there = {(int(a), int(b)) for a, b in edges}
     assert len(there) == len(edges)

@@ -29,7 +29,7 @@ def holds(number: int, folder: Path) -> None:
     # In the air as well, until it falls and is a body like others.
     upright = np.array([s.phase != "fallen" for s in seen])
     assert over[upright].min(initial=0.0) > -1e-3
-    most = hops.troupe.pronkers[0].most
+    most = hops.troupe.hoppers[0].max_leg_force
     for one in seen:
         assert np.linalg.norm(one.forces, axis=-1).max() <= most * (1.0 + 1e-9)
     skeleton = herd.figures[0].skeleton

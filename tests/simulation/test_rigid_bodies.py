@@ -10,14 +10,14 @@ import pytest
 import trimesh
 
 from pipeline.errors import MassError
-from pipeline.simulation.bodies.bevelled import bevelled
-from pipeline.simulation.bodies.polyhedra import hull_of_words
+from pipeline.simulation.bodies.body_meshes import bevelled
+from pipeline.simulation.bodies.body_model import body_hull
+from pipeline.simulation.dynamics.free_motion import MAX_STEP_ANGLE, rotate_freely
 from pipeline.simulation.dynamics.hull import hull_of
 from pipeline.simulation.dynamics.mass import mass_of_solid
-from pipeline.simulation.dynamics.rigid import State, angular_momentum, kinetic
-from pipeline.simulation.dynamics.tumbling import MOST_TURN, tumble
+from pipeline.simulation.dynamics.rigid_body import State, angular_momentum, kinetic_energy
 from pipeline.simulation.spatial import Array
-from pipeline.spec.cast import Body
+from pipeline.spec.body import Body
 
 from .bodies import DT, POLYHEDRA, SHAPES, attitudes, ground_of, thrown
 
@@ -25,7 +25,7 @@ from .bodies import DT, POLYHEDRA, SHAPES, attitudes, ground_of, thrown
 @pytest.mark.parametrize("i", range(len(SHAPES)), ids=POLYHEDRA)
 def test_masses_are_those_of_trimesh(i: int) -> None:
     words = Body.model_validate({"body": SHAPES[i]}).body
-    hull = hull_of_words(words, "")
+    hull = body_hull(words, "")
     own = mass_of_solid(hull.vertices, hull.faces, words.density)
     theirs = trimesh.Trimesh(hull.vertices, hull.faces, process=False)
     theirs.density = words.density
@@ -40,7 +40,7 @@ def test_masses_are_those_of_trimesh(i: int) -> None:
     [("tetrahedron", 4), ("cube", 6), ("octahedron", 8), ("dodecahedron", 12), ("icosahedron", 20)],
 )
 def test_regular_solids_are_regular(shape: str, facets: int) -> None:
-    hull = hull_of_words(Body.model_validate({"body": {"shape": shape}}).body, "")
+    hull = body_hull(Body.model_validate({"body": {"shape": shape}}).body, "")
     assert len(hull.facets) == facets
     assert len(hull.vertices) - len(hull.edges) + len(hull.facets) == 2
     ends = hull.vertices[hull.edges]
@@ -76,7 +76,7 @@ def test_what_is_flat_has_no_hull() -> None:
 
 @pytest.mark.parametrize("shape", ["cube", "tetrahedron", "dodecahedron", "pyramid"])
 def test_bevels_stay_inside_and_on_the_facets(shape: str) -> None:
-    hull = hull_of_words(Body.model_validate({"body": {"shape": shape}}).body, "")
+    hull = body_hull(Body.model_validate({"body": {"shape": shape}}).body, "")
     offsets = np.array(
         [n @ hull.vertices[f[0]] for n, f in zip(hull.normals, hull.facets, strict=True)]
     )
@@ -111,7 +111,7 @@ def test_tumbling_is_mujocos(seed: int) -> None:
     inertia, step = np.diag(MOMENTS)[None], 1e-3
     theirs = mujocos(q[0], w[0], step, 5.0)
     for _ in range(5000):
-        tumble(q, w, inertia, np.linalg.inv(inertia), step)
+        rotate_freely(q, w, inertia, np.linalg.inv(inertia), step)
     sign = np.sign(q[0] @ theirs[0])
     np.testing.assert_allclose(sign * q[0], theirs[0], atol=1e-9)
     np.testing.assert_allclose(w[0], theirs[1], atol=1e-9)
@@ -124,9 +124,9 @@ def test_the_series_of_a_step_has_converged() -> None:
     inverse = np.linalg.inv(inertia)
     w /= np.linalg.norm(w, axis=1, keepdims=True)
     whole, halves = (q.copy(), w.copy()), (q.copy(), w.copy())
-    tumble(*whole, inertia, inverse, MOST_TURN)
+    rotate_freely(*whole, inertia, inverse, MAX_STEP_ANGLE)
     for _ in range(2):
-        tumble(*halves, inertia, inverse, MOST_TURN / 2)
+        rotate_freely(*halves, inertia, inverse, MAX_STEP_ANGLE / 2)
     for a, b in zip(whole, halves, strict=True):
         np.testing.assert_allclose(a, b, atol=1e-12)
 
@@ -137,12 +137,12 @@ def test_momentum_and_energy_last_where_nothing_acts() -> None:
     n = len(SHAPES)
     state = State(np.zeros((n, 3)), attitudes(chance, n), np.zeros((n, 3)), np.zeros((n, 3)))
     state.w = chance.normal(size=(n, 3)) * 5.0
-    turning, moving = angular_momentum(bodies, state), kinetic(bodies, state.v, state.w)
+    turning, moving = angular_momentum(bodies, state), kinetic_energy(bodies, state.v, state.w)
     for _ in range(5 * 240):
-        tumble(state.q, state.w, bodies.inertia, bodies.inverse, 1 / 240)
+        rotate_freely(state.q, state.w, bodies.inertia, bodies.inverse, 1 / 240)
     scale = np.linalg.norm(turning, axis=1, keepdims=True)
     np.testing.assert_allclose(angular_momentum(bodies, state) / scale, turning / scale, atol=1e-9)
-    np.testing.assert_allclose(kinetic(bodies, state.v, state.w), moving, rtol=1e-9)
+    np.testing.assert_allclose(kinetic_energy(bodies, state.v, state.w), moving, rtol=1e-9)
 
 
 def test_a_flight_is_a_parabola_whatever_turns() -> None:

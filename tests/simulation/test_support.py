@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.simulation.dynamics.support import Support, support
+from pipeline.simulation.dynamics.ground_reaction import GroundReaction, ground_reaction
 from pipeline.simulation.spatial import Array
 
 WEIGHT = np.array([[0.0, 100.0, 0.0]])
 
 
-def carried(points: list[list[float]], moment: Array | None = None) -> Support:
+def carried(points: list[list[float]], moment: Array | None = None) -> GroundReaction:
     """Return how feet, all down, carry a weight at the origin."""
     stands = np.ones((1, len(points)), dtype=bool)
     about = np.zeros((1, 3)) if moment is None else moment
-    return support(np.array([points]), stands, WEIGHT, about)
+    return ground_reaction(np.array([points]), stands, WEIGHT, about)
 
 
 def test_two_feet_share_by_the_lever() -> None:
@@ -40,7 +40,9 @@ def test_no_foot_pulls_and_the_rest_stays_unbalanced() -> None:
 
 
 def test_in_the_air_nobody_carries() -> None:
-    borne = support(np.zeros((1, 2, 3)), np.zeros((1, 2), dtype=bool), WEIGHT, np.ones((1, 3)))
+    borne = ground_reaction(
+        np.zeros((1, 2, 3)), np.zeros((1, 2), dtype=bool), WEIGHT, np.ones((1, 3))
+    )
     assert not borne.forces.any()
     assert np.allclose(borne.force, WEIGHT)
     assert np.allclose(borne.moment, 1.0)
@@ -52,7 +54,7 @@ def test_all_of_the_force_and_the_best_of_the_moment(seed: int, feet: int) -> No
     points = chance.normal(size=(4, feet, 3))
     stands = chance.random((4, feet)) < 0.8
     force, moment = chance.normal(size=(2, 4, 3)) + 20.0 * np.array([0.0, 1.0, 0.0])
-    borne = support(points, stands, force, moment)
+    borne = ground_reaction(points, stands, force, moment)
     down = stands.any(axis=1)
     assert np.allclose(borne.force[down], 0.0)
     assert not borne.forces[~stands].any()

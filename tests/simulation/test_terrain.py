@@ -12,12 +12,10 @@ from hypothesis import strategies as st
 
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground, build_ground
-from pipeline.simulation.terrain.forbidden import forbidden_cells
-from pipeline.simulation.terrain.heightfield import HeightField
-from pipeline.simulation.terrain.quadfield import QuadField
-from pipeline.simulation.terrain.surfaces import SURFACES
-from pipeline.spec import FlatTerrain, FractalTerrain, HillsTerrain
-from pipeline.spec.terrain import Polygons
+from pipeline.simulation.terrain.ground import forbidden_cells
+from pipeline.simulation.terrain.heightfield import SURFACES, HeightField, QuadField
+from pipeline.spec.terrain.base import Polygons
+from pipeline.spec.terrain.kinds import FlatTerrain, FractalTerrain, HillsTerrain
 
 ROUGH = FractalTerrain(size=(6.0, 4.0), cells=(30, 25), height=1.5, roughness=0.6)
 ALL = get_args(Polygons)

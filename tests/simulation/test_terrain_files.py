@@ -19,8 +19,12 @@ from pipeline.errors import SceneError
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.terrain.grid_mesh import grid_of
-from pipeline.simulation.terrain.mesh_vertices import NotRead, obj_vertices, ply_vertices
+from pipeline.simulation.terrain.height_files import (
+    MeshError,
+    grid_of,
+    obj_vertices,
+    ply_vertices,
+)
 from pipeline.spec import load_scene, simulation_key
 
 SCENE = "pronk: 1\nduration: 1\nterrain: {words}\ncast: [{{prop: {{shape: ball}}}}]\n"
@@ -276,11 +280,11 @@ def test_no_bytes_are_read_with_a_traceback(content: bytes) -> None:
         ):
             try:
                 vertices = read(start + content)
-            except NotRead:
+            except MeshError:
                 continue
             assert vertices.shape[1:] == (3,)
             if np.isfinite(vertices).all() and len(vertices):
                 try:
                     grid_of(vertices)
-                except NotRead:
+                except MeshError:
                     continue

@@ -13,27 +13,27 @@ from pydantic import TypeAdapter, ValidationError
 
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.terrain import build_ground
-from pipeline.simulation.terrain.boulders import heaped
+from pipeline.simulation.terrain.constructed import stone_layout
 from pipeline.simulation.terrain.generators import GENERATORS
-from pipeline.simulation.terrain.stones import layout
-from pipeline.spec import (
+from pipeline.simulation.terrain.natural import scattered_boulders
+from pipeline.spec import Terrain
+from pipeline.spec.terrain.base import TERRAIN_PRESETS, GridTerrain, TerrainConfig
+from pipeline.spec.terrain.kinds import (
     BouldersTerrain,
     DitchesTerrain,
+    HillsTerrain,
     RampTerrain,
     StairsTerrain,
     StonesTerrain,
     SumTerrain,
-    Terrain,
 )
-from pipeline.spec.terrain import TERRAIN_PRESETS, Grid, Ground
-from pipeline.spec.terrain.wild import HillsTerrain
 
 KINDS = get_args(get_args(Terrain)[0])
 SEEDED = ("fractal", "hills", "boulders", "ditches", "stones")
-GRIDS = [kind for kind in KINDS if issubclass(kind, Grid) and kind is not SumTerrain]
+GRIDS = [kind for kind in KINDS if issubclass(kind, GridTerrain) and kind is not SumTerrain]
 
 
-def terrain(words: Any) -> Ground:
+def terrain(words: Any) -> TerrainConfig:
     return TypeAdapter(Terrain).validate_python(words)
 
 
@@ -48,7 +48,7 @@ def test_every_model_has_a_generator_and_every_preset_a_model() -> None:
 
 
 @pytest.mark.parametrize("kind", GRIDS, ids=lambda kind: kind.__name__)
-def test_a_seed_changes_what_is_seeded_and_nothing_else(kind: type[Grid]) -> None:
+def test_a_seed_changes_what_is_seeded_and_nothing_else(kind: type[GridTerrain]) -> None:
     words = kind()
     heights = build_ground(words, 4).field.heights
     assert heights.shape == (words.cells[1] + 1, words.cells[0] + 1)
@@ -170,7 +170,7 @@ def test_ditches_vary_within_their_bounds(
 @given(st.floats(0, 1), st.integers(0, 999))
 def test_stones_keep_half_their_gap(jitter: float, seed: int) -> None:
     words = StonesTerrain(jitter=jitter)
-    stand = layout(words, generator(seed, "terrain"))
+    stand = stone_layout(words, generator(seed, "terrain"))
     xz = np.stack([stand.x, stand.z], axis=-1).reshape(-1, 2)
     apart = np.linalg.norm(xz[:, None] - xz, axis=-1) + 99.0 * np.eye(len(xz))
     free = apart.min() - words.diameter
@@ -186,7 +186,7 @@ def test_stones_keep_half_their_gap(jitter: float, seed: int) -> None:
 def test_tops_of_stones_are_level_and_the_pit_is_deep() -> None:
     words = StonesTerrain(jitter=1, diameter=0.6, gap=0.3, depth=0.9, height_variation=0.2)
     ground = build_ground(words, 7)
-    stand = layout(words, generator(7, "terrain"))
+    stand = stone_layout(words, generator(7, "terrain"))
     whole = (np.abs(stand.z) < 5.5).ravel()
     x, z, tops = stand.x.ravel()[whole], stand.z.ravel()[whole], stand.tops.ravel()[whole]
     assert len(x) > 20
@@ -225,7 +225,7 @@ def test_a_boulder_is_an_ellipsoid() -> None:
         size=(8, 8), cells=(400, 400), cover=0.01, height=0, buried=0.25, diameters=(1, 1),
         clearing=0,
     )  # fmt: skip
-    heap = heaped(words, generator(5, "terrain").spawn(2)[1])
+    heap = scattered_boulders(words, generator(5, "terrain").spawn(2)[1])
     assert len(heap.xz) == 1
     field = build_ground(words, 5).field
     (centre,), (axes,), ((c, s),) = heap.xz, heap.axes, heap.turn
@@ -284,10 +284,10 @@ def test_hills_far_wider_than_their_ground_leave_it_flat() -> None:
 
 @pytest.mark.parametrize("kind", GRIDS, ids=lambda kind: kind.__name__)
 @given(data=st.data())
-def test_any_words_make_a_finite_ground_or_are_refused(kind: type[Grid], data: Any) -> None:
+def test_any_words_make_a_finite_ground_or_are_refused(kind: type[GridTerrain], data: Any) -> None:
     words: dict[str, Any] = {"size": data.draw(st.tuples(SIDE, SIDE))}
     words["cells"] = data.draw(st.tuples(COUNT, COUNT))
-    for name in kind.model_fields.keys() - Grid.model_fields.keys() - {"kind"}:
+    for name in kind.model_fields.keys() - GridTerrain.model_fields.keys() - {"kind"}:
         words[name] = data.draw(WORDS.get(name, st.floats(0.01, 20)), label=name)
     try:
         made = kind(**words)

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.spatial import heading as turned_by
 from pipeline.simulation.terrain import Ground, build_ground
-from pipeline.simulation.terrain.surfaces import surface_of_vertices
-from pipeline.spec import FractalTerrain
-from pipeline.spec.terrain import Polygons
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
+from pipeline.spec.terrain.base import Polygons
+from pipeline.spec.terrain.kinds import FractalTerrain
 
 PLACE = st.floats(-9000, 9000)
 DEGREES = st.floats(-720, 720)

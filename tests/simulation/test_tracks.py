@@ -9,8 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pipeline.simulation.keyframe_track import (
+    BlendedTrack,
+    CyclicTrack,
+    Track,
+    rotation_from_angles,
+)
 from pipeline.simulation.spatial import heading
-from pipeline.simulation.tracks import Cycle, Run, Track, turned
 from pipeline.spec.keyframes import Ease
 
 EASES: tuple[Ease, ...] = ("spline", "linear", "in", "out", "in-out")
@@ -93,7 +98,7 @@ def test_a_cycle_begins_again_without_a_corner() -> None:
     keys = [(t, (math.sin(math.pi * t), 90 * t), "spline") for t in (0.5, 0.9, 1.4, 2.0, 2.5)]
     turns = [(t, (a, 360 * (t - 0.5) / 2), e) for t, (a, _), e in keys]
     track = Track.of(turns)  # type: ignore[arg-type]
-    cycle = Cycle.of(track, 0.5, 2.0)
+    cycle = CyclicTrack.of(track, 0.5, 2.0)
     times = np.linspace(0.5, 2.4, 77)
     for n in (1, 5):
         later = cycle(times + 2.0 * n)
@@ -108,15 +113,17 @@ def test_a_cycle_begins_again_without_a_corner() -> None:
 
 def test_a_run_takes_over_and_lets_go() -> None:
     track = Track.of([(1.0, (0.0,), "spline")])
-    run = Run(track, (0.5, 1.0), (2.0, 2.5))
+    run = BlendedTrack(track, (0.5, 1.0), (2.0, 2.5))
     weights = run.weight(np.array([0.0, 0.5, 0.75, 1.0, 1.9, 2.0, 2.25, 2.5, 9.0]))
     np.testing.assert_allclose(weights, [0, 0, 0.5, 1, 1, 1, 0.5, 0, 0], atol=1e-12)
-    at_once = Run(track, (0.0, 0.0)).weight(np.array([0.0, 1.0]))
+    at_once = BlendedTrack(track, (0.0, 0.0)).weight(np.array([0.0, 1.0]))
     np.testing.assert_array_equal(at_once, [1.0, 1.0])
 
 
 def test_angles_turn_about_the_vertical_last() -> None:
     angle = np.radians([20.0, 70.0, -30.0])
-    tilted = turned(angle * [1, 0, 1])
-    np.testing.assert_allclose(turned(angle), heading(angle[1]) @ tilted, atol=1e-15)
-    np.testing.assert_allclose(turned(np.array([0, angle[1], 0])), heading(angle[1]), atol=1e-15)
+    tilted = rotation_from_angles(angle * [1, 0, 1])
+    np.testing.assert_allclose(rotation_from_angles(angle), heading(angle[1]) @ tilted, atol=1e-15)
+    np.testing.assert_allclose(
+        rotation_from_angles(np.array([0, angle[1], 0])), heading(angle[1]), atol=1e-15
+    )

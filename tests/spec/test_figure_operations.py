@@ -14,9 +14,8 @@ from hypothesis import strategies as st
 from pipeline.errors import SceneError
 from pipeline.spec import Figure, figure_schema, read_scene
 from pipeline.spec.operations import OPERATIONS, AnyOperation, Mirror, mirror
-from pipeline.spec.operations.copying import copied_names
-from pipeline.spec.operations.enclosure import encloses
-from pipeline.spec.operations.mirroring import mirrored_name
+from pipeline.spec.operations.copies import copied_names, mirrored_name
+from pipeline.spec.operations.node_selection import encloses
 
 NODES = {"hip": [0, 0], "knee1_l": [-1, 0.2], "foot1_l": [-2, 0.5], "nose": [0, -1]}
 CHAINS = [["nose", "hip", "knee1_l", "foot1_l"]]

@@ -49,27 +49,29 @@ def scene() -> Scene:
     ],
 )
 def test_a_path_leads_to_its_place(scene, path, line, column):
-    problem = scene.places.placed(Problem(path, "is odd"))
+    problem = scene.source_map.with_location(Problem(path, "is odd"))
     assert (problem.line, problem.column, problem.file) == (line, column, "bug.yaml")
     assert problem.source == TEXT.split("\n")[line - 1]
     assert (problem.path, problem.message) == (path, "is odd")
 
 
 def test_what_is_nowhere_is_in_the_file(scene):
-    assert str(scene.places.placed(Problem("zzz", "is odd"))) == "bug.yaml: zzz: is odd"
-    assert str(scene.places.placed(Problem("", "is odd"))) == "bug.yaml: is odd"
+    assert str(scene.source_map.with_location(Problem("zzz", "is odd"))) == "bug.yaml: zzz: is odd"
+    assert str(scene.source_map.with_location(Problem("", "is odd"))) == "bug.yaml: is odd"
 
 
 def test_a_problem_with_a_place_keeps_it(scene):
     known = Problem("figures.bug", "is odd", "other.yaml", 3, 4, "source")
-    assert scene.places.placed(known) == known
-    error = scene.places.located(SceneError([known, Problem("cast[0]", "too")]))
+    assert scene.source_map.with_location(known) == known
+    error = scene.source_map.with_locations(SceneError([known, Problem("cast[0]", "too")]))
     assert [problem.line for problem in error.problems] == [3, 13]
 
 
 def test_a_scene_without_text_has_no_places(scene):
     words = scene.model_dump()
     made = Scene.model_validate(words)
-    assert made.places.of("figures.bug") is None
+    assert made.source_map.find("figures.bug") is None
     assert made == scene, "where words stand is no part of what they say"
-    assert pickle.loads(pickle.dumps(scene)).places.of("cast[0]") == scene.places.of("cast[0]")
+    assert pickle.loads(pickle.dumps(scene)).source_map.find("cast[0]") == scene.source_map.find(
+        "cast[0]"
+    )

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.spec import FlatTerrain, HillsTerrain, read_scene
+from pipeline.spec import read_scene
+from pipeline.spec.terrain.kinds import FlatTerrain, HillsTerrain
 
 SCENE = """\
 pronk: 1

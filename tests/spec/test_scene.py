@@ -11,14 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from pipeline.spec import (
-    Creature,
-    Figure,
-    FlatTerrain,
-    HillsTerrain,
-    Scene,
-    Walk,
-)
+from pipeline.spec import Creature, Figure, Scene, Walk
+from pipeline.spec.terrain.kinds import FlatTerrain, HillsTerrain
 
 BUG = Figure(nodes={"head": [0, -1], "hip": [0, 0]}, chains=[["head", "hip"]])
 
@@ -68,7 +62,7 @@ def test_frames_given_are_the_frames():
         {"duration": math.nan},
         {"duration": math.inf},
         {"frames": 1_000_001},
-        {"frames": 1, "samples": 3},
+        {"frames": 1, "rows_per_frame": 3},
         {"frames": 1, "seed": 2**63},
         {"frames": 1, "cast": []},
         {"frames": 1, "cast": [{"figure": "bog"}]},
@@ -107,7 +101,7 @@ def test_a_name_taken_by_a_later_member_is_left_to_it():
 def test_defaults_make_a_film():
     made = scene(duration=1)
     assert made.rate == 24
-    assert (made.seed, made.samples, made.steps) == (1, 4, 4)
+    assert (made.seed, made.rows_per_frame, made.steps) == (1, 4, 4)
     assert made.terrain == FlatTerrain()
     assert made.terrain.cells == (240, 240)
     assert made.cast[0] == Creature(name="bug", figure="bug")

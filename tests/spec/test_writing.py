@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from pipeline.spec import Scene, dump, read_scene, scene_digest, simulation_key
-from pipeline.spec.values import NAME_PATTERN
+from pipeline.spec.model_base import NAME_PATTERN
 
 NAMES = st.from_regex(NAME_PATTERN.replace("*", "{0,9}"), fullmatch=True)
 WORDS = {
@@ -59,7 +59,7 @@ def test_everything_is_written_out_and_read_back():
     ],
 )
 def test_terrains_are_written_out_and_read_back(terrain, monkeypatch):
-    monkeypatch.setattr("pipeline.spec.terrain.files._cannot_be_read", lambda path: "")
+    monkeypatch.setattr("pipeline.spec.file_references._unreadable_file", lambda path, name: None)
     given = scene(terrain=terrain)
     assert read_scene(dump(given)) == given
 
@@ -121,7 +121,7 @@ def test_what_the_simulation_does_not_read_leaves_its_key(change):
         {"fps": 30, "duration": None, "frames": 1},
         {"duration": 1},
         {"seed": 2},
-        {"samples": 2},
+        {"rows_per_frame": 2},
         {"steps": 8},
         {"terrain": "hills"},
         {"terrain": {**WORDS["terrain"], "at": [1, 0]}},

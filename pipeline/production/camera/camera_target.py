@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.production.camera.extreme_points import Outlines
 from pipeline.production.camera.path_smoothing import smoothed
-from pipeline.simulation.reel import rows_of
+from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array, matrix, normalized
 from pipeline.simulation.take import Take
 
@@ -62,7 +62,7 @@ class Followed:
         """Half of its usual extent [m]."""
         reach = [
             np.linalg.norm(self.points[some] - self.place[some, None], axis=-1).max(axis=-1)
-            for some in rows_of(self.points)
+            for some in row_chunks(self.points)
         ]
         return float(np.median(np.concatenate(reach)))
 
@@ -81,7 +81,7 @@ def follow(take: Take, names: str | tuple[str, ...] | None, rows: NDArray[np.int
             placed = placed[:, [i for i, owner in enumerate(outlines.owners) if owner not in left]]
     points = placed.reshape(len(rows), -1, 3)
     place = smoothed(_middles(points), SMOOTHING * rate)
-    for some in rows_of(points):
+    for some in row_chunks(points):
         # Who is not there needs no room.
         there = np.isfinite(points[some])
         if not there.all():
@@ -94,7 +94,7 @@ def _middles(points: Array) -> Array:
     middles = np.concatenate(
         [
             0.5 * (np.fmin.reduce(points[some], axis=1) + np.fmax.reduce(points[some], axis=1))
-            for some in rows_of(points)
+            for some in row_chunks(points)
         ]
     )
     there = np.isfinite(middles[:, 0])

@@ -13,10 +13,10 @@ from pipeline.production.camera.camera_target import SMOOTHING, Followed
 from pipeline.production.camera.extreme_points import Outlines
 from pipeline.production.camera.path_smoothing import envelope
 from pipeline.production.shots.ground_mesh import RINGS, ground_meshes
-from pipeline.simulation.reel import rows_of
+from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take, TerrainRecord
-from pipeline.simulation.terrain.surfaces import surface_of_vertices
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
 
 LEAST = 0.03
 """Least height of any camera over the ground, more than the nearest thing it draws [m]."""
@@ -114,8 +114,8 @@ class Surroundings:
         if not placed.size:
             none = np.zeros((len(rows), 0, 3))
             return Surroundings(ground, none, none, np.zeros(0, bool), followed.rate)
-        low = np.concatenate([placed[some].min(axis=2) for some in rows_of(placed)])
-        high = np.concatenate([placed[some].max(axis=2) for some in rows_of(placed)])
+        low = np.concatenate([placed[some].min(axis=2) for some in row_chunks(placed)])
+        high = np.concatenate([placed[some].max(axis=2) for some in row_chunks(placed)])
         there = np.isfinite(low).all(axis=(0, 2))
         width = (high - low)[:, there][..., [0, 2]].mean(axis=(0, 2))
         big = np.flatnonzero(there)[width > BIG * followed.radius]

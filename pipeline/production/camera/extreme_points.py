@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.reel import reel, rows_of
+from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.spatial import Array, matrix
 from pipeline.simulation.take import Mesh, Part, Take
 
@@ -54,8 +54,8 @@ class Outlines:
         scaled = [
             (j, take.scaled.index(n)) for j, n in enumerate(self.nodes) if n in set(take.scaled)
         ]
-        points_W: Array = reel((len(rows), *self.points.shape), float)
-        for some in rows_of(points_W):
+        points_W: Array = allocate_rows((len(rows), *self.points.shape), float)
+        for some in row_chunks(points_W):
             which = np.ix_(rows[some], self.nodes)
             R, p = matrix(take.rotations[which]), take.positions[which]
             for j, n in scaled:

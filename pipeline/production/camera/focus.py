@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from pipeline.production.camera.camera_path import Seen
 from pipeline.production.camera.camera_target import follow
+from pipeline.simulation.keyframe_track import Track
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
-from pipeline.simulation.tracks import Track
 from render.config import Camera
 from render.config.camera import Focus
 from render.shot import Lens

@@ -20,7 +20,7 @@ from pipeline.production.camera.lead_room import ahead_of
 from pipeline.production.camera.moves import Moves
 from pipeline.production.camera.path_smoothing import envelope, smoothed
 from pipeline.simulation.curves import hinge
-from pipeline.simulation.reel import rows_of
+from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import UP, Array
 from render.config import Camera
 
@@ -83,7 +83,7 @@ class Framing:
         towards = np.cos(self.moves.elevation)[:, None] * self.moves.level
         towards = towards + np.sin(self.moves.elevation)[:, None] * UP
         nearest = np.empty(len(distance))
-        for some in rows_of(self.followed.points):
+        for some in row_chunks(self.followed.points):
             relative = self.followed.points[some] - self.target[some, None]
             nearest[some] = np.einsum("fnk,fk->fn", relative, towards[some]).max(axis=-1)
         least = max(float(nearest.max()), 0.0) + NEAREST
@@ -168,7 +168,7 @@ def _too_near(points: Array, seen: Seen, aspect: float) -> Array:
     away = np.linalg.norm(seen.target - seen.eye, axis=-1)
     tan = seen.tangent[:, None]
     most = np.empty(len(away))
-    for some in rows_of(points):
+    for some in row_chunks(points):
         relative = points[some] - seen.target[some, None]
         wide = np.abs(np.einsum("fnk,fk->fn", relative, right[some])) / (tan[some] * aspect)
         high = np.abs(np.einsum("fnk,fk->fn", relative, upward[some])) / tan[some]

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.production.camera.camera_path import Seen
+from pipeline.simulation.keyframe_track import Key, Track, rotation_from_angles
 from pipeline.simulation.spatial import UP, Array, matrix, normalized, rotation, turn
 from pipeline.simulation.take import Take
-from pipeline.simulation.tracks import Key, Track, turned
 from render.config import Camera
 from render.config.camera import CameraKey
 
@@ -83,8 +83,8 @@ def _looks(cut: Camera, times: Array) -> Array:
     """Return how the camera is turned (F, 3, 3) in its parent."""
     track = _track(cut.keyframes, "rotation_deg")
     if track is not None:
-        return turned(np.radians(track(times)))
-    R = turned(np.radians(np.array(cut.rotation_deg or (0.0, 0.0, 0.0))))
+        return rotation_from_angles(np.radians(track(times)))
+    R = rotation_from_angles(np.radians(np.array(cut.rotation_deg or (0.0, 0.0, 0.0))))
     spin = np.radians(np.array(cut.spin_deg or (0.0, 0.0, 0.0)))
     rate = float(np.linalg.norm(spin))
     result: Array = rotation(normalized(spin), rate * (times - cut.start)) @ R

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.attaching import number_of
+from pipeline.simulation.attachment import node_number
 from pipeline.simulation.figures.figure import build_figure
 from pipeline.simulation.take import Node
 from pipeline.spec.scene import Scene
@@ -75,8 +75,8 @@ def _numbers(scene: Scene, nodes: Sequence[Node], named: Sequence[tuple[str, str
         for _, member in scene.creatures
         if member.name in wanted
     }
-    found = [(place, number_of(name, figures, numbers)) for place, name in named]
+    found = [(place, node_number(name, figures, numbers)) for place, name in named]
     problems = [Problem(place, one) for place, one in found if isinstance(one, str)]
     if problems:
-        raise scene.places.located(SceneError(problems))
+        raise scene.source_map.with_locations(SceneError(problems))
     return [one for _, one in found if isinstance(one, int)]

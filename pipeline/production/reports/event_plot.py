@@ -1,6 +1,4 @@
-"""Event plot: what is heard as a piano roll, over pictures of the film, the waveform below.
-
-One SVG; the PNG is made of the same.
+"""Event plot: the score as a piano roll over pictures of the film, with the waveform below.
 
 Source: Sims 1987, ch. 13.
 """
@@ -13,25 +11,37 @@ from pathlib import Path
 
 import drawsvg
 
-from audio.banks import Signal
-from audio.files import put
-from audio.grid import grid_of
+from audio.dsp import Signal
+from audio.notes import Note, notes_of
 from audio.score import Score
-from audio.voices import Note, notes_of
-from audio.waveform import outline
-from pipeline.production.reports.canvas import FONT, Canvas, Panel
-from pipeline.production.reports.colors import FAINT, INK, PANEL, PAPER
-from pipeline.production.reports.figure_picture import png_of
-from pipeline.production.reports.piano_roll import KEYS, Roll, height_of, legend, sung
-from pipeline.production.reports.thumbnails import thumbnails
-from pipeline.production.reports.time_axis import GRID, Axis, draw_frames, draw_seconds
+from audio.time_grid import tick_grid
+from audio.wav_file import read_waveform
+from pipeline.production.reports.canvas import (
+    FAINT,
+    GRID,
+    INK,
+    MARGIN,
+    PANEL,
+    Canvas,
+    Panel,
+    write_plot,
+)
+from pipeline.production.reports.piano_roll import (
+    KEYS,
+    Roll,
+    draw_legend,
+    draw_marker,
+    drawn_notes,
+)
+from pipeline.production.reports.stills import thumbnails
+from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working, write_score
 from pipeline.production.run.progress import Reporter
 from pipeline.production.shots.shot_builder import Shooting
 
-MARGIN, LEFT = 36, 62
-"""Around all, and beside the axis for the names of pitches [pixels]."""
+LEFT = 62
+"""Beside the axis, for the names of pitches [pixels]."""
 
 HEADER, GAP, FOOT = 116, 14, 40
 """Above the roll with one row of causes, between panels, and below the last [pixels]."""
@@ -43,14 +53,14 @@ WAVE_COLOR = "#41515f"
 
 
 @dataclass(frozen=True, eq=False)
-class Heard:
-    """All that a plot shows.
+class EventPlot:
+    """Contents of a plot.
 
     Attributes:
         title: of the scene.
-        score: what is heard.
+        score: that is heard.
         notes: of the score.
-        pictures: frame and its picture as PNG, in the order of frames; none if not wanted.
+        pictures: frame numbers and pictures as PNG, in order; may be empty.
         shape: width and height of a picture, in any unit.
         wave: (columns, 2, 2) least and greatest of left and right.
     """
@@ -64,15 +74,12 @@ class Heard:
 
 
 def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tuple[Path, Path]:
-    """Write the plot of what is heard into a scene's folder, making the score if need be.
+    """Write the event plot of a scene into its folder as SVG and PNG.
 
     Args:
         order: the scene.
-        reporter: told how far it is.
+        reporter: of progress.
         pictures: whether frames are shown.
-
-    Returns:
-        SVG and PNG.
 
     Raises:
         PronkError: something cannot be made.
@@ -82,101 +89,86 @@ def plot_events(order: Order, reporter: Reporter, pictures: bool = True) -> tupl
         score = write_score(run, take, Shooting(order.scene, take))
         shape = order.scene.film.resolved().size
         axis = axis_of(score)
-        frames = shown(axis, shape, score.frames) if pictures else []
-        heard = Heard(
+        frames = shown_frames(axis, shape, score.frames) if pictures else []
+        images = thumbnails(run, take, frames, STRIP) if frames else []
+        plot = EventPlot(
             title=take.header.title or order.name,
             score=score,
             notes=notes_of(score),
-            pictures=tuple(zip(frames, thumbnails(run, take, frames, STRIP), strict=True))
-            if frames
-            else (),
+            pictures=tuple(zip(frames, images, strict=True)),
             shape=shape,
-            wave=outline(run.outputs.wav, round(axis.length)),
+            wave=read_waveform(run.outputs.wav, round(axis.length)),
         )
-        svg = event_svg(heard)
-        files = tuple(run.outputs.folder / f"{order.name}_events.{end}" for end in ("svg", "png"))
-        put(files[0], svg.encode("utf-8"))
-        put(files[1], png_of(svg))
-    return files[0], files[1]
+        return write_plot(run.outputs, "events", event_svg(plot))
 
 
 def axis_of(score: Score) -> Axis:
-    """Return the axis of a plot."""
+    """Return the time axis of a plot."""
     rate = float(score.rate)
-    return Axis.from_(MARGIN + LEFT, score.frames / rate, rate)
+    return Axis.fitted(MARGIN + LEFT, score.frames / rate, rate)
 
 
-def shown(axis: Axis, shape: tuple[int, int], frames: int) -> list[int]:
-    """Return the frames whose pictures stand beside one another below the roll.
-
-    Each is the one at the left edge of its picture.
-    """
+def shown_frames(axis: Axis, shape: tuple[int, int], frames: int) -> list[int]:
+    """Return the frames at the left edges of pictures that stand side by side below the roll."""
     width = STRIP * shape[0] / shape[1]
     count = max(ceil(axis.length / width), 1)
-    return sorted({1 + min(int(i * width / axis.scale * axis.rate), frames - 1)
-                   for i in range(count)})  # fmt: skip
+    starts = (int(i * width / axis.scale * axis.rate) for i in range(count))
+    return sorted({1 + min(start, frames - 1) for start in starts})
 
 
-def event_svg(heard: Heard) -> str:
+def event_svg(plot: EventPlot) -> str:
     """Return the plot as SVG."""
-    axis, grid = axis_of(heard.score), grid_of(heard.score.rate)
-    notes = sung(heard.notes, grid, axis.duration)
+    axis, grid = axis_of(plot.score), tick_grid(plot.score.rate)
+    roll = Roll(drawn_notes(plot.notes, grid, axis.duration))
     width = axis.x + axis.length + MARGIN
-    tall = height_of(notes)
-    strip = STRIP + GAP if heard.pictures else 0
-    # Names of causes may need several rows; they are measured on a canvas of their own.
-    extra = legend(Canvas(drawsvg.Drawing(1, 1)), heard.notes, (MARGIN, 0), width - MARGIN)
-    top = HEADER + extra
-    height = top + tall + GAP + strip + 2 * WAVE + FOOT
-    canvas = Canvas(drawsvg.Drawing(width, height, font_family=FONT))
-    canvas.draw(drawsvg.Rectangle(0, 0, width, height, fill=PAPER))
-    canvas.say(heard.title, (MARGIN, 46), 30, INK, bold=True)
-    _told(canvas, heard, (MARGIN, 76), width - MARGIN)
-    roll = Panel(axis.x, top, axis.length, tall)
-    canvas.draw(drawsvg.Rectangle(roll.x, roll.y, roll.width, roll.height, fill=PANEL))
+    strip = STRIP + GAP if plot.pictures else 0
+    # Names of causes can need several rows; they are measured on a canvas of their own.
+    measured = Canvas(drawsvg.Drawing(1, 1))
+    top = HEADER + draw_legend(measured, plot.notes, (MARGIN, 0), width - MARGIN)
+    height = top + roll.height + GAP + strip + 2 * WAVE + FOOT
+    canvas = Canvas.page(width, height, plot.title)
+    if plot.notes:
+        draw_legend(canvas, plot.notes, (MARGIN, 76), width - MARGIN)
+    else:
+        text = f"nothing is heard of {len(plot.score.events)} events"
+        canvas.text(text, (MARGIN, 76), 14, FAINT)
+    panel = Panel(axis.x, top, axis.length, roll.height)
+    canvas.draw(drawsvg.Rectangle(panel.x, panel.y, panel.width, panel.height, fill=PANEL))
     bottom = height - FOOT
     draw_seconds(canvas, axis, top, bottom)
     draw_frames(canvas, axis, top)
-    piano = Roll(canvas, roll, axis, notes)
-    piano.draw(grid)
-    _pictures(canvas, heard, axis, top + tall + GAP)
-    _wave(canvas, heard.wave, axis, bottom - 2 * WAVE)
-    for marker in heard.score.markers:
-        piano.mark(marker, axis.rate)
-    return str(canvas.picture.as_svg())
+    roll.draw(canvas, panel, axis, grid)
+    _draw_pictures(canvas, plot, axis, top + roll.height + GAP)
+    _draw_wave(canvas, plot.wave, axis, bottom - 2 * WAVE)
+    for marker in plot.score.markers:
+        draw_marker(canvas, panel, axis, marker)
+    return canvas.svg
 
 
-def _told(canvas: Canvas, heard: Heard, at: tuple[float, float], right: float) -> None:
-    if heard.notes:
-        legend(canvas, heard.notes, at, right)
-        return
-    canvas.say(f"nothing is heard of {len(heard.score.events)} events", at, 14, FAINT)
-
-
-def _pictures(canvas: Canvas, heard: Heard, axis: Axis, top: float) -> None:
-    width = STRIP * heard.shape[0] / heard.shape[1]
-    for i, (frame, picture) in enumerate(heard.pictures):
+def _draw_pictures(canvas: Canvas, plot: EventPlot, axis: Axis, top: float) -> None:
+    width = STRIP * plot.shape[0] / plot.shape[1]
+    for i, (frame, picture) in enumerate(plot.pictures):
         x = axis.x + i * width
-        words = {"data": picture, "mime_type": "image/png", "embed": True}
+        source = {"data": picture, "mime_type": "image/png", "embed": True}
         # The last one is cut off where the film ends.
         left = axis.x + axis.length - x
         clip = drawsvg.ClipPath()
         clip.append(drawsvg.Rectangle(x, top, min(width - 2, left), STRIP))
-        canvas.draw(drawsvg.Image(x, top, width - 2, STRIP, clip_path=clip, **words))
-        canvas.say(f"{frame}", (x + 5, top + STRIP - 6), 11, INK, halo=True)
+        canvas.draw(drawsvg.Image(x, top, width - 2, STRIP, clip_path=clip, **source))
+        canvas.text(f"{frame}", (x + 5, top + STRIP - 6), 11, INK, halo=True)
 
 
-def _wave(canvas: Canvas, wave: Signal, axis: Axis, top: float) -> None:
-    """Draw left over right, on one scale."""
-    most = max(float(abs(wave).max(initial=0.0)), 1e-9)
+def _draw_wave(canvas: Canvas, wave: Signal, axis: Axis, top: float) -> None:
+    """Draw the left channel above the right, on one scale."""
+    peak = max(float(abs(wave).max(initial=0.0)), 1e-9)
     step = axis.length / len(wave)
     for side, name in enumerate("LR"):
         middle = top + WAVE * (side + 0.5)
-        canvas.say(name, (axis.x - KEYS - 5, middle + 4), 11, FAINT, "end")
+        canvas.text(name, (axis.x - KEYS - 5, middle + 4), 11, FAINT, "end")
         edge = {"stroke": GRID, "stroke_width": 1}
         canvas.draw(drawsvg.Line(axis.x, middle, axis.x + axis.length, middle, **edge))
         path = drawsvg.Path(fill=WAVE_COLOR, stroke=WAVE_COLOR, stroke_width=0.6)
-        scale = 0.47 * WAVE / most
+        scale = 0.47 * WAVE / peak
         low, high = wave[:, side, 0].tolist(), wave[:, side, 1].tolist()
         path.M(axis.x, middle)
         for k, value in enumerate(high):

@@ -1,4 +1,4 @@
-"""Jerk report: figure 3 again, with ours beside it, for people and programs.
+"""Jerk report: figure 3 of 1998 with our columns beside it, for people and programs.
 
 Source: Matarić, Zordan and Mason 1998, section 7.3 and figure 3.
 """
@@ -8,13 +8,12 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from audio.files import put
-from pipeline.production.reports.figure_picture import png_of
+from audio.atomic_file import write_if_changed
+from pipeline.production.reports.canvas import write_plot
 from pipeline.production.reports.jerk_plot import jerk_svg
 from pipeline.production.reports.jerk_trials import (
     Agreement,
@@ -25,23 +24,31 @@ from pipeline.production.reports.jerk_trials import (
     is_figure_three,
     trials_of,
 )
+from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import working
-from pipeline.production.run.progress import Reporter, stage, step
-from pipeline.simulation.dancers.figure_three import COLUMNS
-from pipeline.simulation.dancers.jerk import CUTOFF, LEAST, RATE
-from pipeline.simulation.dancers.measuring import Measured
-from pipeline.simulation.dancers.same_way import Timed
+from pipeline.production.run.progress import Reporter, stage
+from pipeline.simulation.dance_trials import (
+    COLUMNS,
+    CUTOFF,
+    LEAST,
+    RATE,
+    MeasuredMove,
+    RetimedPath,
+)
 from pipeline.spec import Dance
 
-APART = 4
-"""Ranks that are so far apart are told, with what is known of the movement."""
+MIN_RANK_DIFFERENCE = 4
+"""Difference of ranks from which on a movement is listed with its circumstances."""
+
+RESTING_DISTANCE = 0.05
+"""Distance between the ends of a movement below which it has no dimensionless jerk [m]."""
 
 MEASURES = (
     *("T_s", "D_m", "C_m2_s5", "mean_m2_s6", "dimensionless", "least_m2_s5"),
     *("same_way_m2_s5", "energy_J", "largest_torque_Nm"),
 )
-"""What is told of a movement, with units."""
+"""Quantities of a movement, with units."""
 
 METHOD = (
     f"jerk: third derivative of the middle of the palm, at {RATE:g} Hz after a low-pass of "
@@ -54,64 +61,52 @@ METHOD = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Told:
-    """A report.
-
-    Attributes:
-        text: tables.
-        facts: the same for other programs, one mapping a trial.
-    """
-
-    text: str
-    facts: list[dict[str, Any]]
-
-
-def report_jerk(order: Order, reporter: Reporter) -> Told:
+def report_jerk(order: Order, reporter: Reporter) -> Report:
     """Return how smoothly the first dancer of a scene moves, by both controllers.
 
     Writes a table and plots of hand paths and speeds into the scene's folder.
 
     Raises:
-        PronkError: nobody dances, or something cannot be made.
+        PronkError: the scene has no dancer, or something cannot be made.
     """
     _, member, dance = dancer_of(order.scene)
     with working(order, reporter) as run:
         with stage(reporter, "dance", 1) as current:
             trials = trials_of(order.scene)
-            step(reporter, current, 1)
+            current.advance(1)
             current.result = f"danced {2 * len(trials)} times"
         compared = {t.name: agreements(t) if is_figure_three(dance) else [] for t in trials}
         text = _text(member.name, dance, trials, compared)
-        folder = run.outputs.folder
-        files = [folder / f"{order.name}_jerk.{end}" for end in ("csv", "svg", "png")]
+        table = run.outputs.folder / f"{order.name}_jerk.csv"
+        write_if_changed(table, table_csv(dance, trials).encode("utf-8"))
         svg = jerk_svg(f"{member.name}: {member.dance}", dance, trials[-1])
-        put(files[0], table_csv(dance, trials).encode("utf-8"))
-        put(files[1], svg.encode("utf-8"))
-        put(files[2], png_of(svg))
-    told = "\n".join([text, *(str(file) for file in files)])
-    return Told(told, [_facts(trial, compared[trial.name]) for trial in trials])
+        files = (table, *write_plot(run.outputs, "jerk", svg))
+    facts = [_facts(trial, compared[trial.name]) for trial in trials]
+    return Report("\n".join([text, *map(str, files)]), facts)
 
 
 def table_csv(dance: Dance, trials: Sequence[Trial]) -> str:
-    """Return all that was measured, a movement a line."""
+    """Return all measures, one movement per line."""
     text = io.StringIO()
     write = csv.writer(text, lineterminator="\n").writerow
     write(["trial", "by", "subtask", "name", *MEASURES])
     for trial in trials:
         for column in trial.columns.values():
-            for k, one in sorted(column.found.items()):
-                values = [f"{v:.6g}" for v in _measures_of(one, column.best[k]).values()]
-                write([trial.name, column.by, k + 1, dance.subtasks[k].name, *values])
+            for k, values in _measures(column).items():
+                row = [f"{value:.6g}" for value in values.values()]
+                write([trial.name, column.name, k + 1, dance.subtasks[k].name, *row])
     return text.getvalue()
 
 
-def _measures_of(one: Measured, best: Timed) -> dict[str, float]:
-    """Return what is told of a movement."""
-    j = one.jerk
-    values = (j.time, j.distance, j.integral, j.mean, j.dimensionless, one.floor)
-    rest = (best.integral, one.energy, one.torque)
-    return dict(zip(MEASURES, (*values, *rest), strict=True))
+def _measures(column: Column) -> dict[int, dict[str, float]]:
+    """Return the quantities of each movement of a column, by the number of the subtask."""
+    found = {}
+    for k, movement in sorted(column.movements.items()):
+        j = movement.jerk
+        values = (j.time, j.distance, j.integral, j.mean, j.dimensionless, movement.floor)
+        rest = (column.smoothest[k].integral, movement.energy, movement.torque)
+        found[k] = dict(zip(MEASURES, (*values, *rest), strict=True))
+    return found
 
 
 def _text(
@@ -120,78 +115,72 @@ def _text(
     lines = [f"{name}: jerk of the moving hand", METHOD]
     for trial in trials:
         lines += ["", f"at {trial.name}", *_table(dance, trial)]
-        lines += _ranks(dance, trial, compared[trial.name])
+        lines += _rank_lines(dance, trial, compared[trial.name])
     if is_figure_three(dance):
         lines += ["", "* not done: fields cannot turn a hand (subtasks 3 and 4)"]
     return "\n".join(lines)
 
 
 def _table(dance: Dance, trial: Trial) -> list[str]:
-    figure = is_figure_three(dance)
-    heads = ["", *(f"1998 {name}" for name in COLUMNS if figure)]
-    for by in trial.columns:
-        heads += [f"{by} T", "C", "mean", "C T⁵/D²", "least", "same way", "J", "N m"]
+    has_printed = is_figure_three(dance)
+    heads = ["", *(f"1998 {name}" for name in COLUMNS if has_printed)]
+    for name in trial.columns:
+        heads += [f"{name} T", "C", "mean", "C T⁵/D²", "least", "same way", "J", "N m"]
     rows = [heads]
-    for k, one in enumerate(dance.subtasks):
-        printed = [COLUMNS[name][k] for name in COLUMNS] if figure else []
-        row = [f"{k + 1:2d} {one.name}", *("*" if v is None else f"{v}" for v in printed)]
+    for k, subtask in enumerate(dance.subtasks):
+        printed = [COLUMNS[name][k] for name in COLUMNS] if has_printed else []
+        row = [f"{k + 1:2d} {subtask.name}", *("*" if v is None else f"{v}" for v in printed)]
         for column in trial.columns.values():
-            row += _cells(column.found.get(k), column.best.get(k))
+            row += _cells(column.movements.get(k), column.smoothest.get(k))
         rows.append(row)
-    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
-    return [
-        "  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]) for row in rows
-    ]
+    return table_lines(rows)
 
 
-def _cells(one: Measured | None, best: Timed | None) -> list[str]:
-    if one is None or best is None:
+def _cells(movement: MeasuredMove | None, smoothest: RetimedPath | None) -> list[str]:
+    if movement is None or smoothest is None:
         return ["*"] * 8
-    j = one.jerk
-    still = j.distance < 0.05
+    j = movement.jerk
     values = [f"{j.time:.2f}", f"{j.integral:.0f}", f"{j.mean:.0f}"]
-    values.append("-" if still else f"{j.dimensionless:.0f}")
-    values += [f"{one.floor:.0f}", f"{best.integral:.0f}"]
-    return [*values, f"{one.energy:.0f}", f"{one.torque:.0f}"]
+    values.append("-" if j.distance < RESTING_DISTANCE else f"{j.dimensionless:.0f}")
+    values += [f"{movement.floor:.0f}", f"{smoothest.integral:.0f}"]
+    return [*values, f"{movement.energy:.0f}", f"{movement.torque:.0f}"]
 
 
-def _ranks(dance: Dance, trial: Trial, compared: Sequence[Agreement]) -> Iterator[str]:
-    for one in compared:
+def _rank_lines(dance: Dance, trial: Trial, compared: Sequence[Agreement]) -> Iterator[str]:
+    for agreement in compared:
         yield (
-            f"  order of our {one.ours} and their {one.theirs}: "
-            f"{one.rank:+.2f} over {len(one.subtasks)} subtasks"
+            f"  order of our {agreement.ours} and their {agreement.theirs}: "
+            f"{agreement.rank:+.2f} over {len(agreement.subtasks)} subtasks"
         )
-        column = trial.columns[one.ours]
-        for k, own, other in zip(one.subtasks, one.own, one.other, strict=True):
-            if abs(own - other) >= APART:
-                yield f"    {k + 1}: {own}. here and {other}. there; {_why(dance, column, k)}"
+        ranks = zip(agreement.subtasks, agreement.own, agreement.other, strict=True)
+        for k, own, other in ranks:
+            if abs(own - other) >= MIN_RANK_DIFFERENCE:
+                why = _circumstances(dance, trial.columns[agreement.ours], k)
+                yield f"    {k + 1}: {own}. here and {other}. there; {why}"
 
 
-def _why(dance: Dance, column: Column, k: int) -> str:
-    """Return what of a movement bears on its jerk."""
-    measured, one = column.found[k], dance.subtasks[k]
-    times, hand = column.danced.times, column.danced.hands[one.hand]
-    move = next(m for m in column.danced.moves[one.hand] if m.subtask == k)
-    way = hand[(times >= move.begin) & (times <= move.land)]
-    length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
-    told = [f"T = {measured.jerk.time:.2f} s"]
-    if measured.jerk.distance > 0.05:
-        told.append(f"the way is {length / measured.jerk.distance:.1f} times the straight one")
-    if one.via:
-        told.append(f"{len(one.via)} sub-goals on it")
-    told.append("ends in a touch" if one.touch else "ends in the air")
-    return ", ".join(told)
+def _circumstances(dance: Dance, column: Column, k: int) -> str:
+    """Return properties of a movement that bear on its jerk."""
+    jerk, subtask = column.movements[k].jerk, dance.subtasks[k]
+    times, hand = column.danced.times, column.danced.hands[subtask.hand]
+    move = next(m for m in column.danced.moves[subtask.hand] if m.subtask == k)
+    path = hand[(times >= move.begin) & (times <= move.land)]
+    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    found = [f"T = {jerk.time:.2f} s"]
+    if jerk.distance > RESTING_DISTANCE:
+        found.append(f"the way is {length / jerk.distance:.1f} times the straight one")
+    if subtask.via:
+        found.append(f"{len(subtask.via)} sub-goals on it")
+    found.append("ends in a touch" if subtask.touch else "ends in the air")
+    return ", ".join(found)
 
 
 def _facts(trial: Trial, compared: Sequence[Agreement]) -> dict[str, Any]:
     return {
         "trial": trial.name,
         "columns": {
-            by: {
-                str(k + 1): _measures_of(one, column.best[k])
-                for k, one in sorted(column.found.items())
-            }
-            for by, column in trial.columns.items()
+            name: {str(k + 1): values for k, values in _measures(column).items()}
+            for name, column in trial.columns.items()
         },
         "rank_correlations": {f"{one.ours}/{one.theirs}": one.rank for one in compared},
     }

@@ -1,4 +1,4 @@
-"""Jerk trials: one dance by both controllers, at durations of 1998 and at equal ones."""
+"""Jerk trials: one dance by both controllers, at the durations of 1998 and at equal ones."""
 
 from __future__ import annotations
 
@@ -7,25 +7,29 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import UsageError
-from pipeline.simulation.dancers.figure_three import COLUMNS, SUBTASKS
-from pipeline.simulation.dancers.jerk import rank_correlation
-from pipeline.simulation.dancers.measuring import (
-    Danced,
-    Measured,
-    dance_through,
+from pipeline.simulation.dance_trials import (
+    COLUMNS,
+    SUBTASKS,
+    DanceRecord,
+    MeasuredMove,
+    RetimedPath,
     first_of_each,
-    measure,
+    measure_moves,
+    rank_correlation,
+    record_dance,
     same_way,
 )
-from pipeline.simulation.dancers.same_way import Timed
 from pipeline.spec import Dance, Dancer, Scene
 from pipeline.spec.dance import Controller
 
-EQUAL = 1.0
+EQUAL_DURATION = 1.0
 """Duration of every subtask in the trial of equal ones [s]."""
 
-BY: dict[str, Controller] = {"torque": "joint-torque", "force": "force-field"}
-"""Our columns."""
+NO_END = 1e6
+"""Later than the start of any movement [s]."""
+
+CONTROLLERS: dict[str, Controller] = {"torque": "joint-torque", "force": "force-field"}
+"""Controller of each column."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,16 +37,16 @@ class Column:
     """One dance by one controller.
 
     Attributes:
-        by: "torque" or "force".
-        danced: what happened.
-        found: by the number of the subtask.
-        best: the same ways at the speeds of least jerk, by the number of the subtask.
+        name: "torque" or "force".
+        danced: motion of the dancer.
+        movements: by the number of the subtask.
+        smoothest: the timing of least jerk on each path, by the number of the subtask.
     """
 
-    by: str
-    danced: Danced
-    found: dict[int, Measured]
-    best: dict[int, Timed]
+    name: str
+    danced: DanceRecord
+    movements: dict[int, MeasuredMove]
+    smoothest: dict[int, RetimedPath]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +54,7 @@ class Trial:
     """One choice of durations.
 
     Attributes:
-        name: what it is told under.
+        name: of the choice.
         columns: "torque" and "force".
     """
 
@@ -60,7 +64,7 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Agreement:
-    """How far one of our columns agrees in its order with one of figure 3.
+    """Rank correlation of one of our columns with one of figure 3.
 
     Attributes:
         ours: "torque" or "force".
@@ -91,39 +95,41 @@ def dancer_of(scene: Scene) -> tuple[int, Dancer, Dance]:
 
 
 def trials_of(scene: Scene) -> list[Trial]:
-    """Let the first dancer of a scene dance by both controllers, at several durations.
+    """Return trials of the first dancer of a scene at several durations.
 
     Raises:
-        UsageError: nobody dances.
-        SceneError: it cannot dance so.
+        UsageError: the scene has no dancer.
+        SceneError: the dance cannot be danced so.
     """
     i, member, dance = dancer_of(scene)
     path, rate = f"cast[{i}]", float(scene.rate * scene.steps)
-    trials = list[Trial]()
+    choices: dict[str, str | float | None] = {}
     if {"torque", "force"} <= dance.durations.keys():
-        trials.append(_trial("figure 3's durations", member, dance, path, rate, None))
+        choices["figure 3's durations"] = None
     if "human" in dance.durations:
-        trials.append(_trial("human durations", member, dance, path, rate, "human"))
-    trials.append(_trial(f"equal durations, {EQUAL:g} s", member, dance, path, rate, EQUAL))
-    return trials
+        choices["human durations"] = "human"
+    choices[f"equal durations, {EQUAL_DURATION:g} s"] = EQUAL_DURATION
+    return [
+        _trial(name, member, dance, path, rate, durations) for name, durations in choices.items()
+    ]
 
 
 def is_figure_three(dance: Dance) -> bool:
-    """Tell whether a dance has the subtasks of figure 3."""
+    """Return whether a dance has the subtasks of figure 3."""
     return len(dance.subtasks) == SUBTASKS and {"human", "torque", "force"} <= set(dance.durations)
 
 
 def agreements(trial: Trial) -> list[Agreement]:
-    """Compare the order of our columns with that of figure 3's."""
+    """Return the rank correlations of our columns with those of figure 3."""
     found = list[Agreement]()
     for ours, column in trial.columns.items():
         for theirs, printed in COLUMNS.items():
             both = [
                 k
-                for k in sorted(column.found)
+                for k in sorted(column.movements)
                 if printed[k] is not None and not (ours == "force" and COLUMNS["force"][k] is None)
             ]
-            own = np.array([column.found[k].jerk.integral for k in both])
+            own = np.array([column.movements[k].jerk.integral for k in both])
             other = np.array([float(printed[k] or 0) for k in both])
             rank = rank_correlation(own, other)
             ranks = [tuple((np.argsort(np.argsort(v)) + 1).tolist()) for v in (own, other)]
@@ -140,29 +146,29 @@ def _trial(
     durations: str | float | None,
 ) -> Trial:
     columns = {}
-    for by, controller in BY.items():
+    for column, controller in CONTROLLERS.items():
         changed = {
             "controller": controller,
-            "durations": by if durations is None else durations,
+            "durations": column if durations is None else durations,
             "tempo_bpm": None,
             "bars": 1,
             "start": 0.5,
             "sway_deg": 0.0,
             "combine": "sum",
         }
-        plain = tuple(one.model_copy(update={"controller": None}) for one in dance.subtasks)
+        plain = tuple(task.model_copy(update={"controller": None}) for task in dance.subtasks)
         alone = dance.model_copy(update={"subtasks": plain})
-        danced = dance_through(member.model_copy(update=changed), alone, path, rate, 1e6)
-        found = first_of_each(measure(danced))
-        if by == "force":
-            # What turns a hand is not for a field; it stands still then.
-            found = {k: m for k, m in found.items() if _is_for_fields(dance, k)}
-        best = {k: same_way(danced, one) for k, one in found.items()}
-        columns[by] = Column(by, danced, found, best)
+        danced = record_dance(member.model_copy(update=changed), alone, path, rate, NO_END)
+        movements = first_of_each(measure_moves(danced))
+        if column == "force":
+            # A force field cannot turn a hand, which then stands still.
+            movements = {k: m for k, m in movements.items() if _suits_fields(dance, k)}
+        smoothest = {k: same_way(danced, movement) for k, movement in movements.items()}
+        columns[column] = Column(column, danced, movements, smoothest)
     return Trial(name, columns)
 
 
-def _is_for_fields(dance: Dance, k: int) -> bool:
-    one = dance.subtasks[k]
+def _suits_fields(dance: Dance, k: int) -> bool:
+    subtask = dance.subtasks[k]
     moving = ("shoulder_", "elbow_")
-    return not one.is_of_joints or any(joint.startswith(moving) for joint in one.joints)
+    return not subtask.is_of_joints or any(joint.startswith(moving) for joint in subtask.joints)

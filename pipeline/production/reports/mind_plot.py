@@ -1,6 +1,4 @@
-"""Mind plot: anxiety, distance, focus and behaviour of all who have a mind, over time.
-
-One SVG; the PNG is made of the same.
+"""Mind plot: anxiety, distance, focus and behaviour of all characters with a mind, over time.
 
 Source: Horswill 2008, "Example application".
 """
@@ -14,12 +12,19 @@ from pathlib import Path
 import drawsvg
 import numpy as np
 
-from audio.files import put
 from pipeline.errors import UsageError
-from pipeline.production.reports.canvas import FONT, Canvas, Panel
-from pipeline.production.reports.colors import INK, LEG_COLORS, PANEL, PAPER, WARNING
-from pipeline.production.reports.figure_picture import png_of
-from pipeline.production.reports.time_axis import GRID, Axis, draw_frames, draw_seconds
+from pipeline.production.reports.canvas import (
+    GRID,
+    INK,
+    LEG_COLORS,
+    MARGIN,
+    PAPER,
+    WARNING,
+    Canvas,
+    Panel,
+    write_plot,
+)
+from pipeline.production.reports.time_axis import Axis, draw_frames, draw_seconds
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
 from pipeline.production.run.progress import Reporter
@@ -27,10 +32,10 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from pipeline.spec.behaviour import NAMES
-from pipeline.spec.cast import Character
+from pipeline.spec.character import Character
 
-MARGIN, TOP, GAP = 36, 92, 24
-"""Around all, above the first panel, and between panels [pixels]."""
+TOP, GAP = 92, 24
+"""Above the first panel, and between panels [pixels]."""
 
 LABELS, HEAD, FOOT = 92, 62, 44
 """Beside the curves, above and below them within a panel [pixels]."""
@@ -38,22 +43,24 @@ LABELS, HEAD, FOOT = 92, 62, 44
 CURVES, STRIP = 120, 26
 """Height of the curves, and of a strip of names [pixels]."""
 
-LETTER = 7.2
-"""Width of a letter, about [pixels]."""
+LETTER_WIDTH = 7.2
+"""Mean width of a letter in a strip [pixels]."""
 
-FAR = "#2d6fb4"
-"""Color of the distance."""
+MAX_SECONDS, MAX_LENGTH = 60.0, 2400.0
+"""Duration up to which the axis grows, and its greatest length [pixels]."""
+
+DISTANCE_COLOR = "#2d6fb4"
 
 
 @dataclass(frozen=True, eq=False)
-class Traced:
-    """What went on in one mind.
+class MindTrace:
+    """The mind of one character over K rows.
 
     Attributes:
-        name: whose.
-        anxiety: (K,) from 0 to 1, a sample each.
-        distance: (K,) from who cares for it [m].
-        strips: title, and the name of what it was in each sample, "" for nothing.
+        name: of the character.
+        anxiety: (K,) from 0 to 1.
+        distance: (K,) from the caregiver [m].
+        strips: title and K names each, "" for none.
     """
 
     name: str
@@ -63,144 +70,114 @@ class Traced:
 
 
 def plot_mind(order: Order, reporter: Reporter) -> tuple[Path, Path]:
-    """Write the plot of a scene's minds into its folder, simulating if need be.
-
-    Returns:
-        SVG and PNG.
+    """Write the mind plot of a scene into its folder as SVG and PNG.
 
     Raises:
-        PronkError: nobody has a mind, or something cannot be made.
+        PronkError: no character has a mind, or something cannot be made.
     """
-    if not any(isinstance(one, Character) and one.has_mind for one in order.scene.cast):
+    if not any(isinstance(member, Character) and member.has_mind for member in order.scene.cast):
         message = "nobody in the scene has a mind; give a child or an adult traits: {}"
         raise UsageError(message)
     with working(order, reporter) as run:
         take = take_of(run)
         rate = float(take.header.rate)
-        svg = mind_svg(
-            take.header.title or order.name,
-            traced(order.scene, take),
-            take.header.frames / rate,
-            rate,
-        )
-        files = tuple(run.outputs.folder / f"{order.name}_mind.{end}" for end in ("svg", "png"))
-        put(files[0], svg.encode("utf-8"))
-        put(files[1], png_of(svg))
-    return files[0], files[1]
+        traces = mind_traces(order.scene, take)
+        title = take.header.title or order.name
+        svg = mind_svg(title, traces, take.header.frames / rate, rate)
+        return write_plot(run.outputs, "mind", svg)
 
 
-def traced(scene: Scene, take: Take) -> tuple[Traced, ...]:
-    """Return what went on in all minds of a scene, from its take."""
+def mind_traces(scene: Scene, take: Take) -> tuple[MindTrace, ...]:
+    """Return the traces of all minds of a scene."""
     cast = [member.name for member in scene.cast if isinstance(member, Character)]
     columns = {channel.name: k for k, channel in enumerate(take.channels)}
-    found = []
-    for name in cast:
-        if f"{name}.anxiety" not in columns:
-            continue
-        values = {
-            what: take.values[:, columns[f"{name}.{what}"]]
-            for what in ("anxiety", "distance", "focus", "gaze", "behaviour")
-        }
-        found.append(
-            Traced(
-                name,
-                values["anxiety"],
-                values["distance"],
-                (
-                    ("behaviour", _named(values["behaviour"], NAMES)),
-                    ("focus", _named(values["focus"], cast)),
-                    ("looks at", _named(values["gaze"], cast)),
-                ),
-            )
+
+    def trace(name: str) -> MindTrace:
+        def values(quantity: str) -> Array:
+            return take.values[:, columns[f"{name}.{quantity}"]]
+
+        strips = (
+            ("behaviour", _named(values("behaviour"), NAMES)),
+            ("focus", _named(values("focus"), cast)),
+            ("looks at", _named(values("gaze"), cast)),
         )
-    return tuple(found)
+        return MindTrace(name, values("anxiety"), values("distance"), strips)
+
+    return tuple(trace(name) for name in cast if f"{name}.anxiety" in columns)
 
 
 def _named(numbers: Array, names: Sequence[str]) -> tuple[str, ...]:
     return tuple(names[n] if n >= 0 else "" for n in np.rint(numbers).astype(int).tolist())
 
 
-def mind_svg(title: str, minds: Sequence[Traced], duration: float, rate: float) -> str:
+def mind_svg(title: str, minds: Sequence[MindTrace], duration: float, rate: float) -> str:
     """Return the plot as SVG.
 
     Args:
         title: of the scene.
-        minds: what went on in each.
+        minds: one panel each.
         duration: of the film [s].
-        rate: frames a second.
+        rate: frames per second.
     """
-    axis = Axis.from_(MARGIN + LABELS, min(duration, 60.0), rate)
-    axis = Axis(axis.x, min(axis.length, 2400.0) / duration, duration, rate)
+    axis = Axis.fitted(MARGIN + LABELS, min(duration, MAX_SECONDS), rate)
+    axis = Axis(axis.x, min(axis.length, MAX_LENGTH) / duration, duration, rate)
     width = axis.length + LABELS + 2 * MARGIN + 24
-    tall = HEAD + CURVES + 3 * STRIP + FOOT
-    height = TOP + (tall + GAP) * len(minds)
-    canvas = Canvas(drawsvg.Drawing(width, height, font_family=FONT))
-    canvas.draw(drawsvg.Rectangle(0, 0, width, height, fill=PAPER))
-    canvas.say(title, (MARGIN, 46), 30, INK, bold=True)
-    canvas.say("anxiety", (MARGIN, 74), 15, WARNING)
-    canvas.say("distance from the caregiver", (MARGIN + 66, 74), 15, FAR)
-    colors = _colors(minds)
-    for i, mind in enumerate(minds):
-        panel = Panel(MARGIN, TOP + i * (tall + GAP), width - 2 * MARGIN, tall)
-        _draw(canvas, panel, mind, axis, colors)
-    return str(canvas.picture.as_svg())
-
-
-def _colors(minds: Sequence[Traced]) -> dict[str, str]:
-    """Return a color for each name, in the order in which they turn up."""
+    height = HEAD + CURVES + 3 * STRIP + FOOT
+    canvas = Canvas.page(width, TOP + (height + GAP) * len(minds), title)
+    canvas.text("anxiety", (MARGIN, 74), 15, WARNING)
+    canvas.text("distance from the caregiver", (MARGIN + 66, 74), 15, DISTANCE_COLOR)
     names = dict.fromkeys(name for mind in minds for _, row in mind.strips for name in row if name)
-    return {name: LEG_COLORS[k % len(LEG_COLORS)] for k, name in enumerate(names)}
+    colors = {name: LEG_COLORS[k % len(LEG_COLORS)] for k, name in enumerate(names)}
+    for i, mind in enumerate(minds):
+        panel = Panel(MARGIN, TOP + i * (height + GAP), width - 2 * MARGIN, height)
+        _draw_mind(canvas, panel, mind, axis, colors)
+    return canvas.svg
 
 
-def _draw(canvas: Canvas, panel: Panel, mind: Traced, axis: Axis, colors: dict[str, str]) -> None:
-    """Draw one mind."""
-    box = panel.x, panel.y, panel.width, panel.height
-    canvas.draw(drawsvg.Rectangle(*box, rx=10, fill=PANEL))
-    canvas.say(mind.name, (panel.x + 16, panel.y + 26), 17, INK, bold=True)
+def _draw_mind(
+    canvas: Canvas, panel: Panel, mind: MindTrace, axis: Axis, colors: dict[str, str]
+) -> None:
+    canvas.panel(panel)
+    canvas.text(mind.name, (panel.x + 16, panel.y + 26), 17, INK, bold=True)
     top = panel.y + HEAD
-    bottom = top + CURVES + 3 * STRIP
-    draw_seconds(canvas, axis, top, bottom)
+    draw_seconds(canvas, axis, top, top + CURVES + 3 * STRIP)
     draw_frames(canvas, axis, top)
     floor = top + CURVES
     canvas.draw(drawsvg.Line(axis.x, floor, axis.x + axis.length, floor, stroke=GRID))
-    most = max(float(mind.distance.max(initial=0.0)), 1.0)
-    canvas.say("1", (axis.x - 8, top + 10), 12, WARNING, "end")
+    farthest = max(float(mind.distance.max(initial=0.0)), 1.0)
+    canvas.text("1", (axis.x - 8, top + 10), 12, WARNING, "end")
     if mind.distance.any():
-        canvas.say(f"{most:.1f} m", (axis.x - 22, top + 10), 12, FAR, "end")
-        _curve(canvas, axis, mind.distance / most, floor, FAR)
-    _curve(canvas, axis, mind.anxiety, floor, WARNING)
+        canvas.text(f"{farthest:.1f} m", (axis.x - 22, top + 10), 12, DISTANCE_COLOR, "end")
+        _draw_curve(canvas, axis, mind.distance / farthest, floor, DISTANCE_COLOR)
+    _draw_curve(canvas, axis, mind.anxiety, floor, WARNING)
     for k, (title, names) in enumerate(mind.strips):
         y = floor + k * STRIP
-        canvas.say(title, (panel.x + 16, y + 18), 13, INK)
-        for name, begin, end in _spans(names, axis):
-            _block(canvas, name, begin, end, y, colors[name])
+        canvas.text(title, (panel.x + 16, y + 18), 13, INK)
+        for name, start, end in _spans(names, axis):
+            width = max(end - start - 1.0, 0.5)
+            canvas.draw(drawsvg.Rectangle(start, y + 4, width, STRIP - 8, fill=colors[name]))
+            if len(name) * LETTER_WIDTH < end - start:
+                canvas.text(name, (start + 4, y + 18), 12, PAPER)
 
 
-def _curve(canvas: Canvas, axis: Axis, values: Array, floor: float, color: str) -> None:
+def _draw_curve(canvas: Canvas, axis: Axis, values: Array, floor: float, color: str) -> None:
     path = drawsvg.Path(fill="none", stroke=color, stroke_width=2)
     times = np.linspace(0.0, axis.duration, len(values))
     # A point every two pixels shows all that can be seen.
     every = max(int(len(values) / max(axis.length / 2.0, 1.0)), 1)
-    for k, (time, value) in enumerate(
-        zip(times[::every].tolist(), values[::every].tolist(), strict=True)
-    ):
+    points = zip(times[::every].tolist(), values[::every].tolist(), strict=True)
+    for k, (time, value) in enumerate(points):
         place = round(axis.at(time), 1), round(floor - (CURVES - 6) * value, 1)
         path.M(*place) if k == 0 else path.L(*place)
     canvas.draw(path)
 
 
-def _block(canvas: Canvas, name: str, begin: float, end: float, y: float, color: str) -> None:
-    canvas.draw(drawsvg.Rectangle(begin, y + 4, max(end - begin - 1.0, 0.5), STRIP - 8, fill=color))
-    if len(name) * LETTER < end - begin:
-        canvas.say(name, (begin + 4, y + 18), 12, PAPER)
-
-
 def _spans(names: Sequence[str], axis: Axis) -> Iterator[tuple[str, float, float]]:
-    """Give each name, and from where to where it lasts [pixels]."""
-    each = axis.length / max(len(names), 1)
-    begin = 0
+    """Yield each name with the x of its start and end [pixels]."""
+    width = axis.length / max(len(names), 1)
+    start = 0
     for k in range(1, len(names) + 1):
-        if k == len(names) or names[k] != names[begin]:
-            if names[begin]:
-                yield names[begin], axis.x + begin * each, axis.x + k * each
-            begin = k
+        if k == len(names) or names[k] != names[start]:
+            if names[start]:
+                yield names[start], axis.x + start * width, axis.x + k * width
+            start = k

@@ -1,4 +1,4 @@
-"""Event roll: the notes of a score on their pitches, colored by what caused them."""
+"""Piano roll: the notes of a score on their pitches, colored by their causes."""
 
 from __future__ import annotations
 
@@ -9,60 +9,60 @@ from math import ceil, floor
 
 import drawsvg
 
-from audio.gestures import BEND_RANGE, Moment, gesture_of
-from audio.grid import Grid
+from audio.controller_curves import ControllerPoint, controller_curve
+from audio.notes import Note
 from audio.score import Marker
-from audio.voices import Note
-from pipeline.production.reports.canvas import LETTER, Canvas, Panel
-from pipeline.production.reports.cause_colors import color_of
-from pipeline.production.reports.colors import FAINT, INK, WARNING
-from pipeline.production.reports.time_axis import GRID, Axis
+from audio.time_grid import TickGrid
+from pipeline.production.reports.canvas import (
+    FAINT,
+    GRID,
+    INK,
+    LETTER_WIDTH,
+    WARNING,
+    Canvas,
+    Panel,
+    cause_color,
+)
+from pipeline.production.reports.time_axis import Axis
 
-HEIGHT, LEAST_ROW, MOST_ROW = 260.0, 7.0, 14.0
-"""Height of a roll, about, and of one of its pitches at least and at most [pixels]."""
+HEIGHT, MIN_ROW, MAX_ROW = 260.0, 7.0, 14.0
+"""Height of a roll, about, and bounds of the height of one pitch [pixels]."""
 
 KEYS = 34
 """Width of the keyboard beside the roll [pixels]."""
 
-LEAST_PITCHES = 12
-BLACK = {1, 3, 6, 8, 10}
+MIN_PITCHES = 12
+BLACK_KEYS = {1, 3, 6, 8, 10}
 
-QUIET, LOUD = -40.0, 0.0
-"""Levels at which a note is drawn palest and full [dBFS]."""
+PALEST_LEVEL, FULL_LEVEL = -40.0, 0.0
+"""Levels of the palest and of fully opaque notes [dBFS]."""
 
-LEAST_WIDTH = 3.0
-"""Of a note, so that the shortest is seen [pixels]."""
-
-_WHEEL = 8192
+MIN_NOTE_WIDTH = 3.0
+"""Width of the shortest note [pixels]."""
 
 
 @dataclass(frozen=True, slots=True)
-class Sung:
-    """A note as it is drawn.
+class DrawnNote:
+    """A note with its course over time.
 
     Attributes:
         note: of the score.
-        end: when it ends [s].
-        moments: what happens to it while it lasts; empty for nothing.
+        end: of the note [s].
+        moments: gestures while it lasts; may be empty.
     """
 
     note: Note
     end: float
-    moments: tuple[Moment, ...]
+    moments: tuple[ControllerPoint, ...]
 
     @property
     def pitches(self) -> list[float]:
-        """The pitches that it takes, bends and all."""
-        return [self.note.pitch + bent(moment) for moment in self.moments] or [self.note.pitch]
+        """Its pitches, bends included."""
+        return [self.note.pitch + moment.semitones for moment in self.moments] or [self.note.pitch]
 
 
-def bent(moment: Moment) -> float:
-    """Return by how many semitones a moment is bent."""
-    return BEND_RANGE * moment.bend / _WHEEL
-
-
-def sung(notes: Sequence[Note], grid: Grid, duration: float) -> tuple[Sung, ...]:
-    """Return notes as they are drawn, the loudest last so that they lie on top.
+def drawn_notes(notes: Sequence[Note], grid: TickGrid, duration: float) -> tuple[DrawnNote, ...]:
+    """Return notes as they are drawn, the loudest last, on top.
 
     Args:
         notes: of a score.
@@ -74,136 +74,113 @@ def sung(notes: Sequence[Note], grid: Grid, duration: float) -> tuple[Sung, ...]
         end = min(float(note.onset) + note.seconds, duration)
         start = grid.tick_at(note.onset)
         last = max(start + 1, round(end / float(grid.seconds(1))))
-        moments = () if note.drum else gesture_of(note.event, grid, start, last)
-        found.append(Sung(note, end, moments))
+        moments = () if note.drum else controller_curve(note.event, grid, start, last)
+        found.append(DrawnNote(note, end, moments))
     return tuple(found)
 
 
-def pitches_of(notes: Sequence[Sung]) -> tuple[int, int]:
-    """Return the lowest and the highest pitch that a roll shows."""
-    heard = [pitch for one in notes for pitch in one.pitches] or [60.0]
-    low, high = floor(min(heard)) - 1, ceil(max(heard)) + 1
-    more = max(LEAST_PITCHES - (high - low + 1), 0)
-    low = max(low - more // 2, 0)
-    return low, min(max(high, low + LEAST_PITCHES - 1), 127)
-
-
-def row_of(notes: Sequence[Sung]) -> float:
-    """Return the height of a pitch [pixels]."""
-    low, high = pitches_of(notes)
-    return min(max(HEIGHT / (high - low + 1), LEAST_ROW), MOST_ROW)
-
-
-def height_of(notes: Sequence[Sung]) -> float:
-    """Return the height of a roll [pixels]."""
-    low, high = pitches_of(notes)
-    return row_of(notes) * (high - low + 1)
-
-
 class Roll:
-    """A piano roll within a panel.
+    """A piano roll; its height follows from the pitches of its notes."""
 
-    Args:
-        canvas: to draw on.
-        panel: as wide as the axis, as high as the roll.
-        axis: of time.
-        notes: of the score.
-    """
-
-    def __init__(self, canvas: Canvas, panel: Panel, axis: Axis, notes: Sequence[Sung]) -> None:
-        self.canvas, self.panel, self.axis, self.notes = canvas, panel, axis, notes
-        self.low, self.high = pitches_of(notes)
-        self._row = row_of(notes)
-
-    def draw(self, grid: Grid) -> None:
-        """Draw keys and notes."""
-        self._keyboard()
-        for one in self.notes:
-            if one.moments:
-                self._bent(one, grid)
-            else:
-                self._straight(one)
-
-    def mark(self, marker: Marker, rate: float) -> None:
-        """Draw a cut or an instruction of the script."""
-        x = self.axis.at((marker.frame - 1) / rate)
-        color = WARNING if marker.kind == "cut" else INK
-        dashes = {"stroke": color, "stroke_width": 1, "stroke_dasharray": "5,4"}
-        self.canvas.draw(drawsvg.Line(x, self.panel.y, x, self._bottom, **dashes))
-        text = f"{marker.kind}: {marker.text}"
-        # Near the end there is room to the left of the line alone.
-        fits = x + LETTER * 11 * len(text) < self.panel.x + self.panel.width
-        at, anchor = (x + 4, "start") if fits else (x - 4, "end")
-        self.canvas.say(text, (at, self.panel.y + 11), 11, color, anchor, halo=True)
+    def __init__(self, notes: Sequence[DrawnNote]) -> None:
+        self.notes = notes
+        heard = [pitch for drawn in notes for pitch in drawn.pitches] or [60.0]
+        low, high = floor(min(heard)) - 1, ceil(max(heard)) + 1
+        self.low = max(low - max(MIN_PITCHES - (high - low + 1), 0) // 2, 0)
+        self.high = min(max(high, self.low + MIN_PITCHES - 1), 127)
+        self._row = min(max(HEIGHT / (self.high - self.low + 1), MIN_ROW), MAX_ROW)
 
     @property
-    def _bottom(self) -> float:
-        return self.panel.y + self.panel.height
+    def height(self) -> float:
+        """Height of the roll [pixels]."""
+        return self._row * (self.high - self.low + 1)
 
-    def _y(self, pitch: float) -> float:
+    def draw(self, canvas: Canvas, panel: Panel, axis: Axis, grid: TickGrid) -> None:
+        """Draw keys and notes into a panel as long as the axis and as high as the roll."""
+        self._draw_keyboard(canvas, panel)
+        for drawn in self.notes:
+            if drawn.moments:
+                self._draw_bent(canvas, panel, axis, drawn, grid)
+            else:
+                self._draw_straight(canvas, panel, axis, drawn)
+
+    def _y(self, panel: Panel, pitch: float) -> float:
         """Return the upper edge of a pitch's row."""
-        return self.panel.y + self._row * (self.high - pitch)
+        return panel.y + self._row * (self.high - pitch)
 
-    def _keyboard(self) -> None:
-        x = self.panel.x
+    def _draw_keyboard(self, canvas: Canvas, panel: Panel) -> None:
+        x, row = panel.x, self._row
         for pitch in range(self.low, self.high + 1):
-            black, y = pitch % 12 in BLACK, self._y(pitch)
+            black, y = pitch % 12 in BLACK_KEYS, self._y(panel, pitch)
             key = "#3a424c" if black else "#ffffff"
             box = {"stroke": GRID, "stroke_width": 0.5}
-            self.canvas.draw(drawsvg.Rectangle(x - KEYS, y, KEYS - 4, self._row, fill=key, **box))
+            canvas.draw(drawsvg.Rectangle(x - KEYS, y, KEYS - 4, row, fill=key, **box))
             if black:
                 shade = {"fill": INK, "fill_opacity": 0.035}
-                self.canvas.draw(drawsvg.Rectangle(x, y, self.panel.width, self._row, **shade))
+                canvas.draw(drawsvg.Rectangle(x, y, panel.width, row, **shade))
             if pitch % 12 == 0:
-                self.canvas.say(
-                    f"C{pitch // 12 - 1}", (x - KEYS - 5, y + 0.5 * self._row + 4), 11, FAINT, "end"
-                )
+                label = f"C{pitch // 12 - 1}"
+                canvas.text(label, (x - KEYS - 5, y + 0.5 * row + 4), 11, FAINT, "end")
                 edge = {"stroke": GRID, "stroke_width": 1}
-                right = x + self.panel.width
-                self.canvas.draw(drawsvg.Line(x, y + self._row, right, y + self._row, **edge))
+                canvas.draw(drawsvg.Line(x, y + row, x + panel.width, y + row, **edge))
 
-    def _straight(self, one: Sung) -> None:
-        note, onset = one.note, float(one.note.onset)
-        x, y = self.axis.at(onset), self._y(note.pitch)
-        width = max(self.axis.scale * (one.end - onset), LEAST_WIDTH)
-        width = min(width, self.panel.x + self.panel.width - x)
-        words = {"fill": color_of(note.event.cause), "fill_opacity": 0.55 * _strength(note)}
-        self.canvas.draw(drawsvg.Rectangle(x, y + 1, width, self._row - 2, rx=2, **words))
-        # The onset stands out: it is what is exact.
-        full = {"fill": color_of(note.event.cause), "fill_opacity": _strength(note)}
-        tall = self._row - 2
-        self.canvas.draw(drawsvg.Rectangle(x, y + 1, min(LEAST_WIDTH, width), tall, **full))
+    def _draw_straight(self, canvas: Canvas, panel: Panel, axis: Axis, drawn: DrawnNote) -> None:
+        note, onset = drawn.note, float(drawn.note.onset)
+        color, height = cause_color(note.event.cause), self._row - 2
+        x, y = axis.at(onset), self._y(panel, note.pitch) + 1
+        width = max(axis.scale * (drawn.end - onset), MIN_NOTE_WIDTH)
+        width = min(width, panel.x + panel.width - x)
+        body = {"fill": color, "fill_opacity": 0.55 * _opacity(note)}
+        canvas.draw(drawsvg.Rectangle(x, y, width, height, rx=2, **body))
+        # The onset stands out because it is exact.
+        onset_style = {"fill": color, "fill_opacity": _opacity(note)}
+        canvas.draw(drawsvg.Rectangle(x, y, min(MIN_NOTE_WIDTH, width), height, **onset_style))
 
-    def _bent(self, one: Sung, grid: Grid) -> None:
-        """Draw what lasts as a line that follows its bend."""
-        note = one.note
-        words = {"stroke": color_of(note.event.cause), "stroke_opacity": _strength(note)}
-        line = drawsvg.Path(fill="none", stroke_width=2.5, stroke_linejoin="round", **words)
-        for k, moment in enumerate(one.moments):
-            x = self.axis.at(float(grid.seconds(moment.tick)))
-            y = self._y(note.pitch + bent(moment)) + 0.5 * self._row
-            if k == 0:
-                line.M(x, y)
-            else:
-                line.L(x, y)
-        line.H(max(self.axis.at(one.end), self.axis.at(float(note.onset)) + LEAST_WIDTH))
-        self.canvas.draw(line)
+    def _draw_bent(
+        self, canvas: Canvas, panel: Panel, axis: Axis, drawn: DrawnNote, grid: TickGrid
+    ) -> None:
+        """Draw a lasting note as a line that follows its bend."""
+        note = drawn.note
+        style = {"stroke": cause_color(note.event.cause), "stroke_opacity": _opacity(note)}
+        line = drawsvg.Path(fill="none", stroke_width=2.5, stroke_linejoin="round", **style)
+        for k, moment in enumerate(drawn.moments):
+            x = axis.at(float(grid.seconds(moment.tick)))
+            y = self._y(panel, note.pitch + moment.semitones) + 0.5 * self._row
+            line.M(x, y) if k == 0 else line.L(x, y)
+        line.H(max(axis.at(drawn.end), axis.at(float(note.onset)) + MIN_NOTE_WIDTH))
+        canvas.draw(line)
 
 
-def legend(canvas: Canvas, notes: Sequence[Note], at: tuple[float, float], right: float) -> float:
-    """List causes and how often each is heard; return the base line of the last row."""
-    counts = Counter(note.event.cause for note in notes if note.opens)
+def draw_marker(canvas: Canvas, panel: Panel, axis: Axis, marker: Marker) -> None:
+    """Draw a cut or an instruction of the script."""
+    x = axis.at((marker.frame - 1) / axis.rate)
+    color = WARNING if marker.kind == "cut" else INK
+    dashes = {"stroke": color, "stroke_width": 1, "stroke_dasharray": "5,4"}
+    canvas.draw(drawsvg.Line(x, panel.y, x, panel.y + panel.height, **dashes))
+    text = f"{marker.kind}: {marker.text}"
+    # Near the end there is room only to the left of the line.
+    fits = x + LETTER_WIDTH * 11 * len(text) < panel.x + panel.width
+    at, anchor = (x + 4, "start") if fits else (x - 4, "end")
+    canvas.text(text, (at, panel.y + 11), 11, color, anchor, halo=True)
+
+
+def draw_legend(
+    canvas: Canvas, notes: Sequence[Note], at: tuple[float, float], right: float
+) -> float:
+    """List the causes and how often each is heard; return the base line of the last row."""
+    counts = Counter(note.event.cause for note in notes if note.is_first)
     x, y = at
     for cause, count in sorted(counts.items(), key=lambda pair: -pair[1]):
         text = f"{cause} {count}"
-        width = LETTER * 14 * len(text) + 40
+        width = LETTER_WIDTH * 14 * len(text) + 40
         if x + width > right and x > at[0]:
             x, y = at[0], y + 22
-        canvas.draw(drawsvg.Rectangle(x, y - 11, 12, 12, rx=3, fill=color_of(cause)))
-        canvas.say(text, (x + 18, y), 14, INK)
+        canvas.draw(drawsvg.Rectangle(x, y - 11, 12, 12, rx=3, fill=cause_color(cause)))
+        canvas.text(text, (x + 18, y), 14, INK)
         x += width
     return y
 
 
-def _strength(note: Note) -> float:
-    return min(max((note.level - QUIET) / (LOUD - QUIET), 0.0), 1.0) * 0.75 + 0.25
+def _opacity(note: Note) -> float:
+    level = (note.level - PALEST_LEVEL) / (FULL_LEVEL - PALEST_LEVEL)
+    return min(max(level, 0.0), 1.0) * 0.75 + 0.25

@@ -1,4 +1,4 @@
-"""Speed report: seconds a frame of a scene by preset, and what a whole film would take."""
+"""Render speed: seconds per frame of a scene by preset, and the time of the whole film."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import take_of, working
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import Shooting
 from render.backend import choose
 from render.config import FullFilm
-from render.renderer import Renderer, Timings
+from render.renderer import Renderer, Split
 
 
 @dataclass(frozen=True, slots=True)
 class Speed:
-    """How quickly one preset is rendered.
+    """Render speed of one preset.
 
     Attributes:
         preset: its name.
         width, height: of a frame [pixels].
-        samples: rays through each pixel.
-        moments: of a blurred frame.
-        first: seconds until the first frame, with compiling and building.
-        frame: seconds of each frame after that.
+        samples: rays per pixel.
+        moments: exposures of a blurred frame.
+        first: time until the first frame, with compiling and building [s].
+        frame: time of each frame after that [s].
         tracing, denoising, moving: shares of that, 0 to 1.
-        film: seconds of the whole film.
+        film: time of the whole film [s].
     """
 
     preset: str
@@ -46,16 +46,16 @@ class Speed:
 
 
 def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporter) -> list[Speed]:
-    """Render some frames of a scene with each preset; nothing of it is kept.
+    """Render some frames of a scene with each preset, keeping none.
 
     Args:
-        order: the scene; what its film says beside the preset holds for all of them.
+        order: the scene; settings of its film beside the preset hold for all of them.
         presets: to measure.
-        frames: how many after the first, spread over the film.
-        reporter: told how far it is.
+        frames: number of frames after the first, spread over the film.
+        reporter: of progress.
 
     Raises:
-        PronkError: if one cannot be rendered.
+        PronkError: a frame cannot be rendered.
     """
     found = []
     with working(order, reporter) as run:
@@ -67,31 +67,29 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
             shooting = Shooting(order.scene.model_copy(update={"film": film}), take)
             with stage(reporter, f"bench {preset}", frames + 1) as current:
                 seconds = list[float]()
-                for done, frame in enumerate(spread(order.scene.n_frames, frames + 1)):
+                for done, frame in enumerate(spread(order.scene.n_frames, frames + 1), start=1):
                     began = time.perf_counter()
                     with held_back():
                         picture = renderer.render(shooting.shot(frame))
                         if shooting.film.format == "png":
                             _ = picture.srgb8
                     seconds.append(time.perf_counter() - began)
-                    if done == 0:
-                        renderer.timings = Timings()
-                    step(reporter, current, done + 1)
-                speed = _speed(
-                    preset, film.resolved(), seconds, renderer.timings, order.scene.n_frames
-                )
-                current.result = f"{speed.frame:.2f} s a frame"
-            found.append(speed)
+                    if done == 1:
+                        renderer.split = Split()
+                    current.advance(done)
+                split, count = renderer.split, order.scene.n_frames
+                found.append(_speed(preset, film.resolved(), seconds, split, count))
+                current.result = f"{found[-1].frame:.2f} s a frame"
     return found
 
 
 def _speed(
-    preset: str, film: FullFilm, seconds: Sequence[float], split: Timings, count: int
+    preset: str, film: FullFilm, seconds: Sequence[float], split: Split, count: int
 ) -> Speed:
-    # A scene of one frame has no other than its first.
+    # A scene of one frame has only its first.
     later = list(seconds[1:]) or list(seconds)
     frame = sum(later) / len(later)
-    whole = max(sum(later), 1e-9)
+    total = max(sum(later), 1e-9)
     return Speed(
         preset=preset,
         width=film.size[0],
@@ -100,17 +98,17 @@ def _speed(
         moments=len(film.exposures),
         first=seconds[0],
         frame=frame,
-        tracing=split.trace / whole,
-        denoising=split.denoise / whole,
-        moving=split.update / whole,
+        tracing=split.trace / total,
+        denoising=split.denoise / total,
+        moving=split.update / total,
         film=seconds[0] + frame * (count - 1),
     )
 
 
-def told(speeds: Sequence[Speed]) -> str:
-    """Return a table of speeds as text."""
-    head = ("preset", "size", "samples", "first", "frame", "traced", "denoised", "film")
-    rows = [
+def table(speeds: Sequence[Speed]) -> str:
+    """Return a table of speeds."""
+    rows = [("preset", "size", "samples", "first", "frame", "traced", "denoised", "film")]
+    rows += [
         (
             speed.preset,
             f"{speed.width}x{speed.height}",
@@ -123,10 +121,11 @@ def told(speeds: Sequence[Speed]) -> str:
         )
         for speed in speeds
     ]
-    widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
-    lines = ["  ".join(f"{word:<{w}}" for word, w in zip(row, widths, strict=True)).rstrip()
-             for row in (head, *rows)]  # fmt: skip
-    return "\n".join(lines)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join(
+        "  ".join(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    )
 
 
 def clock(seconds: float) -> str:

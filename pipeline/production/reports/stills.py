@@ -1,41 +1,48 @@
-"""Stills: single frames, and contact sheets of frames spread evenly over a film."""
+"""Stills: single frames, contact sheets and thumbnails of a film."""
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from pipeline.errors import FilmingError, UsageError
 from pipeline.production.run.frame_ranges import counted
-from pipeline.production.run.gpu_fallback import on_some_backend
 from pipeline.production.run.interrupts import held_back
 from pipeline.production.run.order import Order
-from pipeline.production.run.production import take_of, working
-from pipeline.production.run.progress import Reporter, stage, step
+from pipeline.production.run.production import Production, take_of, working
+from pipeline.production.run.progress import Reporter, stage
+from pipeline.production.run.workers import with_gpu_fallback
 from pipeline.production.shots.frame_rendering import due, write_frame
 from pipeline.production.shots.shot_builder import Shooting
-from render.backend import Backend
+from pipeline.simulation.take import Take
+from render.backend import Backend, choose
+from render.config import Film
 from render.errors import RenderError
 from render.image_files import read_png, write_png
 from render.renderer import Renderer
 
 GAP = 6
-"""Pixels between the pictures of a sheet."""
+"""Between the pictures of a sheet [pixels]."""
 
 PAPER = 24
 """Grey level of a sheet between its pictures."""
+
+THUMBNAIL_SCALE = 1.5
+"""Pixels of a thumbnail per pixel of a plot, whose PNG is enlarged as much."""
 
 
 def still(order: Order, number: int, reporter: Reporter) -> Path:
     """Render one frame into the outputs and return its file.
 
     Raises:
-        UsageError: if the scene has no such frame.
-        PronkError: if it cannot be made.
+        UsageError: the scene has no such frame.
+        PronkError: it cannot be made.
     """
     last = order.scene.n_frames
     if not 1 <= number <= last:
@@ -44,13 +51,10 @@ def still(order: Order, number: int, reporter: Reporter) -> Path:
 
 
 def sheet(order: Order, count: int, columns: int, reporter: Reporter) -> Path:
-    """Render `count` frames spread evenly over the film and put them on one sheet.
-
-    Returns:
-        The sheet's file.
+    """Render `count` frames spread evenly over the film onto one sheet, and return its file.
 
     Raises:
-        PronkError: if it cannot be made.
+        PronkError: it cannot be made.
     """
     if order.scene.film.resolved().format != "png":
         raise UsageError("a sheet is made of PNG frames; take film.format=exr away")
@@ -101,8 +105,50 @@ def _stills(order: Order, frames: Sequence[int], reporter: Reporter) -> list[Pat
                     with held_back():
                         picture = renderer.render(shooting.shot(frame))
                     write_frame(files[frame], picture, keys[frame])
-                    step(reporter, current, kept + i)
+                    current.advance(kept + i)
                 current.result = counted(len(missing)) + (f", {kept} kept" if kept else "")
 
-            on_some_backend(order.backend, reporter, rendered)
+            with_gpu_fallback(order.backend, reporter, rendered)
     return list(files.values())
+
+
+def thumbnails(run: Production, take: Take, frames: Sequence[int], height: int) -> list[bytes]:
+    """Return frames as small PNG pictures: rendered ones are shrunk, the others rendered small.
+
+    Args:
+        run: of the scene.
+        take: of the scene.
+        frames: 1-based.
+        height: of the pictures in a plot [pixels].
+
+    Raises:
+        RenderError: a picture cannot be rendered or read.
+    """
+    scene = run.order.scene
+    width, full_height = scene.film.resolved().size
+    size = _even(THUMBNAIL_SCALE * height * width / full_height), _even(THUMBNAIL_SCALE * height)
+    shooting = Shooting(scene, take)
+    small = Film(preset="draft", size=size, exposure=scene.film.exposure)
+    quick = Shooting(scene.model_copy(update={"film": small}), take)
+    pictures: list[bytes] = []
+    with stage(run.reporter, "thumbnails", len(frames)) as current:
+        with held_back():
+            renderer = Renderer(choose(run.order.backend))
+        _, missing = due(shooting, run.outputs, frames, renderer.key_extra)
+        for done, frame in enumerate(frames, start=1):
+            if frame in missing or shooting.film.format != "png":
+                with held_back():
+                    picture = renderer.render(quick.shot(frame)).srgb8
+            else:
+                picture = read_png(run.outputs.frame(frame))
+            out = io.BytesIO()
+            Image.fromarray(picture).resize(size, Image.Resampling.LANCZOS).save(out, "PNG")
+            pictures.append(out.getvalue())
+            current.advance(done)
+        kept = len(frames) - len(missing)
+        current.result = f"{len(missing)} rendered small" + (f", {kept} kept" if kept else "")
+    return pictures
+
+
+def _even(pixels: float) -> int:
+    return max(2 * round(pixels / 2), 2)

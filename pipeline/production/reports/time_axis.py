@@ -1,4 +1,4 @@
-"""Axis of time, which several plots share: seconds below, frames above."""
+"""Time axis shared by the plots: seconds below, frames above."""
 
 from __future__ import annotations
 
@@ -6,23 +6,20 @@ from dataclasses import dataclass
 
 import drawsvg
 
-from pipeline.production.reports.canvas import Canvas
-from pipeline.production.reports.colors import FAINT
+from pipeline.production.reports.canvas import FAINT, GRID, Canvas
 
-GRID = "#d7d3c8"
+PIXELS_PER_SECOND, MIN_LENGTH, MAX_LENGTH = 260, 1000, 6000
+"""Scale of an axis, and the bounds of its length [pixels]."""
 
-SECOND, LEAST_WIDTH, MOST_WIDTH = 260, 1000, 6000
-"""Width of a second, and of the whole axis at least and at most [pixels]."""
-
-TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
-FRAMES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 5000, 10000)
-ROOM = 56
-"""Least distance of ticks [pixels]."""
+TICK_SECONDS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500)
+TICK_FRAMES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 5000, 10000)
+MIN_TICK_DISTANCE = 56
+"""[pixels]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """The axis of time: pixels of its begin, pixels a second, duration, frames a second."""
+    """Time axis of a film: left end [pixels], pixels per second, duration [s], frame rate [1/s]."""
 
     x: float
     scale: float
@@ -30,37 +27,40 @@ class Axis:
     rate: float
 
     @classmethod
-    def from_(cls, x: float, duration: float, rate: float) -> Axis:
-        """Return the axis of a film that begins at `x`, as wide as reads well."""
-        length = min(max(SECOND * duration, LEAST_WIDTH), MOST_WIDTH)
+    def fitted(cls, x: float, duration: float, rate: float) -> Axis:
+        """Return the axis of a film, as long as reads well."""
+        length = min(max(PIXELS_PER_SECOND * duration, MIN_LENGTH), MAX_LENGTH)
         return cls(x, length / duration, duration, rate)
 
     @property
     def length(self) -> float:
-        """Width of the whole [pixels]."""
+        """Width of the whole axis [pixels]."""
         return self.scale * self.duration
 
     def at(self, time: float) -> float:
-        """Return where a time stands."""
+        """Return the x of a time [pixels]."""
         return self.x + self.scale * time
 
 
 def draw_seconds(canvas: Canvas, axis: Axis, top: float, bottom: float) -> None:
-    """Draw lines at whole parts of a second, told below `bottom`."""
-    step = next((s for s in TICKS if s * axis.scale >= ROOM), TICKS[-1])
+    """Draw lines at round times from `top` to `bottom`, labelled below."""
+    step = next((s for s in TICK_SECONDS if s * axis.scale >= MIN_TICK_DISTANCE), TICK_SECONDS[-1])
     for i in range(int(axis.duration / step + 1e-9) + 1):
         x = axis.at(i * step)
         canvas.draw(drawsvg.Line(x, top, x, bottom + 5, stroke=GRID, stroke_width=1))
-        canvas.say(f"{i * step:g} s", (x, bottom + 22), 12, FAINT, "middle")
+        canvas.text(f"{i * step:g} s", (x, bottom + 22), 12, FAINT, "middle")
 
 
 def draw_frames(canvas: Canvas, axis: Axis, top: float) -> None:
-    """Draw ticks at frames, told above `top`."""
-    every = next((n for n in FRAMES if n * axis.scale / axis.rate >= ROOM), FRAMES[-1])
+    """Draw ticks at round frames, labelled above `top`."""
+    every = next(
+        (n for n in TICK_FRAMES if n * axis.scale / axis.rate >= MIN_TICK_DISTANCE),
+        TICK_FRAMES[-1],
+    )
     last = round(axis.duration * axis.rate)
     for frame in (1, *range(every, last + 1, every)):
         x = axis.at((frame - 1) / axis.rate)
         canvas.draw(drawsvg.Line(x, top - 6, x, top, stroke=FAINT, stroke_width=1))
         if frame == 1 or frame > every / 2:
             text, anchor = ("frame 1", "start") if frame == 1 else (f"{frame}", "middle")
-            canvas.say(text, (x, top - 11), 12, FAINT, anchor)
+            canvas.text(text, (x, top - 11), 12, FAINT, anchor)

@@ -1,4 +1,4 @@
-"""Doctor: what is found on this machine, what will be used, what to do about the rest."""
+"""Doctor: what this machine has, what will be used, and what to do about the rest."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from pipeline.production.run.manifest import WORKED_WITH
+from pipeline.production.run.manifest import LIBRARIES
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing looked at.
+    """One check of this machine.
 
     Attributes:
-        what: such as "LLVM".
-        ok: whether it is as it should be.
-        text: what was found, and what to do if that is not right.
-        needed: whether nothing can be rendered without it.
+        what: name of the check, such as "LLVM".
+        ok: whether it passed.
+        text: finding, and what to do about a failure.
+        needed: whether rendering needs it.
     """
 
     what: str
@@ -32,14 +32,14 @@ class Finding:
 
 
 def examine(fresh: bool = False) -> list[Finding]:
-    """Look at everything that a render needs.
+    """Return the findings of all checks.
 
     Args:
-        fresh: probe backends again, whatever was remembered.
+        fresh: whether to probe backends again.
     """
     checks: tuple[Callable[[], Iterator[Finding]], ...] = (
         _python,
-        _belonging,
+        _installation,
         _packages,
         lambda: _backend(fresh),
         _library,
@@ -54,25 +54,25 @@ def _python() -> Iterator[Finding]:
     yield Finding("Python", right, found if right else f"{found}; pronk needs 3.11 or newer")
 
 
-def _belonging() -> Iterator[Finding]:
-    """Check that the three packages of pronk are of one installation."""
+def _installation() -> Iterator[Finding]:
+    """Check that the three packages of pronk are from one installation."""
     packages = [importlib.import_module(name) for name in ("pipeline", "render", "audio")]
     places = {Path(p.__file__ or "").parent.parent for p in packages}
     versions = {p.__name__: getattr(p, "__version__", "none") for p in packages}
     if len(places) == 1 and len(set(versions.values())) == 1:
         yield Finding("pronk", True, f"{versions['pipeline']}, in {places.pop()}")
         return
-    told = ", ".join(f"{p.__name__} {versions[p.__name__]} in {p.__file__}" for p in packages)
+    found = ", ".join(f"{p.__name__} {versions[p.__name__]} in {p.__file__}" for p in packages)
     yield Finding(
         "pronk",
         False,
-        f"its packages do not belong together: {told}; give pronk an "
+        f"its packages do not belong together: {found}; give pronk an "
         "environment of its own and install it there",
     )
 
 
 def _packages() -> Iterator[Finding]:
-    for name in WORKED_WITH:
+    for name in LIBRARIES:
         try:
             yield Finding(name, True, version(name))
         except PackageNotFoundError:
@@ -88,8 +88,8 @@ def _backend(fresh: bool) -> Iterator[Finding]:
     except BackendMissing as error:
         yield Finding("backend", False, str(error))
         return
-    for tried in backend.probes:
-        # That there is no GPU is no fault of the machine.
+    for tried in backend.findings:
+        # A missing GPU is no fault.
         where = f" ({tried.library})" if tried.library else ""
         yield Finding(tried.variant, tried.works, tried.why + where, needed=False)
     yield Finding("backend", True, f"{backend.variant} will be used: {backend.why}")

@@ -1,4 +1,4 @@
-"""Frame ranges: which frames are asked for, in the notation of film pipelines."""
+"""Frame ranges in the notation of film pipelines."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from fileseq.exceptions import FileSeqException
 
 from pipeline.errors import UsageError
 
-LONGEST = 80
-"""Of what stands in a file's name; systems allow no more than 255 bytes in all."""
+MAX_NAME_LENGTH = 80
+"""Of frame ranges in a file's name; systems allow 255 bytes in all."""
 
 ALLOWED = "a frame, a range, every n-th of a range, separated by commas, such as 1-48,60-90x5"
 
 
 def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
-    """Return the frames that `text` asks for, ascending, each once.
+    """Return the frames of ranges, ascending, each once.
 
     Args:
         text: such as "1-48,60-90x5"; None for all.
         last: the last frame of the scene.
 
     Raises:
-        UsageError: if it cannot be read, or names frames that the scene does not have.
+        UsageError: it cannot be read, or names frames that the scene does not have.
     """
     if text is None:
         return tuple(range(1, last + 1))
@@ -43,16 +43,16 @@ def parse_frames(text: str | None, last: int) -> tuple[int, ...]:
 
 
 def described(frames: tuple[int, ...]) -> str:
-    """Return the shortest notation for ascending `frames`, fit for a file's name."""
+    """Return the shortest notation of ascending `frames`, fit for a file's name."""
     text = str(FrameSet(frames)).replace(",", "_")
-    if len(text) <= LONGEST:
+    if len(text) <= MAX_NAME_LENGTH:
         return text
     digest = hashlib.blake2b(text.encode(), digest_size=6).hexdigest()
     return f"{frames[0]}-{frames[-1]}_{digest}"
 
 
 def contiguous(frames: tuple[int, ...]) -> bool:
-    """Say whether ascending `frames` follow one another without a gap."""
+    """Return whether ascending `frames` have no gaps."""
     return frames[-1] - frames[0] + 1 == len(frames)
 
 

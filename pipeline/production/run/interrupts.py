@@ -1,8 +1,8 @@
-"""Interrupts: Ctrl-C is heard by one thread of ours, and answered where it does no harm.
+"""Interrupts: one thread receives Ctrl-C and raises it in the main thread where it is safe.
 
-Compiled libraries take Ctrl-C badly: Mitsuba installs a handler that gives up a picture
-half way, and an exception that surfaces while it is at work may end the process. So all
-other threads, and the processes they start, are deaf to it.
+Compiled libraries handle Ctrl-C badly: Mitsuba installs a handler that gives up a picture half
+way, and an exception that surfaces while it works may end the process. So all other threads, and
+the processes that they start, block the signal.
 """
 
 from __future__ import annotations
@@ -13,44 +13,44 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-AGAIN = 0.05
-"""Time after which an interrupt that was lost is sent once more [s]."""
+RESEND_DELAY = 0.05
+"""Time after which a lost interrupt is sent again [s]."""
 
 _heard = threading.Event()
 _held = threading.Event()
 
 
 def listen() -> None:
-    """Hear Ctrl-C from now on; to be called before any thread is started."""
-    deaf = signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # as under nohup
-    if deaf or not hasattr(signal, "sigwait"):
+    """Start to receive Ctrl-C; call this before any thread is started."""
+    ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN  # as under nohup
+    if ignored or not hasattr(signal, "sigwait"):
         return
-    # A signal that nobody else sends stands for it: only a signal wakes a main thread that waits.
+    # Only a signal wakes a main thread that waits, so an unused one stands for Ctrl-C.
     signal.signal(signal.SIGUSR1, signal.default_int_handler)
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     threading.Thread(target=_wait, name="interrupts", daemon=True).start()
-    sys.unraisablehook = _heard_in_vain
+    sys.unraisablehook = _resend_lost
 
 
 def ignore() -> None:
-    """Hear no more of it: the run is ending, and one that was sent again would be a second one."""
+    """Ignore interrupts from now on: the run is ending, and a resent one would count as another."""
     if hasattr(signal, "sigwait"):
         signal.signal(signal.SIGUSR1, signal.SIG_IGN)
 
 
 def heard() -> bool:
-    """Say whether there was an interrupt that has not been answered."""
+    """Return whether an interrupt has not been answered."""
     return _heard.is_set()
 
 
 def answered() -> None:
-    """Take an interrupt as answered; the next one is as good as the first."""
+    """Mark the interrupt as answered, so that the next one counts as the first."""
     _heard.clear()
 
 
 @contextmanager
 def held_back() -> Iterator[None]:
-    """Hold Ctrl-C back until the end of the block; pressed twice it is not held."""
+    """Delay Ctrl-C to the end of the block, unless it is pressed twice."""
     _held.set()
     try:
         yield
@@ -60,10 +60,10 @@ def held_back() -> Iterator[None]:
         raise KeyboardInterrupt
 
 
-def _heard_in_vain(lost: sys.UnraisableHookArgs) -> None:
-    """Send an interrupt once more that came where Python can raise nothing: in a finaliser, say."""
+def _resend_lost(lost: sys.UnraisableHookArgs) -> None:
+    """Resend an interrupt that came where Python cannot raise, such as in a finaliser."""
     if issubclass(lost.exc_type, KeyboardInterrupt):
-        again = threading.Timer(AGAIN, _interrupt)
+        again = threading.Timer(RESEND_DELAY, _interrupt)
         again.daemon = True
         again.start()
     else:

@@ -1,4 +1,4 @@
-"""Manifest: what was made, from what, by what, and how long it took."""
+"""Manifest: the record of a scene's outputs, their sources, versions and times."""
 
 from __future__ import annotations
 
@@ -10,42 +10,43 @@ from typing import Any
 
 FORMAT = 1
 
+LIBRARIES = ("mitsuba", "drjit", "mitsuba-oidn", "mido", "imageio", "av", "zarr", "pydantic")
+"""Libraries that outputs depend on."""
+
 
 @dataclass(slots=True)
 class Manifest:
     """The record of a scene's outputs, carried on from run to run.
 
     Attributes:
-        words: everything but the seconds.
-        seconds: of each stage, from the last run that had something to do in it.
+        entries: everything but the times.
+        seconds: time of each stage, from the last run in which it had something to do.
     """
 
-    words: dict[str, Any] = field(default_factory=dict)
+    entries: dict[str, Any] = field(default_factory=dict)
     seconds: dict[str, float] = field(default_factory=dict)
 
     @staticmethod
     def read(path: Path) -> Manifest:
-        """Return the manifest in `path`; an empty one if there is none that can be read."""
+        """Return the manifest in `path`; an empty one if none can be read."""
         try:
-            words = json.loads(path.read_text(encoding="utf-8"))
-            seconds = words.pop("seconds")
-            return Manifest(words, dict(seconds))
+            entries = json.loads(path.read_text(encoding="utf-8"))
+            seconds = entries.pop("seconds")
+            entries.pop("manifest", None)
+            return Manifest(entries, dict(seconds))
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return Manifest()
 
     def encoded(self) -> bytes:
         """Return the manifest as JSON."""
-        words = {"manifest": FORMAT, **self.words, "seconds": self.seconds}
-        return (json.dumps(words, indent=2, ensure_ascii=False) + "\n").encode()
+        members = {"manifest": FORMAT, **self.entries, "seconds": self.seconds}
+        return (json.dumps(members, indent=2, ensure_ascii=False) + "\n").encode()
 
 
-WORKED_WITH = ("mitsuba", "drjit", "mitsuba-oidn", "mido", "imageio", "av", "zarr", "pydantic")
-
-
-def packages() -> dict[str, str]:
+def library_versions() -> dict[str, str]:
     """Return the versions of the libraries that outputs depend on."""
     found = {}
-    for name in WORKED_WITH:
+    for name in LIBRARIES:
         try:
             found[name] = version(name)
         except PackageNotFoundError:

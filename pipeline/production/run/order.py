@@ -1,4 +1,4 @@
-"""Order: what is asked of a run."""
+"""Order: the settings of one run on a scene."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from render.backend import Choice
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What is asked of a run.
+    """The settings of one run.
 
     Attributes:
-        scene: what to make.
-        name: of the scene; its folder and files are called so.
+        scene: to be filmed.
+        name: of the scene, its folder and its files.
         out: folder that holds the scenes' folders.
         frames: ranges such as "1-48,60-90x5"; None for all.
-        jobs: processes that render at once.
+        jobs: number of processes that render.
         sound: whether the film has sound, and MIDI and WAV are written.
         subframe: whether sounds stand at the exact times of their causes, not on frames.
-        backend: which variant of Mitsuba.
+        backend: variant of Mitsuba.
 
     Raises:
-        UsageError: if the frames asked for are none of the scene's.
+        UsageError: the scene does not have these frames.
     """
 
     scene: Scene
@@ -40,15 +40,15 @@ class Order:
     backend: Choice = "auto"
 
     def __post_init__(self) -> None:
-        # Before anything is made, for this scene or for others of the same command.
+        # Early, before this command makes anything, be it for another scene.
         parse_frames(self.frames, self.scene.n_frames)
 
 
 def refuse_clashes(orders: Sequence[Order]) -> None:
-    """Make sure that no two of `orders` write to one place.
+    """Refuse two orders that write to one folder.
 
     Raises:
-        UsageError: if two scenes have one name.
+        UsageError: two scenes have one name.
     """
     names = [order.name for order in orders]
     for name in names:

@@ -1,7 +1,7 @@
-"""Outputs: the folder of one scene, and what stands in it.
+"""Outputs: the folder of one scene and its files.
 
-Everything is written beside its place and renamed into it, so whatever has its name
-is whole, and a run that is stopped at any moment can go on.
+Every file is written under a temporary name and renamed, so a file that has its name is whole and
+a run that was stopped at any moment can go on.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from pathlib import Path
 from pipeline.errors import StoreError
 
 PARTIAL = ".partial"
-"""Ends the names of what is not yet whole."""
+"""Suffix of folders that are being written."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outputs:
-    """Where the files of one scene are.
+    """Paths of the files of one scene.
 
     Attributes:
         folder: such as out/first_steps.
-        name: of the scene; files are called after it.
+        name: of the scene and of its files.
     """
 
     folder: Path
@@ -81,18 +81,16 @@ class Outputs:
 
     @property
     def manifest(self) -> Path:
-        """What was made, by what, from what."""
+        """Sources, versions and times of all outputs."""
         return self.folder / "manifest.json"
 
 
 @contextlib.contextmanager
 def opened(outputs: Outputs) -> Iterator[None]:
-    """Make the folder of `outputs` and keep other runs out of it.
-
-    What an earlier run left unfinished is cleared away.
+    """Make the folder of `outputs`, lock it, and remove unfinished files of earlier runs.
 
     Raises:
-        StoreError: if the folder cannot be written to, or another run is at work in it.
+        StoreError: the folder cannot be written to, or another run is at work in it.
     """
     try:
         outputs.frames.mkdir(parents=True, exist_ok=True)
@@ -110,9 +108,9 @@ def opened(outputs: Outputs) -> Iterator[None]:
 
 
 def _locked(descriptor: int) -> bool:
-    """Take the lock of an open file if nobody else has it; it goes with the process."""
+    """Take the lock of an open file, unless another process has it."""
     try:
-        import fcntl  # There is none on Windows, which then goes unlocked.
+        import fcntl  # Windows has none and goes unlocked.
     except ImportError:
         return True
     try:
@@ -123,12 +121,11 @@ def _locked(descriptor: int) -> bool:
 
 
 def _clear(outputs: Outputs) -> None:
-    """Remove what is not yet whole: its name is a dot, that of an output, and more.
+    """Remove unfinished files, whose names are a dot, the name of an output, and more.
 
-    Frames, films and sounds are written by floors that know nothing of production; all
-    that is agreed upon is the beginning of the name.
+    `render` and `audio` choose the rest of the name.
     """
-    # Sounds cut a long name short, because no name may be longer than 255 bytes.
+    # `audio` cuts long names short, because a name has at most 255 bytes.
     own = [f".{outputs.name}{end}"[:65] for end in "._"]
     for path in outputs.folder.iterdir():
         if path.name.startswith((*own, ".events.", ".manifest.", ".take.")):
@@ -145,10 +142,9 @@ def _remove(path: Path) -> None:
 
 
 def replace_folder(new: Path, place: Path) -> None:
-    """Move the folder `new` to `place`, over what is there.
+    """Move the folder `new` to `place`, replacing a folder there.
 
-    Two renames are not one; if the run is stopped between them there is no folder, and
-    the next run makes it again.
+    A run that is stopped between the two renames leaves no folder; the next run makes it again.
     """
     old = place.with_name(f".{place.name}.old{PARTIAL}")
     with contextlib.suppress(FileNotFoundError):

@@ -1,4 +1,4 @@
-"""Produce: one scene to its take, score, frames and film, doing only what is due."""
+"""Production: one scene to its take, score, frames and film, doing only what is due."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
+from audio.atomic_file import write_if_changed
 from audio.errors import AudioError
-from audio.files import put
-from audio.midi import write_midi
-from audio.modal import write_wav
+from audio.midi_file import write_midi
 from audio.score import Score
+from audio.wav_file import write_wav
 from pipeline.errors import FilmingError, ScoringError, StoreError
 from pipeline.production.run.frame_ranges import (
     contiguous,
@@ -24,17 +24,16 @@ from pipeline.production.run.frame_ranges import (
     described,
     parse_frames,
 )
-from pipeline.production.run.gpu_fallback import on_some_backend
 from pipeline.production.run.interrupts import held_back
-from pipeline.production.run.manifest import Manifest, packages
+from pipeline.production.run.manifest import Manifest, library_versions
 from pipeline.production.run.order import Order
 from pipeline.production.run.outputs import PARTIAL, Outputs, opened, replace_folder
-from pipeline.production.run.progress import Reporter, Stage, stage, step
+from pipeline.production.run.progress import Reporter, Stage, stage
 from pipeline.production.run.time_estimate import Estimate
-from pipeline.production.run.workers import Share, film_in_processes
+from pipeline.production.run.workers import FrameBatch, film_in_processes, with_gpu_fallback
 from pipeline.production.shots.frame_rendering import due, film_frames
 from pipeline.production.shots.shot_builder import Shooting
-from pipeline.production.sound.cue_files import write_cues
+from pipeline.production.sound.edit_lists import write_cues
 from pipeline.production.sound.event_files import write_events
 from pipeline.production.sound.score_builder import build_score
 from pipeline.production.sound.sound_report import (
@@ -44,21 +43,32 @@ from pipeline.production.sound.sound_report import (
     wav_facts,
 )
 from pipeline.simulation.casting import makes_machine_code
-from pipeline.simulation.simulate import simulate, versions
+from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.simulation.take_store import read_key, read_take, write_take
+from pipeline.simulation.versions import versions
 from pipeline.spec import Scene, simulation_key
 from render.backend import Backend
+from render.codecs import CODECS
 from render.color import developed, developed16
 from render.errors import RenderError
-from render.film_encoder import CODECS, Picture, film_key, write_film
+from render.film_encoder import Picture, film_key, write_film
 from render.image_files import read_exr, read_png
-from render.renderer import Renderer, Timings
+from render.renderer import Renderer, Split
 
 
 @dataclass(slots=True)
 class Production:
-    """One run on one scene: what it has come to so far."""
+    """One run on one scene.
+
+    Attributes:
+        order: settings of the run.
+        outputs: files of the scene.
+        reporter: of progress.
+        manifest: of the run before, with the entries of this one.
+        seconds: time of each stage that had something to do.
+        changed: whether any output changed.
+    """
 
     order: Order
     outputs: Outputs
@@ -67,17 +77,17 @@ class Production:
     seconds: dict[str, float] = field(default_factory=dict)
     changed: bool = False
 
-    def timed(self, name: str, began: float) -> None:
-        """Remember that a stage had something to do, and how long that took."""
+    def record_time(self, name: str, began: float) -> None:
+        """Record the time of a stage that had something to do."""
         self.seconds[name] = round(time.monotonic() - began, 3)
         self.changed = True
 
 
 def render(order: Order, reporter: Reporter) -> Outputs:
-    """Make the film of a scene, its score and all that goes with it.
+    """Make the film of a scene, its score and the files beside them.
 
     Raises:
-        PronkError: if something cannot be made; what was made before stays.
+        PronkError: something cannot be made; earlier outputs stay.
     """
     frames = parse_frames(order.frames, order.scene.n_frames)
     with working(order, reporter) as run:
@@ -92,7 +102,7 @@ def render(order: Order, reporter: Reporter) -> Outputs:
 
 
 def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
-    """Simulate a scene and keep its take and events."""
+    """Simulate a scene and store its take and events."""
     with working(order, reporter) as run:
         take = take_of(run)
         write_events(run.outputs, take)
@@ -100,17 +110,17 @@ def simulate_only(order: Order, reporter: Reporter) -> tuple[Outputs, Take]:
         return run.outputs, take
 
 
-def keep_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
-    """Keep a take that was made elsewhere, and its events."""
+def store_only(order: Order, take: Take, reporter: Reporter) -> Outputs:
+    """Store a take that was made elsewhere, and its events."""
     with working(order, reporter) as run:
-        _put_take(run, take)
+        _store_take(run, take)
         write_events(run.outputs, take)
         _finish(run, take)
         return run.outputs
 
 
 def score_only(order: Order, reporter: Reporter) -> Outputs:
-    """Simulate a scene if need be and write its score, rendering nothing."""
+    """Write the score of a scene, simulating if necessary."""
     with working(order, reporter) as run:
         take = take_of(run)
         write_score(run, take, Shooting(order.scene, take))
@@ -120,49 +130,61 @@ def score_only(order: Order, reporter: Reporter) -> Outputs:
 
 @contextmanager
 def working(order: Order, reporter: Reporter) -> Iterator[Production]:
-    """Open the outputs of `order`, and turn what the lower floors raise into our own errors.
+    """Open the outputs of `order` and translate errors inside the block.
 
     Raises:
-        PronkError: for whatever goes wrong inside.
+        PronkError: for any error inside.
     """
     outputs = Outputs(order.out / order.name, order.name)
     with opened(outputs):
         run = Production(order, outputs, reporter, Manifest.read(outputs.manifest))
         try:
-            yield run
-        except RenderError as error:
-            raise FilmingError(str(error)) from error
-        except AudioError as error:
-            raise ScoringError(str(error)) from error
+            with translated_errors():
+                yield run
         except OSError as error:
             reason = error.strerror or str(error)
             raise StoreError(f"{error.filename or outputs.folder}: {reason}") from error
+
+
+@contextmanager
+def translated_errors() -> Iterator[None]:
+    """Translate errors of `render` and `audio` into those of the pipeline.
+
+    Raises:
+        FilmingError, ScoringError: for a RenderError or an AudioError inside.
+    """
+    try:
+        yield
+    except RenderError as error:
+        raise FilmingError(str(error)) from error
+    except AudioError as error:
+        raise ScoringError(str(error)) from error
 
 
 # --- simulate ---------------------------------------------------------------------
 
 
 def take_key(scene: Scene) -> str:
-    """Return the key of a scene's take: what is simulated, and by what."""
-    words = f"{simulation_key(scene)}|{sorted(versions().items())}"
-    return hashlib.blake2b(words.encode(), digest_size=20).hexdigest()
+    """Return the key of a scene's take: a digest of the simulated settings and the versions."""
+    text = f"{simulation_key(scene)}|{sorted(versions().items())}"
+    return hashlib.blake2b(text.encode(), digest_size=20).hexdigest()
 
 
 def take_of(run: Production) -> Take:
-    """Return the take of the scene, simulating only if there is none that fits."""
+    """Return the take of the scene, simulating only if the stored one does not fit."""
     scene = run.order.scene
     key = take_key(scene)
     with stage(run.reporter, "simulate", scene.n_frames) as current:
-        kept = _kept_take(run, key)
-        if kept is not None:
+        stored = _stored_take(run, key)
+        if stored is not None:
             current.result = "take is up to date"
-            return kept
+            return stored
         if makes_machine_code(scene):
             run.reporter.note("making machine code for bodies; that takes a minute, once")
         began = time.monotonic()
-        take = simulate(scene, key, lambda done, _: step(run.reporter, current, done))
-        run.timed("simulate", began)
-        _put_take(run, take)
+        take = simulate(scene, key, lambda done, _: current.advance(done))
+        run.record_time("simulate", began)
+        _store_take(run, take)
         current.result = (
             f"{counted(scene.n_frames)}, playing for {float(scene.n_frames / scene.rate):.1f} s"
         )
@@ -171,7 +193,7 @@ def take_of(run: Production) -> Take:
     return take
 
 
-def _put_take(run: Production, take: Take) -> None:
+def _store_take(run: Production, take: Take) -> None:
     place = run.outputs.take
     new = place.with_name(f".{place.name}{PARTIAL}")
     write_take(take, new)
@@ -179,15 +201,15 @@ def _put_take(run: Production, take: Take) -> None:
     run.changed = True
 
 
-def _kept_take(run: Production, key: str) -> Take | None:
-    """Return the take that an earlier run kept under `key`, None if there is none."""
+def _stored_take(run: Production, key: str) -> Take | None:
+    """Return the take that an earlier run stored under `key`, None if there is none."""
     place = run.outputs.take
     try:
         return read_take(place) if read_key(place) == key else None
     except StoreError as error:
         run.reporter.note(f"{error}; it is made again")
     except Exception as error:
-        # Whatever a damaged file makes its reader stumble over, a take can be made again.
+        # A damaged file can raise anything, and a take can be made again.
         run.reporter.note(f"{place}: is no take that can be read ({error}); it is made again")
     return None
 
@@ -196,19 +218,19 @@ def _kept_take(run: Production, key: str) -> Take | None:
 
 
 def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
-    """Write MIDI, WAV, events and what goes with them, inside `working`."""
+    """Write MIDI, WAV, events, edit list and labels, inside `working`."""
     with stage(run.reporter, "score", 3) as current:
         began = time.monotonic()
         score, late = build_score(run.order.scene, take, shooting.poses, run.order.subframe)
         changed = write_events(run.outputs, take) | write_cues(
             run.outputs, score, _whole_film(run).name
         )
-        step(run.reporter, current, 1)
+        current.advance(1)
         midi = write_midi(score, run.outputs.midi)
-        step(run.reporter, current, 2)
+        current.advance(2)
         wav = write_wav(score, run.outputs.wav)
         if changed or midi.changed or wav.changed:
-            run.timed("score", began)
+            run.record_time("score", began)
         current.result = f"{len(score.events)} events, {loudness_summary(wav)}" + (
             f", {late} after the last frame" if late else ""
         )
@@ -220,9 +242,9 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
     moved = quantisation_summary(midi.shifts, score)
     if moved is not None:
         run.reporter.note(moved)
-    run.manifest.words["events"] = {"written": len(score.events), "after_the_last_frame": late}
-    run.manifest.words["midi"] = midi_facts(midi, score.subframe, score.rate)
-    run.manifest.words["wav"] = wav_facts(wav)
+    run.manifest.entries["events"] = {"written": len(score.events), "after_the_last_frame": late}
+    run.manifest.entries["midi"] = midi_facts(midi, score.subframe, score.rate)
+    run.manifest.entries["wav"] = wav_facts(wav)
     return score
 
 
@@ -232,18 +254,18 @@ def write_score(run: Production, take: Take, shooting: Shooting) -> Score:
 def _frames(run: Production, shooting: Shooting, frames: tuple[int, ...]) -> dict[int, str]:
     """Render the frames that are due and return the keys of all."""
     with stage(run.reporter, "render", len(frames)) as current:
-        return on_some_backend(
+        return with_gpu_fallback(
             run.order.backend,
             run.reporter,
-            lambda backend: _rendered(run, shooting, frames, backend, current),
+            lambda backend: _rendered_on(backend, run, shooting, frames, current),
         )
 
 
-def _rendered(
+def _rendered_on(
+    backend: Backend,
     run: Production,
     shooting: Shooting,
     frames: tuple[int, ...],
-    backend: Backend,
     current: Stage,
 ) -> dict[int, str]:
     """Render the frames that are due on one backend and return the keys of all."""
@@ -254,54 +276,52 @@ def _rendered(
         renderer = Renderer(backend)
     keys, missing = due(shooting, outputs, frames, renderer.key_extra)
     kept = len(frames) - len(missing)
-    run.manifest.words["renderer"] = renderer.key_extra
-    step(run.reporter, current, kept)
+    run.manifest.entries["renderer"] = renderer.key_extra
+    current.advance(kept)
     if not missing:
         current.result = "frames are up to date"
         return keys
     wanted = {frame: keys[frame] for frame in missing}
     jobs = min(order.jobs, len(missing))
     estimate = Estimate(order.name, shooting.film, backend, jobs, len(missing))
-    _say(run, estimate.before())
+    _note(run, estimate.before())
 
     def progress(done: int) -> None:
-        step(run.reporter, current, kept + done)
-        _say(run, estimate.after(done, time.monotonic() - began))
+        current.advance(kept + done)
+        _note(run, estimate.after(done, time.monotonic() - began))
 
     if jobs > 1:
-        share = Share(order.scene, outputs.take, outputs, backend, wanted)
-        split = film_in_processes(share, jobs, progress)
+        batch = FrameBatch(order.scene, outputs.take, outputs, backend, wanted)
+        split = film_in_processes(batch, jobs, progress)
     else:
-        for i, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
-            progress(i)
-        split = renderer.timings
-    estimate.remember()
-    run.timed("render", began)
-    current.result = _told(split, current.seconds * jobs, kept)
+        for done, _ in enumerate(film_frames(renderer, shooting, outputs, wanted), start=1):
+            progress(done)
+        split = renderer.split
+    estimate.store()
+    run.record_time("render", began)
+    current.result = _render_summary(split, current.seconds * jobs, kept)
     return keys
 
 
-def _say(run: Production, text: str | None) -> None:
+def _note(run: Production, text: str | None) -> None:
     if text is not None:
         run.reporter.note(text)
 
 
-def _told(split: Timings, seconds: float, kept: int) -> str:
-    """Return where the time of rendering went, in words."""
+def _render_summary(split: Split, seconds: float, kept: int) -> str:
     inside = split.build + split.update + split.trace + split.denoise
-    parts = (
-        f"{counted(split.frames)}, {seconds / split.frames:.2f} s each",
-        f"{100 * inside / seconds:.0f}% in Mitsuba and the denoiser",
-        f"(trace {split.trace:.1f} s, denoise {split.denoise:.1f} s, build {split.build:.1f} s)",
-    )
-    return ", ".join(parts[:2]) + " " + parts[2] + (f", {kept} kept" if kept else "")
+    return (
+        f"{counted(split.frames)}, {seconds / split.frames:.2f} s each, "
+        f"{100 * inside / seconds:.0f}% in Mitsuba and the denoiser "
+        f"(trace {split.trace:.1f} s, denoise {split.denoise:.1f} s, build {split.build:.1f} s)"
+    ) + (f", {kept} kept" if kept else "")
 
 
 # --- film -------------------------------------------------------------------------
 
 
 def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> None:
-    """Encode the frames, with their sound, into a film that has exactly these frames."""
+    """Encode the frames and their sound into a film."""
     order, outputs = run.order, run.outputs
     whole = len(frames) == order.scene.n_frames
     suffix = order.scene.film.resolved().suffix
@@ -318,7 +338,7 @@ def _film(run: Production, frames: tuple[int, ...], keys: dict[int, str]) -> Non
         rate = order.scene.rate
         began_at = (frames[0] - 1) / rate
         write_film(place, _pictures(run, frames, current), rate, sound, began_at, key)
-        run.timed("film", began)
+        run.record_time("film", began)
         current.result = f"{place.name}, {counted(len(frames))}" + (", with sound" if sound else "")
 
 
@@ -327,15 +347,15 @@ def _whole_film(run: Production) -> Path:
 
 
 def _pictures(run: Production, frames: tuple[int, ...], current: Stage) -> Iterator[Picture]:
-    """Yield the pictures of `frames` with the bits that the film's codec takes, and report each."""
+    """Yield the pictures of `frames` at the bit depth of the film's codec, and report each."""
     film = run.order.scene.film.resolved()
     deep = CODECS[film.suffix].bits == 16
     for done, frame in enumerate(frames):
-        step(run.reporter, current, done)
+        current.advance(done)
         path = run.outputs.frame(frame, film.format)
         if film.format == "png":
             picture = read_png(path)
-            # 255 stays white: each value is repeated in the lower byte.
+            # 257 = 65535 / 255, so that white stays white.
             yield picture.astype(np.uint16) * 257 if deep else picture
         else:
             light = read_exr(path)
@@ -355,25 +375,24 @@ def _film_key(run: Production, keys: list[str], sound: Path | None, first: int) 
 
 
 def _finish(run: Production, take: Take) -> None:
-    """Write the manifest, if anything has changed."""
+    """Write the manifest if anything has changed."""
     outputs, header = run.outputs, take.header
     digests = {"take": take.digest}
     files = {"midi": outputs.midi, "wav": outputs.wav, "events": outputs.events}
     for name, path in files.items():
         if path.is_file():
             digests[name] = hashlib.blake2b(path.read_bytes(), digest_size=20).hexdigest()
-    words: dict[str, Any] = {
-        **run.manifest.words,
+    entries: dict[str, Any] = {
+        **run.manifest.entries,
         "scene": run.order.name,
         "title": header.title,
         "seed": header.seed,
         "rate": str(header.rate),
         "frames": header.frames,
-        "versions": {**header.versions, **packages()},
+        "versions": {**header.versions, **library_versions()},
         "digests": digests,
         "notes": [f"{n.part}: {n.kind} at step {n.step}: {n.text}" for n in take.notes],
     }
-    words.pop("manifest", None)
     seconds = {**run.manifest.seconds, **run.seconds}
-    if run.changed or words != {k: v for k, v in run.manifest.words.items() if k != "manifest"}:
-        put(outputs.manifest, Manifest(words, seconds).encoded())
+    if run.changed or entries != run.manifest.entries:
+        write_if_changed(outputs.manifest, Manifest(entries, seconds).encoded())

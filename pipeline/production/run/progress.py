@@ -1,8 +1,7 @@
-"""Reporting: what a run says while it works, to a terminal, a log or a machine.
+"""Progress of a run, reported to a terminal, a log or another program.
 
-Work is told in stages. A stage has a name and a number of things to do; its end says
-how long it took and what came of it. All of it goes to standard error, and the result
-of the command, such as the file it made, to standard output, so that it can be piped.
+Work is reported in stages with a name and a number of things to do. Everything goes to standard
+error except the result of the command, which goes to standard output so that it can be piped.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Protocol, TextIO
+from typing import TextIO
 
 from rich.console import Console
 from rich.progress import (
@@ -26,8 +25,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-PLAIN_EVERY = 5.0
-"""Seconds between two progress lines where there is no terminal."""
+LOG_INTERVAL = 5.0
+"""Time between two progress lines of a log [s]."""
 
 
 @dataclass(slots=True)
@@ -35,47 +34,54 @@ class Stage:
     """One stage under way.
 
     Attributes:
-        name: what is being done, such as "render".
-        total: how many things there are to do.
-        done: how many are.
+        reporter: of its progress.
+        name: of the work, such as "render".
+        total: number of things to do.
+        done: number of things done.
         started: on the monotonic clock [s].
-        result: what came of it, said at its end.
+        result: summary, reported at the end; empty for a stage that was stopped.
     """
 
+    reporter: Reporter
     name: str
     total: int
     done: int = 0
     started: float = field(default_factory=time.monotonic)
     result: str = ""
 
+    def advance(self, done: int) -> None:
+        """Report that `done` things are done."""
+        self.done = done
+        self.reporter.advance(self)
+
     @property
     def seconds(self) -> float:
-        """How long it has taken so far."""
+        """Time since the start [s]."""
         return time.monotonic() - self.started
 
     @property
     def eta(self) -> float | None:
-        """Seconds that the rest will take at this pace, None as long as nothing is done."""
+        """Time left at this pace [s], None before anything is done."""
         return self.seconds / self.done * (self.total - self.done) if self.done else None
 
 
-class Reporter(Protocol):
-    """Where a run says what it does."""
+class Reporter:
+    """Reports nothing; others override what they report."""
 
     def begin(self, stage: Stage) -> None:
-        """Say that `stage` begins."""
+        """Report the start of a stage."""
 
     def advance(self, stage: Stage) -> None:
-        """Say that `stage` has come to `stage.done`."""
+        """Report that a stage has come to `stage.done`."""
 
     def end(self, stage: Stage) -> None:
-        """Say that `stage` is over."""
+        """Report the end of a stage."""
 
     def note(self, text: str, detail: bool = False) -> None:
-        """Say something by the way; details only where they were asked for."""
+        """Report a note; a detail only in verbose mode."""
 
     def result(self, text: str, **facts: object) -> None:
-        """Say what the command was called for, such as the file that it made.
+        """Report the result of the command.
 
         Args:
             text: for people.
@@ -85,8 +91,8 @@ class Reporter(Protocol):
 
 @contextmanager
 def stage(reporter: Reporter, name: str, total: int) -> Iterator[Stage]:
-    """Report a stage from its begin to its end; the end is said only if it is reached."""
-    current = Stage(name, total)
+    """Report a stage from its start to its end."""
+    current = Stage(reporter, name, total)
     reporter.begin(current)
     try:
         yield current
@@ -95,33 +101,8 @@ def stage(reporter: Reporter, name: str, total: int) -> Iterator[Stage]:
         reporter.end(current)
 
 
-def step(reporter: Reporter, current: Stage, done: int) -> None:
-    """Report that `current` has come to `done`."""
-    current.done = done
-    reporter.advance(current)
-
-
-class Quiet:
-    """Says nothing; errors are said by the command itself."""
-
-    def begin(self, stage: Stage) -> None:
-        """Say nothing."""
-
-    def advance(self, stage: Stage) -> None:
-        """Say nothing."""
-
-    def end(self, stage: Stage) -> None:
-        """Say nothing."""
-
-    def note(self, text: str, detail: bool = False) -> None:
-        """Say nothing."""
-
-    def result(self, text: str, **facts: object) -> None:
-        """Say nothing."""
-
-
-class Plain:
-    """Lines of text, for logs."""
+class LogReporter(Reporter):
+    """Reports as lines of text."""
 
     def __init__(self, stream: TextIO, verbose: bool = False) -> None:
         self._stream = stream
@@ -129,39 +110,39 @@ class Plain:
         self._last = 0.0
 
     def begin(self, stage: Stage) -> None:
-        """Write a line, if there is much to do."""
+        """Write a line if there is more than one thing to do."""
         self._last = time.monotonic()
         if stage.total > 1:
-            self._say(f"{stage.name}: {stage.total} to do")
+            self._print(f"{stage.name}: {stage.total} to do")
 
     def advance(self, stage: Stage) -> None:
-        """Write a line now and then."""
+        """Write a line every few seconds."""
         now = time.monotonic()
-        if now - self._last >= PLAIN_EVERY and stage.done < stage.total:
+        if now - self._last >= LOG_INTERVAL and stage.done < stage.total:
             self._last = now
             eta = f", {_clock(stage.eta)} left" if stage.eta is not None else ""
-            self._say(f"{stage.name}: {stage.done}/{stage.total}{eta}")
+            self._print(f"{stage.name}: {stage.done}/{stage.total}{eta}")
 
     def end(self, stage: Stage) -> None:
-        """Write what came of it."""
-        self._say(f"{stage.name}: {stage.result or 'stopped'} ({stage.seconds:.1f} s)")
+        """Write the result of the stage."""
+        self._print(f"{stage.name}: {stage.result or 'stopped'} ({stage.seconds:.1f} s)")
 
     def note(self, text: str, detail: bool = False) -> None:
         """Write a line."""
         if self._verbose or not detail:
-            self._say(text)
+            self._print(text)
 
     def result(self, text: str, **facts: object) -> None:
         """Write a line to standard output."""
         sys.stdout.write(f"{text}\n")
         sys.stdout.flush()
 
-    def _say(self, text: str) -> None:
+    def _print(self, text: str) -> None:
         print(text, file=self._stream, flush=True)
 
 
-class Terminal(Plain):
-    """Bars with the time that is left, for people."""
+class TerminalReporter(LogReporter):
+    """Reports as progress bars."""
 
     def __init__(self, stream: TextIO, verbose: bool = False) -> None:
         super().__init__(stream, verbose)
@@ -190,7 +171,7 @@ class Terminal(Plain):
             self._progress.update(self._progress.task_ids[0], completed=stage.done)
 
     def end(self, stage: Stage) -> None:
-        """Take the bar away and say what came of it."""
+        """Replace the bar by the result of the stage."""
         if self._progress is not None:
             self._progress.stop()
             self._progress = None
@@ -198,66 +179,52 @@ class Terminal(Plain):
         text = f"{stage.name:<9} {stage.result or 'stopped'}"
         self._console.print(f"{mark} {text} [dim]{stage.seconds:.1f} s[/]")
 
-    def _say(self, text: str) -> None:
+    def _print(self, text: str) -> None:
         self._console.print(text, markup=False)
 
 
-class Machine:
-    """One JSON object a line on standard output, for other programs."""
+class JsonReporter(Reporter):
+    """Reports as one JSON object per line of standard output."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def begin(self, stage: Stage) -> None:
         """Write a `begin` object."""
-        self.say({"event": "begin", "stage": stage.name, "total": stage.total})
+        self._print(event="begin", stage=stage.name, total=stage.total)
 
     def advance(self, stage: Stage) -> None:
         """Write a `progress` object."""
         eta = None if stage.eta is None else round(stage.eta, 3)
-        self.say(
-            {
-                "event": "progress",
-                "stage": stage.name,
-                "done": stage.done,
-                "total": stage.total,
-                "eta": eta,
-            }
-        )
+        counts = {"done": stage.done, "total": stage.total, "eta": eta}
+        self._print(event="progress", stage=stage.name, **counts)
 
     def end(self, stage: Stage) -> None:
-        """Write an `end` object."""
-        self.say(
-            {
-                "event": "end" if stage.result else "stopped",
-                "stage": stage.name,
-                "seconds": round(stage.seconds, 3),
-                "result": stage.result,
-            }
-        )
+        """Write an `end` or a `stopped` object."""
+        event, seconds = "end" if stage.result else "stopped", round(stage.seconds, 3)
+        self._print(event=event, stage=stage.name, seconds=seconds, result=stage.result)
 
     def note(self, text: str, detail: bool = False) -> None:
         """Write a `note` object."""
-        self.say({"event": "note", "text": text, "detail": detail})
+        self._print(event="note", text=text, detail=detail)
 
     def result(self, text: str, **facts: object) -> None:
         """Write a `result` object that holds the facts."""
-        self.say({"event": "result", "text": text, **facts})
+        self._print(event="result", text=text, **facts)
 
-    def say(self, words: dict[str, object]) -> None:
-        """Write one object."""
-        print(json.dumps(words, ensure_ascii=False), file=self._stream, flush=True)
+    def _print(self, **members: object) -> None:
+        print(json.dumps(members, ensure_ascii=False), file=self._stream, flush=True)
 
 
 def reporter_for(json_lines: bool, quiet: bool, verbose: bool) -> Reporter:
-    """Return the reporter that suits the flags and the place where it writes."""
+    """Return the reporter for the flags of a command and its standard error."""
     if json_lines:
-        return Machine(sys.stdout)
+        return JsonReporter(sys.stdout)
     if quiet:
-        return Quiet()
+        return Reporter()
     if sys.stderr.isatty():
-        return Terminal(sys.stderr, verbose)
-    return Plain(sys.stderr, verbose)
+        return TerminalReporter(sys.stderr, verbose)
+    return LogReporter(sys.stderr, verbose)
 
 
 def _clock(seconds: float) -> str:

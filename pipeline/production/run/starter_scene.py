@@ -1,4 +1,4 @@
-"""Starter: the commented scene that `pronk new` writes."""
+"""Starter scene: the commented scene that `pronk new` writes."""
 
 from __future__ import annotations
 
@@ -45,22 +45,19 @@ film: {{preset: preview}}        # draft, preview, final
 """
 
 
-NEVER = '/\\:*?"<>|{}#'
-"""Signs that no scene's name has: somewhere they mean something to a system or to YAML."""
+FORBIDDEN_CHARACTERS = '/\\:*?"<>|{}#'
+"""Characters with a meaning to some file system or to YAML."""
 
 
 def write_starter(name: str, folder: Path) -> Path:
-    """Write a starter scene called `name` into `folder`.
-
-    Returns:
-        The file.
+    """Write a starter scene called `name` into `folder` and return its file.
 
     Raises:
-        UsageError: if the name is no name for a file, or there is such a file already.
-        StoreError: if it cannot be written.
+        UsageError: the name is not fit for a file, or the file exists.
+        StoreError: it cannot be written.
     """
     stem = name.removesuffix(".yaml")
-    odd = not stem.isprintable() or set(stem) & set(NEVER)
+    odd = not stem.isprintable() or set(stem) & set(FORBIDDEN_CHARACTERS)
     if odd or stem != stem.strip() or not stem or stem.startswith(("-", ".")):
         raise UsageError(f"'{name}' is no name for a scene; letters, digits, - and _ are")
     path = folder / f"{stem}.yaml"

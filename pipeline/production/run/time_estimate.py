@@ -1,7 +1,7 @@
-"""Estimate: how long a film will take, said before it starts and put right as it goes on.
+"""Time estimate of a film, given before rendering starts and corrected on the way.
 
-Before the first frame it is judged by what frames of this film took the last time on this
-machine, or else by what other films took for the same work; a few frames tell it better.
+Before the first frame it comes from earlier frames of this film on this machine, or else from
+other films for the same work; the first frames correct it.
 """
 
 from __future__ import annotations
@@ -15,44 +15,43 @@ from pipeline.production.run.frame_ranges import counted
 from render.backend import Backend, cache_folder
 from render.config import FullFilm
 
-WORTH = 10.0
-"""Films that take less are over before one has read how long they take [s]."""
+MIN_DURATION = 10.0
+"""Shorter films are over before an estimate is read [s]."""
 
-WRONG = 1.25
-"""By this factor an estimate is off before it is put right."""
+MIN_REMAINING = 30.0
+"""Time left below which estimates are not corrected [s]."""
 
-MEASURED = 3
-"""Frames after the first from which on their mean is trusted."""
+MAX_ERROR_RATIO = 1.25
+"""Ratio of the measured to the estimated pace from which on an estimate is corrected."""
 
-TELLING = 0.05
-"""Size of frames from which on they tell of other films [megapixels]: what smaller ones take is
-not for their pixels."""
+MIN_MEASURED_FRAMES = 3
+"""Frames after the first whose mean time is trusted."""
 
-MOST = 400
-"""Paces that are remembered, the oldest forgotten first."""
+MIN_MEGAPIXELS = 0.05
+"""Size from which on the time of a frame is for its pixels and predicts that of other films."""
 
-LATE = 30.0
-"""If the rest takes less, an estimate is not put right any more [s]."""
+MAX_PACES = 400
+"""Paces that are stored; the oldest are dropped first."""
 
 _START = "|start"
-"""Stands for the name of a scene where the begin of any film is meant."""
+"""Stands for the scene's name in the key of the start-up time of any film."""
 
-_DENOISING = {"off": 0.0, "fast": 1.0, "high": 2.0}
+_DENOISING_WORK = {"off": 0.0, "fast": 1.0, "high": 2.0}
 
 
 @dataclass(slots=True)
 class Estimate:
-    """How long the frames of one film take.
+    """Time that the frames of one film take.
 
     Attributes:
         name: of the scene.
         film: size and quality.
-        backend: what renders.
-        jobs: processes at once.
+        backend: of the renderer.
+        jobs: number of processes.
         total: frames that are due.
-        each: seconds a frame as far as is known, None as long as nothing is.
-        said: seconds a frame that were last told, None if none were.
-        start: seconds before the first frame, as far as is known.
+        measured: time per frame [s], None before it is known.
+        reported: time per frame that was last reported [s], None if none was.
+        start: time before the first frame [s].
     """
 
     name: str
@@ -60,99 +59,100 @@ class Estimate:
     backend: Backend
     jobs: int
     total: int
-    each: float | None = None
-    said: float | None = None
+    measured: float | None = None
+    reported: float | None = None
     start: float = 0.0
     _first: tuple[int, float] | None = field(default=None)
 
     def before(self) -> str | None:
-        """Return what is known before the first frame, None if that is nothing or little time."""
-        paces = remembered()
+        """Return the estimate before the first frame, None if there is none or it is short."""
+        paces = stored_paces()
         own, other = paces.get(self._key(self.name)), paces.get(self._key(""))
         self.start = paces.get(self._key(_START), 0.0)
         if own is not None:
-            self.said = own
-            return self._told(self.total, "by the last time")
+            self.reported = own
+            return self._text(self.total, "by the last time")
         if other is not None:
-            self.said = other * work_of(self.film)
-            return self._told(self.total, "by other films on this machine")
+            self.reported = other * frame_work(self.film)
+            return self._text(self.total, "by other films on this machine")
         return None
 
     def after(self, done: int, seconds: float) -> str | None:
-        """Return a better estimate of what is left, None if there is no need of one.
+        """Return a correction of the estimate, None if none is needed.
 
         Args:
-            done: frames that are.
-            seconds: since the rendering began.
+            done: frames that are rendered.
+            seconds: time since rendering started [s].
         """
         if self._first is None:
-            # Until the first frames are there, scenes are built and kernels compiled.
+            # Until the first frames are done, scenes are built and kernels compiled.
             self._first = done, seconds
             return None
         self.start = 0.0
         count = done - self._first[0]
-        if count < MEASURED:
+        if count < MIN_MEASURED_FRAMES:
             return None
-        self.each = (seconds - self._first[1]) / count
-        if self.said is not None and 1 / WRONG < self.each / max(self.said, 1e-9) < WRONG:
+        self.measured = (seconds - self._first[1]) / count
+        if self.reported is not None:
+            ratio = self.measured / max(self.reported, 1e-9)
+            if 1 / MAX_ERROR_RATIO < ratio < MAX_ERROR_RATIO:
+                return None
+        self.reported = self.measured
+        if self.measured * (self.total - done) < MIN_REMAINING:
             return None
-        self.said = self.each
-        # As the end comes near the bar tells enough.
-        if self.each * (self.total - done) < LATE:
-            return None
-        return self._told(self.total - done, "by the first of them")
+        return self._text(self.total - done, "by the first of them")
 
-    def remember(self) -> None:
-        """Keep for another time what was measured."""
-        if self.each is None or self._first is None:
+    def store(self) -> None:
+        """Store what was measured for later estimates."""
+        if self.measured is None or self._first is None:
             return
-        paces = remembered()
-        # What the first frame took more than the others: scenes built, kernels compiled. That is
-        # long once, and short as soon as kernels are kept.
-        start = max(self._first[1] - self.each * self._first[0], 1e-3)
+        paces = stored_paces()
+        # Compiling kernels makes the first start long, and later ones short.
+        start = max(self._first[1] - self.measured * self._first[0], 1e-3)
         found = {
-            self.name: self.each,
+            self.name: self.measured,
             _START: min(start, paces.get(self._key(_START), start)),
         }
-        if self.film.size[0] * self.film.size[1] >= TELLING * 1e6:
-            found[""] = self.each / work_of(self.film)
+        if self.film.size[0] * self.film.size[1] >= MIN_MEGAPIXELS * 1e6:
+            found[""] = self.measured / frame_work(self.film)
         for name, pace in found.items():
             paces.pop(self._key(name), None)
             paces[self._key(name)] = pace
         place = cache_folder() / "paces.json"
-        beside = place.with_suffix(f".{os.getpid()}")
+        temporary = place.with_suffix(f".{os.getpid()}")
         try:
             place.parent.mkdir(parents=True, exist_ok=True)
-            beside.write_text(json.dumps(dict(list(paces.items())[-MOST:])))
-            os.replace(beside, place)
+            temporary.write_text(json.dumps(dict(list(paces.items())[-MAX_PACES:])))
+            os.replace(temporary, place)
         except OSError:
-            pass  # without it the next estimate comes later
+            pass  # Without it the next estimate comes later.
 
-    def _told(self, frames: int, why: str) -> str | None:
-        seconds = self.start + (self.said or 0.0) * frames
-        if seconds < WORTH:
+    def _text(self, frames: int, source: str) -> str | None:
+        seconds = self.start + (self.reported or 0.0) * frames
+        if seconds < MIN_DURATION:
             return None
         width, height = self.film.size
-        return f"render: about {spoken(seconds)} for {counted(frames)} of {width}x{height}, {why}"
+        size = f"{counted(frames)} of {width}x{height}"
+        return f"render: about {rounded_duration(seconds)} for {size}, {source}"
 
     def _key(self, name: str) -> str:
-        """Return the key of the pace of a scene, or of any scene for no name."""
+        """Return the key of a scene's pace; of any scene's for no name."""
         film = self.film.model_dump_json(exclude={"preset", "codec", "format", "exposure"})
-        words = f"{name}|{film if name not in ('', _START) else ''}|{self.backend.key}|{self.jobs}"
-        return hashlib.blake2b(words.encode(), digest_size=8).hexdigest()
+        text = f"{name}|{film if name not in ('', _START) else ''}|{self.backend.key}|{self.jobs}"
+        return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-def work_of(film: FullFilm) -> float:
-    """Return how much work a frame is, in units of about a megapixel of one path with its rays."""
+def frame_work(film: FullFilm) -> float:
+    """Return the work of a frame, in units of about a megapixel of one path with its rays."""
     width, height = film.size
     soft = 0.25 if film.soft_light == "half" else 1.0
-    # A ray through a pixel, with its lamps, takes half of what a step of a path does.
+    # A camera ray with its lamps takes half the time of a step of a path.
     traced = film.passes * (film.rays * 0.5 + soft * film.depth)
-    return width * height / 1e6 * (traced / 6 + soft * _DENOISING[film.denoise])
+    return width * height / 1e6 * (traced / 6 + soft * _DENOISING_WORK[film.denoise])
 
 
-def remembered() -> dict[str, float]:
-    """Return seconds a frame, or a unit of work, by keys; those last kept come last."""
+def stored_paces() -> dict[str, float]:
+    """Return times per frame, or per unit of work, by key; the latest come last."""
     try:
         found = json.loads((cache_folder() / "paces.json").read_text())
         return {str(key): float(pace) for key, pace in found.items() if float(pace) > 0}
@@ -160,8 +160,8 @@ def remembered() -> dict[str, float]:
         return {}
 
 
-def spoken(seconds: float) -> str:
-    """Return a length of time as one says it: 40 s, 12 min, 3 h 20 min."""
+def rounded_duration(seconds: float) -> str:
+    """Return a rounded duration, such as 40 s, 12 min, 3 h 20 min."""
     if seconds < 90:
         return f"{max(round(seconds / 5) * 5, 5)} s"
     minutes = round(seconds / 60)

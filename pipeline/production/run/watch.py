@@ -1,4 +1,4 @@
-"""Watching: a picture of a scene that follows its file, and all files that it names."""
+"""Watch: a picture of a scene, made again when its file or a file that it names changes."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from pipeline.production.run.order import Order
 from pipeline.production.run.progress import Reporter
 from pipeline.spec import Scene
 
-PLACE = "watch"
-"""Folder beside the scenes' own, so that nothing of a film is overwritten."""
+FOLDER = "watch"
+"""Folder beside those of the scenes, so that no film is overwritten."""
 
-SETTLE_MS = 120
-"""Editors write a file in several steps; so long none may follow [ms]."""
+QUIET_MS = 120
+"""Time without changes after which a file counts as saved [ms]; editors write in steps."""
 
-LOOK_MS = 500
-"""How often it is asked whether something changed before the system was watching [ms]."""
+POLL_MS = 500
+"""Interval of polling for changes from before the system watched [ms]."""
 
 Stamps = Mapping[Path, tuple[int, int] | None]
-"""When a file was written [ns] and how long it is [bytes]; None for one that is not there."""
+"""Time [ns] and size [bytes] of each file; None for a missing one."""
 
 
 def watch(
@@ -31,26 +31,23 @@ def watch(
     order_of: Callable[[], Order],
     make: Callable[[Order], Path],
     reporter: Reporter,
-    say: Callable[[PronkError], None],
+    report_error: Callable[[PronkError], None],
     changes: Callable[[Stamps], Iterator[object]] | None = None,
 ) -> None:
-    """Make a picture now, and again whenever something that it is made of has changed.
-
-    A scene that is wrong is told so, and made once it is right. Only what has to be is done
-    again: a changed light simulates nothing.
+    """Make a picture now and after every change, as far as it is due.
 
     Args:
         file: of the scene.
         order_of: reads the scene.
         make: makes the picture and returns its file.
-        reporter: told of every picture.
-        say: told of every mistake.
-        changes: gives an item when files are no longer as they were; ends only if there is
+        reporter: of every picture.
+        report_error: of every error; the picture is made once the scene is right.
+        changes: yields an item when files are no longer as they were; ends only if there is
             nothing to wait for.
     """
     named: set[Path] = set()
     while True:
-        # What is written while a picture is made is not in it.
+        # Changes while a picture is made are not in it.
         seen = {**stamps(named), **stamps({file.absolute()})}
         try:
             order = order_of()
@@ -60,42 +57,42 @@ def watch(
         except PronkError as error:
             if isinstance(error, SceneError):
                 named |= {Path(p.file).absolute() for p in error.problems if p.file}
-            say(error)
+            report_error(error)
         reporter.note(f"watching {file}; Ctrl-C ends it")
-        # A new watch each time, for the scene may name other files now.
+        # Each time anew, because the scene can name other files now.
         seen |= stamps(named - seen.keys())
         if next((changes or changes_of)(seen), None) is None:
             return
 
 
 def files_of(scene: Scene) -> set[Path]:
-    """Return the files that a scene names, its own left out."""
-    return {path for word in _words(scene.model_dump()) if (path := _file(word)) is not None}
+    """Return the files that a scene names."""
+    return {path for text in _texts(scene.model_dump()) if (path := _file(text)) is not None}
 
 
-def _words(value: Any) -> Iterator[str]:
-    """Give all texts within a value."""
+def _texts(value: Any) -> Iterator[str]:
+    """Yield all texts within a value."""
     if isinstance(value, str | Path):
         yield str(value)
     elif isinstance(value, dict):
         for inner in value.values():
-            yield from _words(inner)
+            yield from _texts(inner)
     elif isinstance(value, list | tuple):
         for inner in value:
-            yield from _words(inner)
+            yield from _texts(inner)
 
 
-def _file(word: str) -> Path | None:
-    """Return the file that a word names, if it does; files are kept with their whole path."""
+def _file(text: str) -> Path | None:
+    """Return the file that a text names, if any; scenes hold absolute paths."""
     try:
-        path = Path(word)
+        path = Path(text)
         return path if path.is_absolute() and path.is_file() else None
     except (OSError, ValueError):
         return None
 
 
 def stamps(files: Iterable[Path]) -> dict[Path, tuple[int, int] | None]:
-    """Return how files are now."""
+    """Return the stamps of files."""
     return {path: _stamp(path) for path in files}
 
 
@@ -108,28 +105,28 @@ def _stamp(path: Path) -> tuple[int, int] | None:
 
 
 def changes_of(seen: Stamps) -> Iterator[object]:
-    """Give an item whenever files are no longer as they were seen, or a figure beside one changes.
+    """Yield an item when files differ from their stamps or a figure beside them changes.
 
-    Their folders are watched: editors put a new file in the place of the old one.
+    Folders are watched because editors replace files.
     """
     known = {path.resolve() for path in seen}
     folders = {path.parent for path in known}
     figures = {folder / "figures" for folder in folders}
     places = {*folders, *(folder for folder in figures if folder.is_dir())}
 
-    def matters(change: watchfiles.Change, name: str) -> bool:
+    def is_relevant(change: watchfiles.Change, name: str) -> bool:
         path = Path(name)
         scene_or_figure = path.suffix == ".yaml" and path.parent in places
         return path in known or path.resolve() in known or scene_or_figure
 
-    told = watchfiles.watch(
+    batches = watchfiles.watch(
         *places,
-        watch_filter=matters,
+        watch_filter=is_relevant,
         recursive=False,
-        step=SETTLE_MS,
-        rust_timeout=LOOK_MS,
+        step=QUIET_MS,
+        rust_timeout=POLL_MS,
         yield_on_timeout=True,
     )
-    for changes in told:
+    for changes in batches:
         if changes or stamps(seen) != seen:
             yield changes

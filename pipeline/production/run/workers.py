@@ -1,4 +1,4 @@
-"""Workers: rendering frames in several processes at once."""
+"""Workers: processes that render at once, and the processor in place of a GPU short of memory."""
 
 from __future__ import annotations
 
@@ -7,93 +7,68 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import TypeVar
 
-from pipeline.errors import FilmingError
+from pipeline.errors import FilmingError, PronkError
 from pipeline.production.run.outputs import Outputs
+from pipeline.production.run.progress import Reporter
 from pipeline.production.shots.frame_rendering import film_frames
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.take_store import read_take
 from pipeline.spec.scene import Scene
-from render.backend import Backend
+from render.backend import Backend, Choice, choose, without_gpu
 from render.errors import DeviceMemoryShort, RenderError
-from render.renderer import Renderer, Timings
+from render.renderer import Renderer, Split
 
-FRAMES_A_PROCESS = 500
-"""Workers are replaced after so many frames each: Mitsuba does not give all memory back."""
+FRAMES_PER_PROCESS = 500
+"""Frames after which workers are replaced, because Mitsuba does not return all memory."""
 
-FRAMES_A_PIECE = 16
-"""So many frames are given to a worker at once, at most."""
+MAX_BATCH = 16
+"""Most frames that a worker gets at once."""
 
+BATCHES_PER_PROCESS = 4
+"""Batches per worker that keep all workers busy to the end."""
 
-@dataclass(frozen=True, slots=True)
-class Share:
-    """Frames to be rendered, and all that a worker needs for them."""
-
-    scene: Scene
-    take: Path
-    outputs: Outputs
-    backend: Backend
-    keys: dict[int, str]
-
-    def pieces(self, size: int) -> Iterator[Share]:
-        """Cut into runs of `size` neighbouring frames."""
-        frames = list(self.keys)
-        for first in range(0, len(frames), size):
-            keys = {frame: self.keys[frame] for frame in frames[first : first + size]}
-            yield replace(self, keys=keys)
+T = TypeVar("T")
 
 
-def film_in_processes(share: Share, jobs: int, progress: Callable[[int], None]) -> Timings:
-    """Render the frames of `share` in `jobs` processes at once.
+def with_gpu_fallback(choice: Choice, reporter: Reporter, work: Callable[[Backend], T]) -> T:
+    """Return the result of work on a backend, repeated on the processor if GPU memory is short.
+
+    All frames are due again then, because their pixels depend on the backend.
 
     Args:
-        share: all of them.
-        jobs: number of processes.
-        progress: called with the number of frames done so far.
+        choice: of the backend.
+        reporter: of the change of backend.
+        work: function of the backend.
+    """
+    try:
+        return work(choose(choice))
+    except DeviceMemoryShort as error:
+        backend = without_gpu()
+        reporter.note(f"{error}; going on with {backend.variant}, which needs none")
+        return work(backend)
 
-    Returns:
-        Where their time went, summed over the processes.
+
+@contextmanager
+def worker_pool(jobs: int, death: PronkError) -> Iterator[ProcessPoolExecutor]:
+    """Open a pool of `jobs` workers.
 
     Raises:
-        FilmingError: if a frame cannot be rendered or written, or a process died.
-        DeviceMemoryShort: a graphics processor has too little memory.
+        PronkError: `death`, if a worker died.
     """
-    split = Timings()
-
-    def done(part: Timings) -> None:
-        for one in fields(split):
-            setattr(split, one.name, getattr(split, one.name) + getattr(part, one.name))
-        progress(split.frames)
-
-    for batch in share.pieces(jobs * FRAMES_A_PROCESS):
-        size = min(FRAMES_A_PIECE, max(1, len(batch.keys) // (jobs * 4)))
-        _film_pieces(list(batch.pieces(size)), jobs, done)
-    return split
-
-
-def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Timings], None]) -> None:
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(jobs, len(pieces)), context, begin_work) as pool:
+    with ProcessPoolExecutor(jobs, context, _start_worker) as pool:
         try:
-            with deaf_children():
-                parts = [pool.submit(_film_piece, piece) for piece in pieces]
-            for future in as_completed(parts):
-                part = future.result()
-                if isinstance(part, DeviceMemoryShort):
-                    raise part
-                if isinstance(part, str):
-                    raise FilmingError(part)
-                done(part)
+            yield pool
         except BrokenProcessPool as error:
-            raise FilmingError(
-                "a process that rendered has died; if memory was short, try fewer --jobs"
-            ) from error
+            raise death from error
         except BaseException:
             # The pool would wait for all that is under way.
             for child in multiprocessing.active_children():
@@ -102,11 +77,11 @@ def _film_pieces(pieces: Sequence[Share], jobs: int, done: Callable[[Timings], N
 
 
 @contextmanager
-def deaf_children() -> Iterator[None]:
-    """Let processes that are started inside ignore Ctrl-C from their first moment.
+def children_ignore_interrupts() -> Iterator[None]:
+    """Let processes that are started inside ignore Ctrl-C from the start.
 
-    What is ignored stays so in a new program; a handler of theirs would come too late for
-    the imports that they begin with. Here Ctrl-C goes on being heard, see `interrupts`.
+    An ignored signal stays ignored in a new program; a handler would come too late for the
+    imports of the worker. This process goes on hearing Ctrl-C, see `interrupts`.
     """
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
@@ -115,52 +90,111 @@ def deaf_children() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
+@dataclass(frozen=True, slots=True)
+class FrameBatch:
+    """Frames to render and all that a worker needs for them.
+
+    Attributes:
+        scene: of the frames.
+        take: folder of its take.
+        outputs: that the frames are written to.
+        backend: of the renderer.
+        keys: by frame.
+    """
+
+    scene: Scene
+    take: Path
+    outputs: Outputs
+    backend: Backend
+    keys: dict[int, str]
+
+    def split(self, size: int) -> list[FrameBatch]:
+        """Return batches of `size` successive frames."""
+        frames = list(self.keys)
+        return [
+            replace(self, keys={frame: self.keys[frame] for frame in frames[first : first + size]})
+            for first in range(0, len(frames), size)
+        ]
+
+
+def film_in_processes(frames: FrameBatch, jobs: int, progress: Callable[[int], None]) -> Split:
+    """Render frames in `jobs` processes.
+
+    Args:
+        frames: all of them.
+        jobs: number of processes.
+        progress: called with the number of frames done.
+
+    Returns:
+        Render times, summed over the processes.
+
+    Raises:
+        FilmingError: a frame cannot be rendered or written, or a process died.
+        DeviceMemoryShort: a GPU has too little memory.
+    """
+    total = Split()
+    death = FilmingError("a process that rendered has died; if memory was short, try fewer --jobs")
+    for share in frames.split(jobs * FRAMES_PER_PROCESS):
+        size = min(MAX_BATCH, max(1, len(share.keys) // (jobs * BATCHES_PER_PROCESS)))
+        batches = share.split(size)
+        with worker_pool(min(jobs, len(batches)), death) as pool:
+            with children_ignore_interrupts():
+                futures = [pool.submit(_film_batch, batch) for batch in batches]
+            for future in as_completed(futures):
+                part = future.result()
+                if isinstance(part, DeviceMemoryShort):
+                    raise part
+                if isinstance(part, str):
+                    raise FilmingError(part)
+                for quantity in fields(total):
+                    name = quantity.name
+                    setattr(total, name, getattr(total, name) + getattr(part, name))
+                progress(total.frames)
+    return total
+
+
 # --- in a worker ------------------------------------------------------------------
 
 _equipment: tuple[Shooting, Renderer] | None = None
-"""What this worker renders with: made for its first piece and kept for the others."""
+"""Shots and renderer of this worker, made for its first batch."""
 
 
-def begin_work() -> None:
-    """Prepare a worker's process."""
-    # The parent answers Ctrl-C, and ends its workers.
+def _start_worker() -> None:
+    # The parent answers Ctrl-C and ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # What a library prints is no result of the command.
+    # Prints of libraries are no results of the command.
     os.dup2(2, 1)
-    atexit.register(_end_work)
+    atexit.register(_end_worker)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
-def _end_work() -> None:
-    # The bindings complain of whatever is still alive when Python ends.
+def _end_worker() -> None:
+    # The bindings complain of objects that are alive when Python ends.
     global _equipment
     _equipment = None
 
 
 def _end_with_parent() -> None:
-    """End this process when the one that started it has been killed.
-
-    The folder of the outputs is then free for another run, which must be alone in it.
-    """
+    """End this process when its parent has been killed, so that the outputs are free again."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         parent.join()
         os._exit(1)
 
 
-def _film_piece(piece: Share) -> Timings | str | DeviceMemoryShort:
-    """Render one piece; an error comes back as its message."""
+def _film_batch(batch: FrameBatch) -> Split | str | DeviceMemoryShort:
+    """Render one batch and return its render times; an error is returned as its message."""
     global _equipment
     try:
         if _equipment is None:
-            shooting = Shooting(piece.scene, read_take(piece.take))
-            _equipment = shooting, Renderer(piece.backend)
+            shooting = Shooting(batch.scene, read_take(batch.take))
+            _equipment = shooting, Renderer(batch.backend)
         shooting, renderer = _equipment
-        renderer.timings = Timings()
-        for _ in film_frames(renderer, shooting, piece.outputs, piece.keys):
+        renderer.split = Split()
+        for _ in film_frames(renderer, shooting, batch.outputs, batch.keys):
             pass
     except DeviceMemoryShort as error:
         return error
     except (FilmingError, RenderError) as error:
         return str(error)
-    return renderer.timings
+    return renderer.split

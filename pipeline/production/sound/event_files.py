@@ -8,7 +8,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from audio.files import put
+from audio.atomic_file import write_if_changed
 from pipeline.production.run.outputs import Outputs
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
@@ -22,8 +22,8 @@ COLUMNS = (
 
 def write_events(outputs: Outputs, take: Take) -> bool:
     """Write the sound events of a take; return whether a file changed."""
-    changed = put(outputs.events, events_jsonl(take))
-    return put(outputs.event_table, events_csv(take)) or changed
+    changed = write_if_changed(outputs.events, events_jsonl(take))
+    return write_if_changed(outputs.event_table, events_csv(take)) or changed
 
 
 def events_jsonl(take: Take) -> bytes:

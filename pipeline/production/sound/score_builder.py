@@ -8,7 +8,7 @@ from operator import attrgetter
 from audio.score import Marker, Score, ScoreEvent
 from pipeline.production.camera.cuts import first_frames
 from pipeline.production.sound.listener import Listener
-from pipeline.production.sound.strike_position import ContactSpots
+from pipeline.production.sound.strike_position import StrikePositions
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import SoundEvent, Take
 from pipeline.spec.scene import Scene
@@ -30,12 +30,12 @@ def build_score(
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
     listener = Listener(scene.sound.listener, scene.camera, clock, poses)
-    spots = ContactSpots(take)
+    strikes = StrikePositions(take)
     audible = [event for event in take.events if event.frame <= header.frames]
     score = Score(
         rate=header.rate,
         frames=header.frames,
-        events=tuple(_score_event(event, clock, listener, spots) for event in audible),
+        events=tuple(_score_event(event, clock, listener, strikes) for event in audible),
         sound=scene.sound,
         seed=header.seed,
         title=scene.title,
@@ -46,7 +46,7 @@ def build_score(
 
 
 def _score_event(
-    event: SoundEvent, clock: Clock, listener: Listener, spots: ContactSpots
+    event: SoundEvent, clock: Clock, listener: Listener, strikes: StrikePositions
 ) -> ScoreEvent:
     """Place an event at its start, or at the closest point of its path if it is sustained."""
     course = listener.course(event.track[0], event.places)
@@ -71,7 +71,7 @@ def _score_event(
         duration=float((last - first) / (clock.rate * clock.samples)),
         speeds=event.strengths,
         course=course,
-        spot=spots.spot(event) if first == last else None,
+        spot=strikes.position(event) if first == last else None,
     )
 
 

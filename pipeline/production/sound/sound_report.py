@@ -6,10 +6,10 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from audio.midi import MidiReport
-from audio.modal import WavReport
-from audio.quantising import Shifts
+from audio.midi_file import MidiReport
+from audio.quantisation import TimingShifts
 from audio.score import Score
+from audio.wav_file import WavReport
 
 
 def midi_facts(midi: MidiReport, subframe: bool, rate: Fraction) -> dict[str, Any]:
@@ -19,21 +19,21 @@ def midi_facts(midi: MidiReport, subframe: bool, rate: Fraction) -> dict[str, An
         "muted": midi.muted,
         "added_by_chords_and_phrases": midi.added,
         "left_out_after_the_last_frame": midi.after_the_end,
-        "merged": midi.merged,
+        "merged": len(midi.losses.merged),
         "merged_by_frame": {str(frame): count for frame, count in midi.merged_by_frame.items()},
-        "heard_from_a_neighbouring_direction": midi.moved,
-        "heard_with_another_reverb": midi.reverbs,
-        "cut_short": midi.cut_short,
-        "tails_cut": midi.tails_cut,
-        "without_their_gesture": midi.stiff,
+        "heard_from_a_neighbouring_direction": midi.losses.pan_changed,
+        "heard_with_another_reverb": midi.losses.reverb_changed,
+        "cut_short": midi.losses.cut_short,
+        "tails_cut": midi.losses.tails_cut,
+        "without_their_gesture": midi.losses.without_curve,
         "subframe": subframe,
-        **({"quantised": _quantisation_facts(midi.shifts, rate)} if midi.shifts.asked else {}),
+        **({"quantised": _quantisation_facts(midi.shifts, rate)} if midi.shifts.events else {}),
     }
 
 
-def _quantisation_facts(shifts: Shifts, rate: Fraction) -> dict[str, Any]:
+def _quantisation_facts(shifts: TimingShifts, rate: Fraction) -> dict[str, Any]:
     return {
-        "events": shifts.asked,
+        "events": shifts.events,
         "moved": shifts.moved,
         "before_their_cause_is_shown": shifts.earlier,
         "mean_ms": round(float(1000 * shifts.mean), 3),
@@ -43,18 +43,18 @@ def _quantisation_facts(shifts: Shifts, rate: Fraction) -> dict[str, Any]:
     }
 
 
-def quantisation_summary(shifts: Shifts, score: Score) -> str | None:
+def quantisation_summary(shifts: TimingShifts, score: Score) -> str | None:
     """Return one line about the quantisation; None if the scene has none."""
     config = score.sound.quantise
     if config is None:
         return None
     grid = f"{config.grid} at {score.sound.tempo_bpm:g} beats a minute"
     if not shifts.moved:
-        return f"score: all of {shifts.asked} events stand on {grid} by themselves"
+        return f"score: all of {shifts.events} events stand on {grid} by themselves"
     mean, greatest = (1000 * float(by) for by in (shifts.mean, shifts.greatest))
     frames = float(shifts.greatest * score.rate)
     return (
-        f"score: {shifts.moved} of {shifts.asked} events moved to {grid}: by {mean:.0f} ms on "
+        f"score: {shifts.moved} of {shifts.events} events moved to {grid}: by {mean:.0f} ms on "
         f"average, {greatest:.0f} ms ({frames:.1f} frames) at most; {shifts.earlier} sound earlier "
         "than they are seen"
     )

@@ -1,4 +1,23 @@
-"""Body arrays."""
+"""Body arrays: all characters of a troupe as flat arrays of records, for compiled loops.
+
+Nodes are point masses; links keep two of them apart and are the solids that touch. A character,
+the owner of both, is a slice of each. Positions of two sub-steps are the whole state: the
+velocity of a node is (p - previous) / h.
+
+Compiled functions take nodes, links and owners as arrays of records, for a tuple of many arrays
+costs more to hand on than most of them do.
+
+Before each sub-step control may write, for any node,
+
+- a velocity: `previous = p - v h`;
+- an acceleration, which is added to gravity and cleared after the sub-step;
+- a lock: `lock = LOCKED` and `lock_place`, where the node then stays whatever pulls; `LANDING`
+  becomes `LOCKED` where the node next touches the ground; `FREE` releases it.
+
+Middle nodes are held between two others; what is written to one of the three moves all.
+
+Source: Horswill 2008, "Geometric and kinematic modeling" and "Dynamics simulation".
+"""
 
 from __future__ import annotations
 
@@ -10,47 +29,45 @@ from numpy.typing import NDArray
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array
 
-Numbers = NDArray[np.int64]
-
-Structures = NDArray[np.void]
+IntArray = NDArray[np.int64]
+RecordArray = NDArray[np.void]
 
 PERSON_NODES = {name: k for k, name in enumerate(JOINTS)}
-"""Where each joint of a person stands behind its first node."""
+"""Joint of a person -> its place behind the person's first node."""
 
 FREE, LOCKED, LANDING, RESTING = 0, 1, 2, 3
-"""What a node's lock is; RESTING is that of all nodes of a character that sleeps."""
+"""Locks of a node; RESTING is that of all nodes of a sleeping character."""
 
 NOBODY, TERRAIN, SOLID = -1, -2, -3
-"""What is touched that is no link: nothing, the ground, the first solid of another room; further
-solids are numbered downward."""
+"""What a link touches that is no link: nothing, the ground, the first solid of another room;
+further solids are numbered downward."""
 
 NODE = np.dtype(
     [
-        # Where it is, where it was one sub-step ago, where it is locked, where it was when it was
-        # last looked whether it rests [m]; what control adds to gravity in this sub-step [m/s²].
-        *((name, "f8", 3) for name in ("p", "before", "place", "anchor", "acceleration")),
-        # 0 stays where it is; and in this sub-step, also 0 if it is locked [1/kg].
+        # Positions [m]: now, one sub-step ago, where locked, when rest was last measured; the
+        # acceleration that control adds to gravity in this sub-step [m/s²].
+        *((name, "f8", 3) for name in ("p", "previous", "lock_place", "anchor", "acceleration")),
+        # Inverse mass, 0 of what stays in place; and in this sub-step, also 0 when locked [1/kg].
         ("inverse_mass", "f8"),
-        ("give", "f8"),
-        # Radius of what is there [m].
+        ("mobility", "f8"),
+        # [m]
         ("radius", "f8"),
-        # Damping against the world; and the owner's where it touches the ground, else 0, and where
-        # it touches others [1/s].
-        ("air", "f8"),
-        ("grounded", "f8"),
-        ("rubbed", "f8"),
-        # Of one that is locked: how far what is in its links would have it give way [m].
-        ("pressed", "f8", 3),
-        # FREE, LOCKED or LANDING; whose; the link with which it touches the ground.
+        # Damping against the world; the owner's while touching the ground or others, else 0 [1/s].
+        ("air_damping", "f8"),
+        ("ground_damping", "f8"),
+        ("contact_damping", "f8"),
+        # Offset by which contacts of its links push a locked node [m].
+        ("contact_push", "f8", 3),
+        # FREE, LOCKED, LANDING or RESTING; its character; the link that touches the ground here.
         ("lock", "i8"),
         ("owner", "i8"),
-        ("link", "i8"),
-        # Whose the node is that it is held together with by a grip, or NOBODY.
-        ("holds", "i8"),
-        # How far from what it has closed around a hand is yet [m].
-        ("gap", "f8"),
-        # Whether it runs on a level bearing, at the height of its place.
-        ("glides", "?"),
+        ("ground_link", "i8"),
+        # Owner of the node it is gripped together with, or NOBODY.
+        ("grip_partner", "i8"),
+        # Distance that a hand still has to close around what it grips [m].
+        ("grip_gap", "f8"),
+        # Whether it runs on a level bearing, at the height of its lock place.
+        ("on_bearing", "?"),
     ],
     align=True,
 )
@@ -58,26 +75,26 @@ NODE = np.dtype(
 
 LINK = np.dtype(
     [
-        # Nodes, of a ball the same twice; least and most distance of these, equal if rigid [m].
+        # End nodes, of a ball the same twice; shortest and longest distance, equal if rigid [m].
         ("ends", "i8", 2),
-        ("reach", "f8", 2),
-        # Radius, 0 of one that cannot be touched [m]; damping of one end against the other [1/s].
-        ("girth", "f8"),
+        ("length_limits", "f8", 2),
+        # 0 of a link that cannot be touched [m]; damping of one end against the other [1/s].
+        ("radius", "f8"),
         ("damping", "f8"),
         ("owner", "i8"),
-        # Whether it is one of an arm, which passes through those of whom it embraces.
-        ("arm", "?"),
-        # The link that it touches, or NOBODY, TERRAIN, SOLID - k, and whose that is, or NOBODY.
+        # Whether it belongs to an arm, which passes through the arms of whom it embraces.
+        ("is_arm", "?"),
+        # The touched link, or NOBODY, TERRAIN, SOLID - k; and its owner, or NOBODY.
         ("touched", "i8"),
         ("touched_owner", "i8"),
-        # Kinetic energy of the hardest touch in this step [J]; since it last touched another
+        # Kinetic energy of the hardest touch in this step [J]; time since it last touched another
         # link, and the ground [s].
         ("energy", "f8"),
         ("age", "f8", 2),
     ],
     align=True,
 )
-"""What keeps two nodes apart."""
+"""A constraint between two nodes, and the capsule around them."""
 
 OWNER = np.dtype(
     [
@@ -87,37 +104,37 @@ OWNER = np.dtype(
         ("middles", "i8", 2),
         ("limbs", "i8", 2),
         ("pairs", "i8", 2),
-        # Its mass [kg]; Coulomb's coefficient; speed after / before an impact.
+        # [kg]; Coulomb's coefficient; speed after / before an impact.
         ("mass", "f8"),
         ("friction", "f8"),
         ("bounciness", "f8"),
-        # How fast what touches the ground is damped [1/s].
-        ("ground", "f8"),
-        # The kinetic energy of a touch above which it hurts, infinite for things [J]; how much
-        # it hurts now: 1 for a touch of twice that, and less from then on.
-        ("threshold", "f8"),
+        # Damping of what touches the ground [1/s].
+        ("ground_damping", "f8"),
+        # Kinetic energy above which a touch hurts, infinite for things [J]; present pain: 1 for a
+        # touch of twice that, decaying.
+        ("pain_threshold", "f8"),
         ("pain", "f8"),
-        # Radius of the edges of a box, whose nodes are its eight corners; 0 of what is none [m].
-        ("edge", "f8"),
-        # Whether some of its nodes glide.
-        ("glides", "?"),
-        # How deep something was found in it, or it in something, in this sub-step [m].
-        ("deep", "f8"),
+        # Radius of the edges of a box, whose nodes are its eight corners; 0 of other shapes [m].
+        ("edge_radius", "f8"),
+        # Whether some of its nodes run on a bearing.
+        ("on_bearing", "?"),
+        # Deepest contact in this sub-step [m].
+        ("penetration", "f8"),
         # Whether its own links are deep in one another, and for how long [s].
-        ("knotted", "?"),
-        ("tangled", "f8"),
-        # Whether it is gone through now.
-        ("busy", "?"),
-        # Whom its arms are put around, or NOBODY.
+        ("self_penetrating", "?"),
+        ("tangled_time", "f8"),
+        # Whether contacts are solved for it now.
+        ("active", "?"),
+        # Owner around whom its arms are put, or NOBODY.
         ("embraces", "i8"),
-        # Whether it acts, and never sleeps; whether it sleeps; how long it has been watched [s],
-        # and how often it did not go far; how fast its fastest node is [m/s].
+        # Whether it acts, and never sleeps; whether it sleeps; time since rest was measured [s],
+        # and number of measurements without much movement; speed of its fastest node [m/s].
         ("acts", "?"),
         ("asleep", "?"),
-        ("watched", "f8"),
-        ("drowsy", "i8"),
+        ("watch_time", "f8"),
+        ("still_count", "i8"),
         ("speed", "f8"),
-        # The box around it, with its girth [m].
+        # Bounding box of its balls [m].
         ("low", "f8", 3),
         ("high", "f8", 3),
     ],
@@ -139,12 +156,11 @@ LIMB = np.dtype(
         # Lengths of its two links [m].
         ("upper", "f8"),
         ("lower", "f8"),
-        # Middle of the cone in which root to tip may lie, in the frame of the trunk, X forward;
-        # cosine of its half angle.
+        # Axis of the cone from root to tip, in the frame of the trunk, X forward; cosine of its
+        # half angle.
         ("middle", "f8", 3),
         ("cone", "f8"),
-        # Where the joint points when root to tip lies in the middle; how far aside it may, as a
-        # cosine and a sine.
+        # Direction of the joint for a limb along the axis; cosine and sine of its spread.
         ("bend", "f8", 3),
         ("spread", "f8", 2),
     ],
@@ -153,41 +169,35 @@ LIMB = np.dtype(
 """A limb of two links, whose joint bends one way."""
 
 
-class Crowd(NamedTuple):
-    """All characters. The columns of nodes have names of their own in Python, as `crowd.p`.
+class CharacterArrays(NamedTuple):
+    """All characters of a troupe.
 
     Attributes:
         nodes: (N,) `NODE`.
         links: (L,) `LINK`.
         middles: (M, 3) a node and the two that it is held between.
         limbs: (K,) `LIMB`.
-        pairs: (S, 2) links of one character that meet one another.
+        pairs: (S, 2) links of one character that may touch one another.
         grips: (G, 2) nodes that are held together, -1 for none.
         owners: (C,) `OWNER`.
     """
 
-    nodes: Structures
-    links: Structures
-    middles: Numbers
-    limbs: Structures
-    pairs: Numbers
-    grips: Numbers
-    owners: Structures
+    nodes: RecordArray
+    links: RecordArray
+    middles: IntArray
+    limbs: RecordArray
+    pairs: IntArray
+    grips: IntArray
+    owners: RecordArray
 
     @property
     def p(self) -> Array:
-        """(N, 3) nodes [m]."""
+        """(N, 3) positions of the nodes [m]."""
         result: Array = self.nodes["p"]
         return result
 
     @property
-    def before(self) -> Array:
-        """(N, 3) nodes one sub-step ago [m]."""
-        result: Array = self.nodes["before"]
-        return result
-
-    @property
-    def ends(self) -> Numbers:
-        """(L, 2) nodes of links."""
-        result: Numbers = self.links["ends"]
+    def previous(self) -> Array:
+        """(N, 3) positions of the nodes one sub-step ago [m]."""
+        result: Array = self.nodes["previous"]
         return result

@@ -1,4 +1,4 @@
-"""Body plan."""
+"""Body plan: what one character is made of, and the arrays of several."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from pipeline.simulation.characters.body_arrays import (
     NOBODY,
     NODE,
     OWNER,
-    Crowd,
-    Numbers,
-    Structures,
+    CharacterArrays,
+    IntArray,
+    RecordArray,
 )
 from pipeline.simulation.spatial import Array
 
@@ -25,40 +25,40 @@ class Link(NamedTuple):
 
     Attributes:
         ends: nodes.
-        girth: its radius, 0 if nothing touches it [m].
-        least: distance that its ends keep, None for that of the rest pose [m].
-        most: likewise.
+        radius: 0 of a link that cannot be touched [m].
+        shortest: least distance of the ends, None for that of the rest pose [m].
+        longest: likewise the greatest.
         damping: of one end against the other [1/s].
-        arm: whether it is one of an arm.
+        is_arm: whether it belongs to an arm.
     """
 
     ends: tuple[int, int]
-    girth: float = 0.0
-    least: float | None = None
-    most: float | None = None
+    radius: float = 0.0
+    shortest: float | None = None
+    longest: float | None = None
     damping: float = 0.0
-    arm: bool = False
+    is_arm: bool = False
 
 
-class Plan(NamedTuple):
-    """What one character is made of; nodes and links count from its own first.
+class BodyPlan(NamedTuple):
+    """The nodes and links of one character, numbered from its own first.
 
     Attributes:
-        rest: (n, 3) its nodes, standing at the origin, X forward, Y up, Z to the right [m].
-        mass: (n,) of them, infinite for those that stay [kg].
-        radius: (n,) [m].
-        links: its.
+        rest: (n, 3) nodes, standing at the origin, X forward, Y up, Z to the right [m].
+        mass: (n,) of the nodes, infinite for those that stay in place [kg].
+        radius: (n,) of the nodes [m].
+        links: its links.
         middles: a node, and the two that it is held between.
         limbs: (k,) `LIMB`.
-        pairs: its links that meet one another.
-        air: damping against the world [1/s].
-        ground: damping of what touches the ground [1/s].
+        pairs: its links that may touch one another.
+        air_damping: against the world [1/s].
+        ground_damping: of what touches the ground [1/s].
         friction: Coulomb's coefficient.
         bounciness: speed after / before an impact.
-        threshold: energy of a touch that hurts [J].
+        pain_threshold: energy of a touch that hurts [J].
         grips: how many things it can hold.
-        edge: radius of the edges of a box, whose nodes are its eight corners [m].
-        gliding: nodes that run on a level bearing.
+        edge_radius: of a box, whose nodes are its eight corners [m].
+        bearing_nodes: nodes that run on a level bearing.
     """
 
     rest: Array
@@ -66,116 +66,108 @@ class Plan(NamedTuple):
     radius: Array
     links: tuple[Link, ...]
     middles: tuple[tuple[int, int, int], ...] = ()
-    limbs: Structures = np.zeros(0, LIMB)
+    limbs: RecordArray = np.zeros(0, LIMB)
     pairs: tuple[tuple[int, int], ...] = ()
-    air: float = 0.2
-    ground: float = 6.0
+    air_damping: float = 0.2
+    ground_damping: float = 6.0
     friction: float = 0.6
     bounciness: float = 0.0
-    threshold: float = np.inf
+    pain_threshold: float = np.inf
     grips: int = 0
-    edge: float = 0.0
-    gliding: tuple[int, ...] = ()
+    edge_radius: float = 0.0
+    bearing_nodes: tuple[int, ...] = ()
 
 
-def crowd_of(plans: Sequence[Plan], places: Sequence[Array]) -> Crowd:
+def character_arrays(plans: Sequence[BodyPlan], places: Sequence[Array]) -> CharacterArrays:
     """Return the arrays of characters whose nodes (n, 3) are at `places`, at rest."""
-    firsts = _firsts([len(plan.rest) for plan in plans])
-    link_firsts = _firsts([len(plan.links) for plan in plans])
-    links = _links(plans, firsts)
-    limbs = [_moved(plan.limbs, a) for plan, a in zip(plans, firsts, strict=True)]
-    return Crowd(
+    node_starts = _starts([len(plan.rest) for plan in plans])
+    link_starts = _starts([len(plan.links) for plan in plans])
+    links = _links(plans, node_starts)
+    limbs = [plan.limbs.copy() for plan in plans]
+    for own, start in zip(limbs, node_starts, strict=True):
+        for name in ("root", "joint", "tip", "left", "right", "low", "high"):
+            own[name] += start
+    return CharacterArrays(
         nodes=_nodes(plans, places, links),
         links=links,
-        middles=_numbered([plan.middles for plan in plans], firsts, 3),
+        middles=_renumbered([plan.middles for plan in plans], node_starts, 3),
         limbs=np.concatenate([np.zeros(0, LIMB), *limbs]).view(np.recarray),
-        pairs=_numbered([plan.pairs for plan in plans], link_firsts, 2),
+        pairs=_renumbered([plan.pairs for plan in plans], link_starts, 2),
         grips=np.full((sum(plan.grips for plan in plans), 2), NOBODY),
-        owners=_owners(plans, firsts, link_firsts),
+        owners=_owners(plans, node_starts, link_starts),
     )
 
 
-def _nodes(plans: Sequence[Plan], places: Sequence[Array], links: Structures) -> Structures:
+def _nodes(plans: Sequence[BodyPlan], places: Sequence[Array], links: RecordArray) -> RecordArray:
     counts = [len(plan.rest) for plan in plans]
     nodes = np.zeros(sum(counts), NODE).view(np.recarray)
-    for name in ("p", "before", "place", "anchor"):
+    for name in ("p", "previous", "lock_place", "anchor"):
         nodes[name] = np.concatenate([np.zeros((0, 3)), *places])
     mass = np.concatenate([np.zeros(0), *(plan.mass for plan in plans)])
-    nodes["inverse_mass"] = nodes["give"] = 1.0 / mass
+    nodes["inverse_mass"] = nodes["mobility"] = 1.0 / mass
     nodes["radius"] = np.concatenate([np.zeros(0), *(plan.radius for plan in plans)])
-    nodes["air"] = np.repeat([plan.air for plan in plans], counts)
+    nodes["air_damping"] = np.repeat([plan.air_damping for plan in plans], counts)
     nodes["owner"] = np.repeat(np.arange(len(plans)), counts)
-    nodes["holds"] = NOBODY
-    for plan, first in zip(plans, _firsts(counts), strict=True):
-        nodes["glides"][[first + k for k in plan.gliding]] = True
-    nodes["link"] = _links_of(links["ends"], links["girth"], len(nodes))
+    nodes["grip_partner"] = NOBODY
+    for plan, start in zip(plans, _starts(counts), strict=True):
+        nodes["on_bearing"][[start + k for k in plan.bearing_nodes]] = True
+    # A node touches the ground as the last touchable link that ends there.
+    for at in (0, 1):
+        for n in np.flatnonzero(links["radius"] > 0.0):
+            nodes["ground_link"][links["ends"][n, at]] = n
     return nodes
 
 
-def _links(plans: Sequence[Plan], firsts: Numbers) -> Structures:
+def _links(plans: Sequence[BodyPlan], node_starts: IntArray) -> RecordArray:
     counts = [len(plan.links) for plan in plans]
     links = np.zeros(sum(counts), LINK).view(np.recarray)
-    each = [(plan, link) for plan in plans for link in plan.links]
-    links["ends"] = _numbered([[link.ends for link in plan.links] for plan in plans], firsts, 2)
-    links["reach"] = np.array([_reach(plan, link) for plan, link in each]).reshape(-1, 2)
-    links["girth"] = [link.girth for _, link in each]
-    links["damping"] = [link.damping for _, link in each]
-    links["arm"] = [link.arm for _, link in each]
+    planned = [(plan, link) for plan in plans for link in plan.links]
+    ends = [[link.ends for link in plan.links] for plan in plans]
+    links["ends"] = _renumbered(ends, node_starts, 2)
+    limits = [_length_limits(plan, link) for plan, link in planned]
+    links["length_limits"] = np.array(limits).reshape(-1, 2)
+    for name in ("radius", "damping", "is_arm"):
+        links[name] = [getattr(link, name) for _, link in planned]
     links["owner"] = np.repeat(np.arange(len(plans)), counts)
     links["touched"] = links["touched_owner"] = NOBODY
     links["age"] = np.inf
     return links
 
 
-def _links_of(ends: Numbers, girths: Array, count: int) -> Numbers:
-    """Return the link of each node: of those that are touched the last that ends there."""
-    found = np.zeros(count, dtype=np.int64)
-    for at in (0, 1):
-        for n, girth in enumerate(girths):
-            if girth > 0.0:
-                found[ends[n, at]] = n
-    return found
-
-
-def _owners(plans: Sequence[Plan], firsts: Numbers, link_firsts: Numbers) -> Structures:
+def _owners(plans: Sequence[BodyPlan], node_starts: IntArray, link_starts: IntArray) -> RecordArray:
     owners = np.zeros(len(plans), OWNER).view(np.recarray)
     spans = {
-        "nodes": (firsts, [len(plan.rest) for plan in plans]),
-        "links": (link_firsts, [len(plan.links) for plan in plans]),
+        "nodes": (node_starts, [len(plan.rest) for plan in plans]),
+        "links": (link_starts, [len(plan.links) for plan in plans]),
     }
     for name in ("middles", "limbs", "pairs"):
         counts = [len(getattr(plan, name)) for plan in plans]
-        spans[name] = _firsts(counts), counts
-    for name, (first, counts) in spans.items():
-        owners[name] = np.stack([first, counts], axis=1)
-    for name in ("friction", "bounciness", "ground", "threshold", "edge"):
+        spans[name] = _starts(counts), counts
+    for name, (starts, counts) in spans.items():
+        owners[name] = np.stack([starts, counts], axis=1)
+    for name in ("friction", "bounciness", "ground_damping", "pain_threshold", "edge_radius"):
         owners[name] = [getattr(plan, name) for plan in plans]
-    owners["glides"] = [bool(plan.gliding) for plan in plans]
+    owners["on_bearing"] = [bool(plan.bearing_nodes) for plan in plans]
     owners["embraces"] = NOBODY
     owners["mass"] = [plan.mass[np.isfinite(plan.mass)].sum() for plan in plans]
     return owners
 
 
-def _reach(plan: Plan, link: Link) -> tuple[float, float]:
-    apart = plan.rest[link.ends[0]] - plan.rest[link.ends[1]]
-    rest = float(np.sqrt((apart * apart).sum()))
-    least = rest if link.least is None else link.least
-    return least, rest if link.most is None else link.most
+def _length_limits(plan: BodyPlan, link: Link) -> tuple[float, float]:
+    offset = plan.rest[link.ends[0]] - plan.rest[link.ends[1]]
+    rest = float(np.sqrt((offset * offset).sum()))
+    shortest = rest if link.shortest is None else link.shortest
+    return shortest, rest if link.longest is None else link.longest
 
 
-def _moved(limbs: Structures, first: int) -> Structures:
-    moved = limbs.copy()
-    for name in ("root", "joint", "tip", "left", "right", "low", "high"):
-        moved[name] += first
-    return moved
-
-
-def _firsts(counts: Sequence[int]) -> Numbers:
+def _starts(counts: Sequence[int]) -> IntArray:
     ends = np.cumsum([0, *counts])
     return ends[:-1]
 
 
-def _numbered(rows: Sequence[Sequence[Sequence[int]]], firsts: Numbers, columns: int) -> Numbers:
-    """Return numbers of each character, counted from its first, as numbers of all."""
-    all_rows = [[k + a for k in row] for one, a in zip(rows, firsts, strict=True) for row in one]
+def _renumbered(
+    rows: Sequence[Sequence[Sequence[int]]], starts: IntArray, columns: int
+) -> IntArray:
+    """Return numbers counted from each character's first as numbers of all."""
+    all_rows = [[k + a for k in row] for own, a in zip(rows, starts, strict=True) for row in own]
     return np.array(all_rows, dtype=np.int64).reshape(-1, columns)

@@ -1,4 +1,18 @@
-"""Collision avoidance."""
+"""Collision avoidance: walkers step aside for people, and stop before solids.
+
+Each walker predicts the closest approach to others if both go on as they do, and turns away from
+it: the sooner it is the more, and to the right of those who come straight on. A person too near
+is kept off at once. Others are visited in order along x, so that a crowd costs little more than
+a few.
+
+Near a solid of another room a person goes on no faster towards it than the solid does, but past
+it as before. Light solids are walked into and pushed; the heavier they are, the more slowly. Feet
+that stand where a solid has come are moved out of it, and slide where something presses the leg.
+Solids below the ankle or above the head are ignored.
+
+Source: Horswill 2008, "Object approach" (repulsion with a curl, so that nobody is stuck head on;
+d_min there is compared with a squared distance); Reynolds 1999, unaligned collision avoidance.
+"""
 
 from __future__ import annotations
 
@@ -6,31 +20,29 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.characters.gait_timing import leg_of, speed_of
+from pipeline.simulation.characters.gait_timing import ground_speed, leg_length
 from pipeline.simulation.characters.person_record import FOOT as FEET
 from pipeline.simulation.characters.person_record import SITTING, STANCE
 from pipeline.simulation.characters.solid_arrays import Solids
-from pipeline.simulation.characters.solid_kinematics import FAR, gap_of, velocity_at
+from pipeline.simulation.characters.solid_kinematics import (
+    OUT_OF_REACH,
+    signed_distance,
+    velocity_at,
+)
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.vectors import Vector, minus, times, triple
 
-AHEAD = 2.2
-"""How far ahead others are looked at [s]."""
-
-SIGHT_RANGE = 4.5
-"""Those farther away are not seen [m]."""
-
-PERSONAL_SPACE = 0.36
-"""That somebody takes to both sides, in heights [m]."""
-
-SMOOTH = 0.08
-"""Share of what is wanted that is taken over in a step."""
+# Between people.
+PREDICTION_TIME = 2.2  # [s]
+SIGHT_RANGE = 4.5  # [m]
+PERSONAL_SPACE = 0.36  # to both sides, in heights
+SMOOTHING = 0.08  # share of the wanted sidestep taken over in a step
 
 
 @compiled
-def avoid(persons: Records) -> None:
-    """Choose for everybody how to step aside, once a step."""
+def avoid_people(persons: Records) -> None:
+    """Choose the sidestep of every person, once a step."""
     order = np.zeros(len(persons), dtype=np.int64)
     for i in range(len(persons)):
         n = i
@@ -39,175 +51,171 @@ def avoid(persons: Records) -> None:
             n -= 1
         order[n] = i
     for n in range(len(order)):
-        one = persons[order[n]]
-        if not one.goes:
-            one.aside[0], one.aside[1] = 0.0, 0.0
+        person = persons[order[n]]
+        if not person.has_goal:
+            person.sidestep[0], person.sidestep[1] = 0.0, 0.0
             continue
         x = z = 0.0
-        for way in (-1, 1):
-            m = n + way
+        for direction in (-1, 1):
+            m = n + direction
             while 0 <= m < len(order):
                 other = persons[order[m]]
-                if abs(other.at[0] - one.at[0]) > SIGHT_RANGE:
+                if abs(other.at[0] - person.at[0]) > SIGHT_RANGE:
                     break
-                if other.owner != one.partner:
-                    dx, dz = _away(one, other)
-                    x, z = x + dx, z + dz
-                m += way
-        _turn_aside(one, x, z)
+                if other.owner != person.partner:
+                    push_x, push_z = _repulsion(person, other)
+                    x, z = x + push_x, z + push_z
+                m += direction
+        _blend_sidestep(person, x, z)
 
 
 @compiled
-def _turn_aside(person: Record, x: float, z: float) -> None:
-    """Take over part of a velocity that leads aside."""
+def _blend_sidestep(person: Record, x: float, z: float) -> None:
     size = math.hypot(x, z)
-    most = 0.8 * person.pace
-    if size > most:
-        x, z = x * most / size, z * most / size
-    person.aside[0] += SMOOTH * (x - person.aside[0])
-    person.aside[1] += SMOOTH * (z - person.aside[1])
+    limit = 0.8 * person.pace
+    if size > limit:
+        x, z = x * limit / size, z * limit / size
+    person.sidestep[0] += SMOOTHING * (x - person.sidestep[0])
+    person.sidestep[1] += SMOOTHING * (z - person.sidestep[1])
 
 
 @compiled
-def _away(one: Record, other: Record) -> tuple[float, float]:
-    """Return the velocity with which one keeps off another [m/s]."""
+def _repulsion(one: Record, other: Record) -> tuple[float, float]:
+    """Return the velocity with which one person keeps off another [m/s]."""
     x, z = other.at[0] - one.at[0], other.at[1] - one.at[1]
-    apart = math.hypot(x, z)
-    if apart > SIGHT_RANGE or apart < 1e-9:
+    distance = math.hypot(x, z)
+    if distance > SIGHT_RANGE or distance < 1e-9:
         return 0.0, 0.0
-    room = 0.5 * PERSONAL_SPACE * (one.height + other.height)
+    space = 0.5 * PERSONAL_SPACE * (one.height + other.height)
     if other.posture == SITTING:
-        room *= 1.4
-    u, w = other.going[0] - one.going[0], other.going[1] - one.going[1]
-    quick = u * u + w * w
-    when = 0.0 if quick < 1e-6 else min(max(-(x * u + z * w) / quick, 0.0), AHEAD)
-    near_x, near_z = x + u * when, z + w * when
-    near = math.hypot(near_x, near_z)
+        space *= 1.4
+    rel_x, rel_z = other.velocity[0] - one.velocity[0], other.velocity[1] - one.velocity[1]
+    speed_squared = rel_x * rel_x + rel_z * rel_z
+    time = (
+        0.0
+        if speed_squared < 1e-6
+        else min(max(-(x * rel_x + z * rel_z) / speed_squared, 0.0), PREDICTION_TIME)
+    )
+    near_x, near_z = x + rel_x * time, z + rel_z * time
+    closest = math.hypot(near_x, near_z)
     push_x = push_z = 0.0
-    if when > 0.0 and near < 1.5 * room:
-        # Across its own way, to the side on which the other will not be.
-        speed = max(speed_of(one), 1e-6)
-        right_x, right_z = -one.going[1] / speed, one.going[0] / speed
+    if time > 0.0 and closest < 1.5 * space:
+        # Across the own way, to the side on which the other will not be.
+        speed = max(ground_speed(one), 1e-6)
+        right_x, right_z = -one.velocity[1] / speed, one.velocity[0] / speed
         side = near_x * right_x + near_z * right_z
-        turn = -1.0 if side > 0.15 * room else 1.0
-        much = one.pace * (1.0 - when / AHEAD) * (1.0 - near / (1.5 * room)) * 1.6
-        push_x, push_z = turn * much * right_x, turn * much * right_z
-    if apart < 1.25 * room:
-        much = math.sqrt(GRAVITY * leg_of(one)) * 0.5 * (1.25 * room - apart) / room
-        push_x, push_z = push_x - much * x / apart, push_z - much * z / apart
+        turn = -1.0 if side > 0.15 * space else 1.0
+        amount = one.pace * (1.0 - time / PREDICTION_TIME) * (1.0 - closest / (1.5 * space)) * 1.6
+        push_x, push_z = turn * amount * right_x, turn * amount * right_z
+    if distance < 1.25 * space:
+        amount = math.sqrt(GRAVITY * leg_length(one)) * 0.5 * (1.25 * space - distance) / space
+        push_x, push_z = push_x - amount * x / distance, push_z - amount * z / distance
     return push_x, push_z
 
 
-LEVELS = (0.07, 0.28, 0.53, 0.8)
-"""Heights at which people look for solids, in theirs: ankle, knee, pelvis, chest."""
-
-STANDOFF, SLOWS = 0.15, 4.0
-"""How far the middle of a body is kept off, in heights; how fast it may come nearer by the
-distance that is left [1/s]."""
-
-LIGHT, HEAVY = 0.25, 1.0
-"""Masses of what nobody is slowed by and of what nobody pushes, in theirs."""
-
-FOOT, SLIDES = 0.05, 1.5
-"""How far an ankle is kept off, in heights; how fast one that stands is moved out [m/s]."""
-
-STEEP = 0.7
-"""Cosine of the least angle to the level of what bars the way, as up or down its way out leads."""
+# Before solids of other rooms. Distances in heights, masses in those of the person.
+PROBE_LEVELS = (0.07, 0.28, 0.53, 0.8)  # ankle, knee, pelvis, chest
+STANDOFF = 0.15  # of the middle of the body
+APPROACH_RATE = 4.0  # speed of approach by the distance that is left [1/s]
+LIGHT_MASS, HEAVY_MASS = 0.25, 1.0  # of solids that slow nobody; that nobody pushes
+FOOT_CLEARANCE = 0.05  # of an ankle
+SLIDE_SPEED = 1.5  # of a stance foot that is moved out [m/s]
+STEEP_COSINE = 0.7  # of the least angle to the level of a way out that bars the way
 
 
 @compiled
-def hold_back(person: Record, mass: float, solids: Solids, h: float) -> None:
-    """Take out of the way of one who walks what leads into solids, for a sub-step of `h` [s]."""
+def stop_before_solids(person: Record, mass: float, solids: Solids, h: float) -> None:
+    """Take out of a walker's velocity what leads into solids, for a sub-step of `h` [s]."""
     if person.frozen:
         return
     for s in range(len(solids.bodies)):
         solid = solids.bodies[s]
-        if solid.here and _is_near(person, solid):
-            _slow(person, mass, solids, s)
-            if _bars(solid, mass) > 0.0:
-                _clear(person, solids, s, h)
+        if solid.is_present and _is_near(person, solid):
+            _limit_approach(person, mass, solids, s)
+            if _obstruction(solid, mass) > 0.0:
+                _clear_feet(person, solids, s, h)
 
 
 @compiled
-def slide(person: Record, nodes: Records, h: float) -> None:
-    """Let feet that stand give way to whoever presses them, for a sub-step of `h` [s]."""
+def slide_feet(person: Record, nodes: Records, h: float) -> None:
+    """Let stance feet give way to contacts, for a sub-step of `h` [s]."""
     for k in range(2):
-        if person.doing[k] == STANCE:
-            pressed = nodes[person.node + FEET + k].pressed
-            far = math.hypot(pressed[0], pressed[2])
-            share = min(SLIDES * h / max(far, 1e-9), 1.0)
-            person.stood[k, 0] += share * pressed[0]
-            person.stood[k, 2] += share * pressed[2]
+        if person.foot_state[k] == STANCE:
+            push = nodes[person.node + FEET + k].contact_push
+            distance = math.hypot(push[0], push[2])
+            share = min(SLIDE_SPEED * h / max(distance, 1e-9), 1.0)
+            person.stance_place[k, 0] += share * push[0]
+            person.stance_place[k, 2] += share * push[2]
 
 
 @inlined
 def _is_near(person: Record, solid: Record) -> bool:
     reach = 0.5 * person.height
-    near: bool = (
+    is_near: bool = (
         solid.low[0] - reach < person.at[0] < solid.high[0] + reach
         and solid.low[2] - reach < person.at[1] < solid.high[2] + reach
-        and solid.high[1] > person.floor + LEVELS[0] * person.height
+        and solid.high[1] > person.floor + PROBE_LEVELS[0] * person.height
         and solid.low[1] < person.floor + person.height
     )
-    return near
+    return is_near
 
 
 @inlined
-def _bars(solid: Record, mass: float) -> float:
-    """Return how much of the way somebody of a mass has to a solid it bars, from 0 to 1."""
+def _obstruction(solid: Record, mass: float) -> float:
+    """Return the fraction of a person's velocity into a solid that it stops, 0 to 1."""
     if solid.inverse_mass == 0.0:
         return 1.0
-    share: float = (1.0 / (solid.inverse_mass * mass) - LIGHT) / (HEAVY - LIGHT)
+    share: float = (1.0 / (solid.inverse_mass * mass) - LIGHT_MASS) / (HEAVY_MASS - LIGHT_MASS)
     return min(max(share, 0.0), 1.0)
 
 
 @compiled
-def _slow(person: Record, mass: float, solids: Solids, s: int) -> None:
-    """Let somebody go on no faster into a solid than it goes."""
-    solid, bars = solids.bodies[s], _bars(solids.bodies[s], mass)
-    if bars == 0.0:
+def _limit_approach(person: Record, mass: float, solids: Solids, s: int) -> None:
+    """Limit the speed of approach to a solid."""
+    solid, obstruction = solids.bodies[s], _obstruction(solids.bodies[s], mass)
+    if obstruction == 0.0:
         return
-    least, normal, where = FAR, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
-    for level in LEVELS:
-        at = (person.at[0], person.floor + level * person.height, person.at[1])
-        gap, way = gap_of(solids, s, at, 0.5 * person.height)
-        if gap < least and abs(way[1]) < STEEP:
-            least, normal, where = gap, way, minus(at, times(gap, way))
-    if least == FAR:
+    closest, normal, place = OUT_OF_REACH, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
+    for probe in PROBE_LEVELS:
+        at = (person.at[0], person.floor + probe * person.height, person.at[1])
+        gap, outward = signed_distance(solids, s, at, 0.5 * person.height)
+        if gap < closest and abs(outward[1]) < STEEP_COSINE:
+            closest, normal, place = gap, outward, minus(at, times(gap, outward))
+    if closest == OUT_OF_REACH:
         return
     size = math.hypot(normal[0], normal[2])
     x, z = normal[0] / size, normal[2] / size
-    v = velocity_at(solid, minus(where, triple(solid.p)))
-    towards = (person.going[0] - v[0]) * x + (person.going[1] - v[2]) * z
-    left = max(least - STANDOFF * person.height, 0.0)
-    most = SLOWS * left + (1.0 - bars) * person.pace
-    if -towards > most:
-        more = -towards - most
-        person.going[0] += more * x
-        person.going[1] += more * z
+    v = velocity_at(solid, minus(place, triple(solid.p)))
+    towards = (person.velocity[0] - v[0]) * x + (person.velocity[1] - v[2]) * z
+    distance = max(closest - STANDOFF * person.height, 0.0)
+    limit = APPROACH_RATE * distance + (1.0 - obstruction) * person.pace
+    if -towards > limit:
+        excess = -towards - limit
+        person.velocity[0] += excess * x
+        person.velocity[1] += excess * z
 
 
 @compiled
-def _clear(person: Record, solids: Solids, s: int, h: float) -> None:
-    """Move a foot that stands in a solid out of it, and land one that swings beside it."""
-    room = FOOT * person.height
+def _clear_feet(person: Record, solids: Solids, s: int, h: float) -> None:
+    """Move a stance foot out of a solid, and the landing place of a swing foot beside it."""
+    clearance = FOOT_CLEARANCE * person.height
     for k in range(2):
-        if person.doing[k] == STANCE:
-            x, z, deep = _out(solids, s, triple(person.stood[k]), room)
-            deep = min(deep, SLIDES * h)
-            person.stood[k, 0] += deep * x
-            person.stood[k, 2] += deep * z
+        if person.foot_state[k] == STANCE:
+            x, z, depth = _way_out(solids, s, triple(person.stance_place[k]), clearance)
+            depth = min(depth, SLIDE_SPEED * h)
+            person.stance_place[k, 0] += depth * x
+            person.stance_place[k, 2] += depth * z
         else:
-            x, z, deep = _out(solids, s, triple(person.land[k]), room)
-            person.land[k, 0] += deep * x
-            person.land[k, 2] += deep * z
+            x, z, depth = _way_out(solids, s, triple(person.landing_place[k]), clearance)
+            person.landing_place[k, 0] += depth * x
+            person.landing_place[k, 2] += depth * z
 
 
 @inlined
-def _out(solids: Solids, s: int, at: Vector, room: float) -> tuple[float, float, float]:
-    """Return the level way out of a solid, and how far a foot has to go along it [m]."""
-    gap, normal = gap_of(solids, s, at, room)
+def _way_out(solids: Solids, s: int, at: Vector, clearance: float) -> tuple[float, float, float]:
+    """Return the level way out of a solid, and the distance along it [m]."""
+    gap, normal = signed_distance(solids, s, at, clearance)
     size = math.hypot(normal[0], normal[2])
-    if gap >= room or abs(normal[1]) >= STEEP:
+    if gap >= clearance or abs(normal[1]) >= STEEP_COSINE:
         return 0.0, 0.0, 0.0
-    return normal[0] / size, normal[2] / size, room - gap
+    return normal[0] / size, normal[2] / size, clearance - gap

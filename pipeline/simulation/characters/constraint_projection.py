@@ -1,190 +1,193 @@
-"""Constraint projection."""
+"""Constraint projection: links get their lengths and middle nodes their places.
+
+Each end of a link moves by its share of the inverse masses: the halves of Horswill 2008
+conserve momentum for equal masses alone. The offset printed there, p_i - p_i, is p_i - p_j.
+
+Source: Horswill 2008, "Kinematic constraints"; Jakobsen 2001.
+"""
 
 from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.body_arrays import Numbers
-from pipeline.simulation.characters.limb_limits import settle, straighten
+from pipeline.simulation.characters.body_arrays import IntArray
+from pipeline.simulation.characters.limb_limits import limit_limb, place_joint
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import length, minus, triple
 
-ENOUGH = 2e-3
-"""Part of its length that a link may be off when no more is done."""
-
-MOST = 40
-"""Times that all links of a character are gone through, at most."""
-
-DRAWS = 1.0
-"""How fast a hand and what it has closed around come together [m/s]."""
-
-FAST = 5e-4
-"""How far from one another they are when no more is done [m]."""
+LENGTH_TOLERANCE = 2e-3  # relative error of a link at which iteration stops
+MAX_ITERATIONS = 40
+GRIP_CLOSING_SPEED = 1.0  # at which a hand and what it grips come together [m/s]
+GRIP_TOLERANCE = 5e-4  # [m]
 
 
 @inlined
-def project(
-    nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record
+def project_constraints(
+    nodes: Records, links: Records, middles: IntArray, limbs: Records, owner: Record
 ) -> float:
-    """Move the nodes of one character nearer to where its links have their lengths.
+    """Project the links, middles and joint limits of one character once.
 
     Returns:
-        How much the worst was off, as a part of its length.
+        The largest relative error of a length before.
     """
     first = owner.links[0]
-    worst = 0.0
+    largest = 0.0
     for n in range(first, first + owner.links[1]):
         link = links[n]
-        worst = max(worst, _link(nodes[link.ends[0]], nodes[link.ends[1]], link))
+        largest = max(largest, _project_link(nodes[link.ends[0]], nodes[link.ends[1]], link))
     first = owner.middles[0]
     for n in range(first, first + owner.middles[1]):
         m, i, j = middles[n, 0], middles[n, 1], middles[n, 2]
-        worst = max(worst, _middle(nodes[m], nodes[i], nodes[j]))
+        largest = max(largest, _project_middle(nodes[m], nodes[i], nodes[j]))
     first = owner.limbs[0]
     for n in range(first, first + owner.limbs[1]):
-        straighten(nodes, limbs[n])
-    if owner.glides:
+        limit_limb(nodes, limbs[n])
+    if owner.on_bearing:
         for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
-            if nodes[i].glides:
-                nodes[i].p[1] = nodes[i].before[1] = nodes[i].place[1]
-    return worst
+            if nodes[i].on_bearing:
+                nodes[i].p[1] = nodes[i].previous[1] = nodes[i].lock_place[1]
+    return largest
 
 
 @inlined
-def finish(nodes: Records, links: Records, middles: Numbers, limbs: Records, owner: Record) -> None:
-    """Go on with one character until nobody sees that its links are off; then set its joints."""
-    for _ in range(MOST):
-        if project(nodes, links, middles, limbs, owner) <= ENOUGH:
+def finish_constraints(
+    nodes: Records, links: Records, middles: IntArray, limbs: Records, owner: Record
+) -> None:
+    """Iterate the constraints of one character to tolerance, then set its joints."""
+    for _ in range(MAX_ITERATIONS):
+        if project_constraints(nodes, links, middles, limbs, owner) <= LENGTH_TOLERANCE:
             break
     _set_joints(nodes, limbs, owner)
 
 
 @inlined
-def draw_in(nodes: Records, grips: Numbers, h: float) -> None:
-    """Let hands and what they close around come nearer: it is drawn in, and not snatched."""
+def close_grips(nodes: Records, grips: IntArray, h: float) -> None:
+    """Let gripped nodes approach their hands gradually."""
     for n in range(len(grips)):
         if grips[n, 0] >= 0:
             node = nodes[grips[n, 0]]
-            node.gap = max(node.gap - DRAWS * h, 0.0)
+            node.grip_gap = max(node.grip_gap - GRIP_CLOSING_SPEED * h, 0.0)
 
 
 @inlined
-def hold(nodes: Records, grips: Numbers) -> float:
-    """Bring together nodes that are held together: links of length zero.
+def project_grips(nodes: Records, grips: IntArray) -> float:
+    """Bring together nodes held by a grip: links of length zero.
 
     Returns:
-        How far apart the worst were that should not be [m].
+        The largest excess distance before [m].
     """
-    worst = 0.0
+    largest = 0.0
     for n in range(len(grips)):
         if grips[n, 0] < 0 or grips[n, 1] < 0:
             continue
         one, other = nodes[grips[n, 0]], nodes[grips[n, 1]]
-        weight = one.give + other.give
-        apart = length(minus(triple(one.p), triple(other.p)))
-        if apart <= one.gap or weight == 0.0:
+        mobility = one.mobility + other.mobility
+        distance = length(minus(triple(one.p), triple(other.p)))
+        if distance <= one.grip_gap or mobility == 0.0:
             continue
-        worst = max(worst, apart - one.gap)
-        share = (apart - one.gap) / (apart * weight)
+        largest = max(largest, distance - one.grip_gap)
+        share = (distance - one.grip_gap) / (distance * mobility)
         for k in range(3):
             move = share * (one.p[k] - other.p[k])
-            one.p[k] -= one.give * move
-            other.p[k] += other.give * move
-    return worst
+            one.p[k] -= one.mobility * move
+            other.p[k] += other.mobility * move
+    return largest
 
 
 @inlined
-def hold_fast(
+def finish_grips(
     nodes: Records,
     links: Records,
-    middles: Numbers,
+    middles: IntArray,
     limbs: Records,
     owners: Records,
-    grips: Numbers,
+    grips: IntArray,
 ) -> None:
-    """Go on with those who hold, and what they hold, until nobody sees a gap."""
-    if not _find_who_hold(nodes, owners, grips):
+    """Iterate all characters that hold or are held, with their grips, to tolerance."""
+    if not _activate_gripping(nodes, owners, grips):
         return
-    for _ in range(MOST):
-        worst = 0.0
+    for _ in range(MAX_ITERATIONS):
+        largest = 0.0
         for c in range(len(owners)):
-            if owners[c].busy:
-                worst = max(worst, project(nodes, links, middles, limbs, owners[c]))
-        if hold(nodes, grips) <= FAST and worst <= ENOUGH:
+            if owners[c].active:
+                largest = max(largest, project_constraints(nodes, links, middles, limbs, owners[c]))
+        if project_grips(nodes, grips) <= GRIP_TOLERANCE and largest <= LENGTH_TOLERANCE:
             break
     for c in range(len(owners)):
-        if owners[c].busy:
+        if owners[c].active:
             _set_joints(nodes, limbs, owners[c])
 
 
 @inlined
-def _find_who_hold(nodes: Records, owners: Records, grips: Numbers) -> bool:
-    """Choose those who hold or are held to be gone through; tell whether there are any."""
-    some = False
+def _activate_gripping(nodes: Records, owners: Records, grips: IntArray) -> bool:
+    """Mark characters that hold or are held active; tell whether there are any."""
+    found = False
     for c in range(len(owners)):
-        owners[c].busy = False
+        owners[c].active = False
     for n in range(len(grips)):
         if grips[n, 0] >= 0 and grips[n, 1] >= 0:
-            some = True
+            found = True
             for k in range(2):
-                owners[nodes[grips[n, k]].owner].busy = True
-    return some
+                owners[nodes[grips[n, k]].owner].active = True
+    return found
 
 
 @inlined
 def _set_joints(nodes: Records, limbs: Records, owner: Record) -> None:
-    """Put all joints of one character where they belong."""
     first = owner.limbs[0]
     for n in range(first, first + owner.limbs[1]):
-        settle(nodes, limbs[n])
+        place_joint(nodes, limbs[n])
 
 
 @inlined
-def are_held(nodes: Records, one: Record, other: Record) -> bool:
-    """Tell whether one of two links is held at one of its ends by whose the other is."""
+def is_gripped(nodes: Records, one: Record, other: Record) -> bool:
+    """Tell whether the character of one link grips an end of the other."""
     for k in range(2):
-        if nodes[one.ends[k]].holds == other.owner or nodes[other.ends[k]].holds == one.owner:
+        if (
+            nodes[one.ends[k]].grip_partner == other.owner
+            or nodes[other.ends[k]].grip_partner == one.owner
+        ):
             return True
     return False
 
 
 @inlined
-def _link(one: Record, other: Record, link: Record) -> float:
-    """Move the ends of a link; return how much it was off, as a part of its length."""
+def _project_link(one: Record, other: Record, link: Record) -> float:
+    """Move the ends of a link; return its relative error."""
     p, q = one.p, other.p
     x, y, z = p[0] - q[0], p[1] - q[1], p[2] - q[2]
     squared = x * x + y * y + z * z
-    least, most = link.reach[0], link.reach[1]
-    weight = one.give + other.give
-    if least * least <= squared <= most * most or weight == 0.0 or squared == 0.0:
+    shortest, longest = link.length_limits[0], link.length_limits[1]
+    mobility = one.mobility + other.mobility
+    if shortest * shortest <= squared <= longest * longest or mobility == 0.0 or squared == 0.0:
         return 0.0
-    apart = math.sqrt(squared)
-    wanted = least if apart < least else most
-    share = (apart - wanted) / (apart * weight)
-    a, b = share * one.give, share * other.give
+    distance = math.sqrt(squared)
+    wanted = shortest if distance < shortest else longest
+    share = (distance - wanted) / (distance * mobility)
+    a, b = share * one.mobility, share * other.mobility
     p[0] -= a * x
     p[1] -= a * y
     p[2] -= a * z
     q[0] += b * x
     q[1] += b * y
     q[2] += b * z
-    # What only limits may be off a little more: nobody sees it.
-    off: float = abs(apart - wanted) / wanted
-    return off if least == most else 0.2 * off
+    # Limits may be off a little more, unseen.
+    error: float = abs(distance - wanted) / wanted
+    return error if shortest == longest else 0.2 * error
 
 
 @inlined
-def _middle(middle: Record, one: Record, other: Record) -> float:
-    """Move three nodes so that one is in the middle of two; return how far it was."""
-    weight = middle.give + 0.25 * (one.give + other.give)
-    if weight == 0.0:
+def _project_middle(middle: Record, one: Record, other: Record) -> float:
+    """Move a node midway between two others; return its distance from there."""
+    mobility = middle.mobility + 0.25 * (one.mobility + other.mobility)
+    if mobility == 0.0:
         return 0.0
     squared = 0.0
     for k in range(3):
-        apart = middle.p[k] - 0.5 * (one.p[k] + other.p[k])
-        squared += apart * apart
-        apart /= weight
-        middle.p[k] -= middle.give * apart
-        one.p[k] += 0.5 * one.give * apart
-        other.p[k] += 0.5 * other.give * apart
+        offset = middle.p[k] - 0.5 * (one.p[k] + other.p[k])
+        squared += offset * offset
+        offset /= mobility
+        middle.p[k] -= middle.mobility * offset
+        one.p[k] += 0.5 * one.mobility * offset
+        other.p[k] += 0.5 * other.mobility * offset
     return math.sqrt(squared)

@@ -1,4 +1,12 @@
-"""Gait timing."""
+"""Gait timing: stride rate and duty factor by speed, the gait clock, and smooth motions.
+
+Speeds are compared by their Froude number as fractions of √(g l) for a leg of length l: people
+of any size walk alike at equal fractions, and run above about 0.7.
+
+Source: Grieve and Gear 1966 (the stride rate grows with speed to the power 0.57); Alexander 1989
+(dynamic similarity; the transition from walking to running); Heglund and Taylor 1988 (runners
+lengthen their strides and hardly quicken them).
+"""
 
 from __future__ import annotations
 
@@ -9,102 +17,103 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 
 
 @compiled
-def sprung(x: float, rate: float, target: float, quick: float, dt: float) -> tuple[float, float]:
-    """Return where something is after `dt`, and its rate.
+def spring_step(
+    x: float, rate: float, target: float, omega: float, dt: float
+) -> tuple[float, float]:
+    """Return position and rate of a critically damped spring after `dt`.
+
+    Each sub-step is exact, so the motion never overshoots, and the target may change on the way
+    without a jerk.
 
     Args:
-        x: where it is.
+        x: position.
         rate: of x.
-        target: where it goes to.
-        quick: ω; it is there after about 5/ω [rad/s].
+        target: where the spring rests.
+        omega: settled after about 5/ω [rad/s].
         dt: [s].
     """
-    away = x - target
-    both = rate + quick * away
-    decay = math.exp(-quick * dt)
-    return target + (away + both * dt) * decay, (rate - quick * both * dt) * decay
+    offset = x - target
+    slope = rate + omega * offset
+    decay = math.exp(-omega * dt)
+    return target + (offset + slope * dt) * decay, (rate - omega * slope * dt) * decay
 
 
-RATE, POWER = 0.4512, 0.57
-"""Of strides: 115 steps a minute at 1.4 m/s for a leg of 0.91 m, as grown-ups have."""
-
-SLOWEST = 0.15
-"""Speed below which steps become shorter and not rarer, as a part of √(g l)."""
-
-RUN, BLEND = 0.68, 0.16
-"""Where running begins, and over what span of speed it takes over from walking."""
-
-RUN_RATE = 0.395
-"""Strides of those who run, as a part of √(g / l)."""
+STRIDE_RATE = 0.4512  # in √(g / l): 115 steps a minute at 1.4 m/s for an adult leg of 0.91 m
+STRIDE_RATE_POWER = 0.57
+SLOWEST_FROUDE = 0.15  # below this speed steps get shorter, not rarer
+RUN_FROUDE, RUN_BLEND = 0.68, 0.16  # where running starts, and the span of its blend
+RUN_STRIDE_RATE = 0.395  # of runners, in √(g / l)
 
 
 @compiled
-def relative(speed: float, leg: float) -> float:
-    """Return a speed as a part of √(g l)."""
+def froude(speed: float, leg: float) -> float:
+    """Return a speed as a fraction of √(g l)."""
     return speed / math.sqrt(GRAVITY * leg)
 
 
 @compiled
-def eased(x: float) -> float:
-    """Go from 0 to 1 as x does, beginning and ending level."""
+def smoothstep(x: float) -> float:
+    """Return the smoothstep of x clamped to 0 to 1."""
     x = min(max(x, 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)
 
 
 @compiled
-def running(speed: float, leg: float) -> float:
-    """Return how much of a run it is, 0 to 1."""
-    return eased((relative(speed, leg) - RUN) / BLEND)
+def run_blend(speed: float, leg: float) -> float:
+    """Return the blend from walking to running, 0 to 1."""
+    return smoothstep((froude(speed, leg) - RUN_FROUDE) / RUN_BLEND)
 
 
 @compiled
 def stride_rate(speed: float, leg: float) -> float:
-    """Return cycles a second, two steps each."""
-    slow = max(relative(speed, leg), SLOWEST)
-    run = running(speed, leg)
-    own = (1.0 - run) * RATE * math.pow(slow, POWER) + run * (RUN_RATE + 0.03 * (slow - RUN))
-    return own * math.sqrt(GRAVITY / leg)
+    """Return the gait cycles per second, two steps each."""
+    froude_number = max(froude(speed, leg), SLOWEST_FROUDE)
+    running = run_blend(speed, leg)
+    rate = (1.0 - running) * STRIDE_RATE * math.pow(froude_number, STRIDE_RATE_POWER) + running * (
+        RUN_STRIDE_RATE + 0.03 * (froude_number - RUN_FROUDE)
+    )
+    return rate * math.sqrt(GRAVITY / leg)
 
 
 @compiled
-def duty(speed: float, leg: float) -> float:
-    """Return for which part of a cycle a foot stands; below one half there is flight."""
-    slow = relative(speed, leg)
-    run = running(speed, leg)
-    walk = 0.72 - 0.21 * min(slow, 0.75)
-    return (1.0 - run) * walk + run * max(0.46 - 0.09 * slow, 0.28)
+def duty_factor(speed: float, leg: float) -> float:
+    """Return the stance fraction of a cycle; below one half there is flight."""
+    froude_number = froude(speed, leg)
+    running = run_blend(speed, leg)
+    walk = 0.72 - 0.21 * min(froude_number, 0.75)
+    return (1.0 - running) * walk + running * max(0.46 - 0.09 * froude_number, 0.28)
 
 
 @compiled
-def leg_of(person: Record) -> float:
-    """Return the height of the hips, which is the length of a leg [m]."""
+def leg_length(person: Record) -> float:
+    """Return the leg length, which is the height of the hips [m]."""
     height: float = person.hip_height
     return height
 
 
 @compiled
-def speed_of(person: Record) -> float:
-    """Return how fast somebody goes over the ground [m/s]."""
-    return math.hypot(person.going[0], person.going[1])
+def ground_speed(person: Record) -> float:
+    """Return the speed over the ground [m/s]."""
+    return math.hypot(person.velocity[0], person.velocity[1])
 
 
 @compiled
-def wrapped(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """Return an angle in (-π, π]."""
     return angle - 2.0 * math.pi * math.ceil((angle - math.pi) / (2.0 * math.pi))
 
 
 @compiled
-def pace_of(person: Record) -> tuple[float, float]:
-    """Return cycles a second, and the part of a cycle for which a foot stands."""
-    leg = leg_of(person)
-    speed = speed_of(person)
-    # Who turns or is pushed steps as briskly as one who walks slowly.
-    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), duty(speed, leg)
+def gait_pace(person: Record) -> tuple[float, float]:
+    """Return cycles per second and the stance fraction of a cycle."""
+    leg = leg_length(person)
+    speed = ground_speed(person)
+    # A person who turns or is pushed steps as briskly as a slow walker.
+    return max(stride_rate(speed, leg), 0.29 * math.sqrt(GRAVITY / leg)), duty_factor(speed, leg)
 
 
 @compiled
-def cycle_of(person: Record, k: int) -> float:
-    """Return where a leg is in its own cycle: 0 when its foot may leave the ground."""
-    at: float = (person.phase + 0.5 * k) % 1.0
-    return at
+def leg_phase(person: Record, k: int) -> float:
+    """Return the phase of a leg in its own cycle: 0 when its foot may leave the ground."""
+    phase: float = (person.phase + 0.5 * k) % 1.0
+    return phase

@@ -1,199 +1,202 @@
-"""Motor control."""
+"""Motor control: what people do with their nodes before each sub-step.
+
+Feet that stand are locked on the ground, swinging feet are given the velocity along their line.
+All other nodes are drawn to their targets by critically damped springs, slackened by blows;
+gravity is taken off those who hold themselves, for a spring alone would let them sag.
+
+Source: Horswill 2008, "Low-level character control", "Limb control" and "Node control" (by
+velocity, by acceleration, and locked in place). Loops there are proportional, and the damping of
+nodes keeps them from swinging; here they damp themselves, so that they hold at any rate of
+sub-steps. Heads there turn at once.
+"""
 
 from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.biped_gait import tread
-from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, Crowd
-from pipeline.simulation.characters.collision_avoidance import avoid, hold_back, slide
-from pipeline.simulation.characters.gait_timing import sprung, wrapped
-from pipeline.simulation.characters.limb_posture import hold_arms, hold_legs, stoop
-from pipeline.simulation.characters.pelvis_motion import halt, lead, sit
+from pipeline.simulation.characters.biped_gait import advance_feet
+from pipeline.simulation.characters.body_arrays import FREE, LOCKED, SOLID, CharacterArrays
+from pipeline.simulation.characters.collision_avoidance import (
+    avoid_people,
+    slide_feet,
+    stop_before_solids,
+)
+from pipeline.simulation.characters.gait_timing import spring_step, wrap_angle
+from pipeline.simulation.characters.limb_posture import advance_stoop, hold_arms, hold_legs
+from pipeline.simulation.characters.pelvis_motion import advance_sitting, halt, lead_pelvis
 from pipeline.simulation.characters.person_record import (
-    COUNT,
     ELBOW,
     FOOT,
     HAND,
     HEAD,
+    NODE_COUNT,
     PELVIS,
     STANCE,
 )
 from pipeline.simulation.characters.solid_arrays import Solids
-from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch
+from pipeline.simulation.characters.trunk_posture import hold_trunk, stretch_chest
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import Grid
+from pipeline.simulation.dynamics.terrain_grid import Grid
 
-STUNS = 0.5
-"""Energy of a blow after which muscles are quite slack, for each kilogram of the body [J/kg]."""
-
-LEAST = 0.25
-"""Of that, what a body takes without a change."""
-
-RECOVERS = 2.2
-"""How quickly they are not any more [1/s]."""
-
-KNOCK, KNOCKED = 0.5, 1.5
-"""Speed of the pelvis against where it is led: what nobody minds, and what leaves nobody upright
-[m/s]."""
+# Blows slacken muscles.
+STUN_ENERGY = 0.5  # of a blow that leaves muscles quite slack, per kilogram of the body [J/kg]
+STUN_THRESHOLD = 0.25  # fraction of it without effect
+STUN_RECOVERY_RATE = 2.2  # [1/s]
+IGNORED_KNOCK, FELLING_KNOCK = 0.5, 1.5  # speed of the pelvis against its led velocity [m/s]
 
 
 @compiled
-def feel(person: Record, nodes: Records, links: Records, owners: Records, dt: float) -> None:
-    """Take in what others strike, and what throws somebody off, and recover from it."""
-    person.dazed *= max(1.0 - RECOVERS * dt, 0.0)
+def update_stun(person: Record, nodes: Records, links: Records, owners: Records, dt: float) -> None:
+    """Stun muscles by blows and by knocks off balance, and let them recover."""
+    person.stun *= max(1.0 - STUN_RECOVERY_RATE * dt, 0.0)
     pelvis = nodes[person.node + PELVIS]
-    x = (pelvis.p[0] - pelvis.before[0]) / dt - person.going[0]
-    z = (pelvis.p[2] - pelvis.before[2]) / dt - person.going[1]
-    if person.seated == 0.0 and not person.frozen:
-        off = (math.hypot(x, z) - KNOCK) / (KNOCKED - KNOCK)
-        person.dazed = max(person.dazed, min(off, 1.0))
+    x = (pelvis.p[0] - pelvis.previous[0]) / dt - person.velocity[0]
+    z = (pelvis.p[2] - pelvis.previous[2]) / dt - person.velocity[1]
+    if person.sit_blend == 0.0 and not person.frozen:
+        knock = (math.hypot(x, z) - IGNORED_KNOCK) / (FELLING_KNOCK - IGNORED_KNOCK)
+        person.stun = max(person.stun, min(knock, 1.0))
     owner = owners[person.owner]
     first, count = owner.links[0], owner.links[1]
     for link in range(first, first + count):
         other = links[link].touched_owner
         if (other >= 0 and other != person.owner) or links[link].touched <= SOLID:
-            blow = links[link].energy / (STUNS * owner.mass)
-            if blow > LEAST:
-                person.dazed = max(person.dazed, min(blow, 1.0))
+            blow = links[link].energy / (STUN_ENERGY * owner.mass)
+            if blow > STUN_THRESHOLD:
+                person.stun = max(person.stun, min(blow, 1.0))
 
 
-GAZE_RATE = 8.0
-"""[rad/s]"""
-
-ASIDE, UP, DOWN = math.radians(72.0), math.radians(45.0), math.radians(50.0)
-"""How far a head turns against the shoulders, and up and down."""
+# Gaze.
+GAZE_RATE = 8.0  # [rad/s]
+MAX_GAZE_YAW = math.radians(72.0)  # against the shoulders
+MAX_GAZE_UP, MAX_GAZE_DOWN = math.radians(45.0), math.radians(50.0)
 
 
 @compiled
-def look(person: Record, dt: float) -> None:
+def turn_head(person: Record, dt: float) -> None:
     """Turn the head by one sub-step."""
-    yaw, pitch = person.heading + 0.25 * person.turning, 0.0
-    if person.looks:
-        x = person.look_at[0] - person.wanted[HEAD, 0]
-        y = person.look_at[1] - person.wanted[HEAD, 1]
-        z = person.look_at[2] - person.wanted[HEAD, 2]
+    yaw, pitch = person.heading + 0.25 * person.yaw_rate, 0.0
+    if person.has_look_target:
+        x = person.look_at[0] - person.targets[HEAD, 0]
+        y = person.look_at[1] - person.targets[HEAD, 1]
+        z = person.look_at[2] - person.targets[HEAD, 2]
         if math.hypot(x, z) > 1e-6:
             yaw = math.atan2(-z, x)
         pitch = math.atan2(y, math.hypot(x, z))
     chest = person.heading + person.twist
-    off = wrapped(yaw - person.heading)
+    aside = wrap_angle(yaw - person.heading)
     # Beyond what neck and shoulders turn together: straight over the shoulder.
-    off = min(max(off, -2.2), 2.2)
-    most = ASIDE + abs(person.twist)
-    off = min(max(off, -most), most)
-    yaw = person.heading + off
-    pitch = min(max(pitch, -DOWN), UP)
-    now, rate = wrapped(person.gaze[0] - person.heading), person.gaze_rate[0]
-    now, person.gaze_rate[0] = sprung(now, rate, wrapped(yaw - person.heading), GAZE_RATE, dt)
-    middle = wrapped(chest - person.heading)
-    person.gaze[0] = person.heading + min(max(now, middle - ASIDE), middle + ASIDE)
-    person.gaze[1], person.gaze_rate[1] = sprung(
+    aside = min(max(aside, -2.2), 2.2)
+    limit = MAX_GAZE_YAW + abs(person.twist)
+    aside = min(max(aside, -limit), limit)
+    yaw = person.heading + aside
+    pitch = min(max(pitch, -MAX_GAZE_DOWN), MAX_GAZE_UP)
+    yaw_now, rate = wrap_angle(person.gaze[0] - person.heading), person.gaze_rate[0]
+    yaw_now, person.gaze_rate[0] = spring_step(
+        yaw_now, rate, wrap_angle(yaw - person.heading), GAZE_RATE, dt
+    )
+    chest_yaw = wrap_angle(chest - person.heading)
+    person.gaze[0] = person.heading + min(
+        max(yaw_now, chest_yaw - MAX_GAZE_YAW), chest_yaw + MAX_GAZE_YAW
+    )
+    person.gaze[1], person.gaze_rate[1] = spring_step(
         person.gaze[1], person.gaze_rate[1], pitch, GAZE_RATE, dt
     )
 
 
-TRUNK, LIMBS = 30.0, 24.0
-"""How quickly muscles bring nodes where they should be [rad/s]."""
-
-FARTHEST = 0.08
-"""That a muscle pulls, however far it has to [m]: no stronger than at this distance."""
-
-CATCHES_UP = 1.5
-"""How fast a foot that was stopped on its way goes after where it should be [m/s]."""
-
-LEAPS = 15.0
-"""How fast no foot goes, so that what is asked of it is no motion but another place: who runs has
-feet of ten [m/s]."""
-
-STUCK = 0.04
-"""How far from where it should stand a foot is that was, and does not yet stand [m]."""
-
-WEAKEST = 0.12
-"""What a blow leaves of the muscles' quickness."""
+# Muscles.
+TRUNK_RATE, LIMB_RATE = 30.0, 24.0  # of the springs [rad/s]
+STUNNED_STRENGTH = 0.12  # fraction of these rates that a full stun leaves
+MAX_PULL_DISTANCE = 0.08  # beyond which a muscle pulls no stronger [m]
+CATCH_UP_SPEED = 1.5  # of a foot that was stopped on its way [m/s]
+MAX_FOOT_SPEED = 15.0  # above which a target jumps and is no motion; runners reach 10 [m/s]
+MAX_LOCK_OFFSET = 0.04  # from its target of a foot that locks on the ground [m]
 
 
 @compiled
-def firm(k: int) -> float:
-    """Return how quickly a node of a person is brought where it should be [rad/s]."""
-    limb = k == ELBOW or k == ELBOW + 1 or k == HAND or k == HAND + 1 or k == HEAD
-    return LIMBS if limb else TRUNK
+def muscle_rate(k: int) -> float:
+    """Return the spring rate of a node of a person [rad/s]."""
+    is_limb = k == ELBOW or k == ELBOW + 1 or k == HAND or k == HAND + 1 or k == HEAD
+    return LIMB_RATE if is_limb else TRUNK_RATE
 
 
 @compiled
-def pull(person: Record, nodes: Records, dt: float) -> None:
+def drive_nodes(person: Record, nodes: Records, dt: float) -> None:
     """Act on all nodes of a person for a sub-step."""
-    for k in range(COUNT):
+    for k in range(NODE_COUNT):
         node = nodes[person.node + k]
         if k >= FOOT:
-            _step(person, nodes, k - FOOT, dt)
+            _drive_foot(person, nodes, k - FOOT, dt)
         else:
-            quick = firm(k) * (1.0 - (1.0 - WEAKEST) * person.dazed)
+            omega = muscle_rate(k) * (1.0 - (1.0 - STUNNED_STRENGTH) * person.stun)
             for c in range(3):
-                v = (node.p[c] - node.before[c]) / dt
-                along = (person.wanted[k, c] - person.before[k, c]) / dt
-                off = min(max(person.wanted[k, c] - node.p[c], -FARTHEST), FARTHEST)
-                node.acceleration[c] += quick * (quick * off + 2.0 * (along - v))
+                v = (node.p[c] - node.previous[c]) / dt
+                target_velocity = (person.targets[k, c] - person.previous_targets[k, c]) / dt
+                offset = min(
+                    max(person.targets[k, c] - node.p[c], -MAX_PULL_DISTANCE), MAX_PULL_DISTANCE
+                )
+                node.acceleration[c] += omega * (omega * offset + 2.0 * (target_velocity - v))
             node.acceleration[1] += GRAVITY
         for c in range(3):
-            person.before[k, c] = person.wanted[k, c]
+            person.previous_targets[k, c] = person.targets[k, c]
 
 
 @compiled
-def _is_there(person: Record, node: Record, k: int) -> bool:
-    """Tell whether a foot that came down is about where it should stand."""
+def _is_placed(person: Record, node: Record, k: int) -> bool:
+    """Tell whether a landed foot is about where it should stand."""
     squared = 0.0
     for c in range(3):
         squared += (node.p[c] - person.ankles[k, c]) ** 2
-    there: bool = squared < STUCK * STUCK
-    return there
+    is_placed: bool = squared < MAX_LOCK_OFFSET * MAX_LOCK_OFFSET
+    return is_placed
 
 
 @compiled
-def _step(person: Record, nodes: Records, k: int, dt: float) -> None:
-    """Lock a foot that stands, and send one that swings along its line."""
+def _drive_foot(person: Record, nodes: Records, k: int, dt: float) -> None:
+    """Lock a stance foot, and send a swinging foot along its line."""
     node = nodes[person.node + FOOT + k]
-    if person.doing[k] == STANCE and (node.lock == LOCKED or _is_there(person, node, k)):
+    if person.foot_state[k] == STANCE and (node.lock == LOCKED or _is_placed(person, node, k)):
         node.lock = LOCKED
         for c in range(3):
-            node.place[c] = person.ankles[k, c]
+            node.lock_place[c] = person.ankles[k, c]
         return
     node.lock = FREE
     squared = 0.0
     for c in range(3):
-        squared += (person.wanted[FOOT + k, c] - person.before[FOOT + k, c]) ** 2
-    goes = 1.0 if squared < (LEAPS * dt) ** 2 else 0.0
+        squared += (person.targets[FOOT + k, c] - person.previous_targets[FOOT + k, c]) ** 2
+    moves = 1.0 if squared < (MAX_FOOT_SPEED * dt) ** 2 else 0.0
     for c in range(3):
-        along = goes * (person.wanted[FOOT + k, c] - person.before[FOOT + k, c])
-        after = person.wanted[FOOT + k, c] - along - node.p[c]
-        after = min(max(after, -CATCHES_UP * dt), CATCHES_UP * dt)
-        node.before[c] = node.p[c] - along - after
+        step = moves * (person.targets[FOOT + k, c] - person.previous_targets[FOOT + k, c])
+        catch_up = person.targets[FOOT + k, c] - step - node.p[c]
+        catch_up = min(max(catch_up, -CATCH_UP_SPEED * dt), CATCH_UP_SPEED * dt)
+        node.previous[c] = node.p[c] - step - catch_up
     node.acceleration[1] += GRAVITY
 
 
 @compiled
-def steer(crowd: Crowd, persons: Records, ground: Grid, solids: Solids, h: float) -> None:
-    """Let everybody act for a sub-step of `h` [s], see `layout`."""
-    nodes, links, _, _, _, _, owners = crowd
-    if len(persons) > 0 and persons[0].since == 0.0:
-        avoid(persons)
+def control_people(
+    arrays: CharacterArrays, persons: Records, ground: Grid, solids: Solids, h: float
+) -> None:
+    """Let all people act for a sub-step of `h` [s]."""
+    nodes, links, _, _, _, _, owners = arrays
+    if len(persons) > 0 and persons[0].report_time == 0.0:
+        avoid_people(persons)
     for i in range(len(persons)):
         person = persons[i]
-        feel(person, nodes, links, owners, h)
+        update_stun(person, nodes, links, owners, h)
         if person.frozen:
             halt(person)
         else:
-            lead(person, nodes, ground, h)
-            hold_back(person, owners[person.owner].mass, solids, h)
-            slide(person, nodes, h)
-            tread(person, ground.frame, ground.vertices, h)
-            sit(person, h)
-            look(person, h)
-            stoop(person, h)
+            lead_pelvis(person, nodes, ground, h)
+            stop_before_solids(person, owners[person.owner].mass, solids, h)
+            slide_feet(person, nodes, h)
+            advance_feet(person, ground.frame, ground.vertices, h)
+            advance_sitting(person, h)
+            turn_head(person, h)
+            advance_stoop(person, h)
             hold_trunk(person, nodes, h)
             hold_legs(person)
             hold_arms(person, h)
-        person.since += h
-        stretch(person, links, owners)
-        pull(person, nodes, h)
+        person.report_time += h
+        stretch_chest(person, links, owners)
+        drive_nodes(person, nodes, h)

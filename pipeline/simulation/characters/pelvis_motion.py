@@ -1,182 +1,181 @@
-"""Pelvis motion."""
+"""Pelvis motion: the path along which the pelvis is led over the ground, and sitting down.
+
+The led place has a velocity of its own, which follows the walk vector as quickly as legs can
+push, and gives way to what happens to the body: a shoved person is carried along and walks it
+off.
+
+Source: Horswill 2008, "Gait Control" and "Low-level character control".
+"""
 
 from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.biped_gait import GAIN
+from pipeline.simulation.characters.biped_gait import VELOCITY_GAIN
 from pipeline.simulation.characters.gait_timing import (
-    eased,
-    leg_of,
-    relative,
-    speed_of,
-    sprung,
-    wrapped,
+    froude,
+    ground_speed,
+    leg_length,
+    smoothstep,
+    spring_step,
+    wrap_angle,
 )
 from pipeline.simulation.characters.person_record import FOOT, PELVIS, SITTING
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.grid import Grid, surface
+from pipeline.simulation.dynamics.terrain_grid import Grid, surface_at
 
-MOST = 0.22
-"""How much legs speed up or brake, in g."""
+MAX_ACCELERATION = 0.22  # of the legs, in g
+BRAKING_ACCELERATION = 0.08  # before a goal, in g
+ARRIVAL_DISTANCE = 0.08  # in leg lengths
+MAX_YAW_RATE = 2.6  # [rad/s]
+CENTRING_RATE = 1.6  # at which a standing person shifts over the middle of the feet [1/s]
+SLOPE_FACTOR, EASIEST_SLOPE = 3.5, 0.05  # of Tobler's hiking function
 
-GIVES = 7.0
-"""How quickly the carriage comes along with a pelvis that is pushed off [1/s]."""
+# How the led place follows a body that is pushed off. Offsets in leg lengths.
+FOLLOW_RATE = 7.0  # [1/s]
+FREE_OFFSET, SHOVED_OFFSET = 0.012, 0.1  # ignored; fully followed
+STAGGER_FROUDE = 0.5  # fastest stagger, in √(g l); a person thrown faster falls
 
-LOOSE, SHOVED = 0.012, 0.1
-"""How far a pelvis is off that nobody minds, and that makes somebody go along, in legs."""
-
-STAGGER = 0.5
-"""How fast legs come after who is shoved, as a part of √(g l); who is thrown is thrown."""
-
-RESTS = 1.6
-"""How quickly one who stands shifts over the middle of the feet [1/s]."""
-
-BRAKE = 0.08
-"""How gently somebody stops who has come to a place, in g."""
-
-THERE = 0.08
-"""How near a place is there, in legs."""
-
-HIKE, FALL = 3.5, 0.05
-"""How much steepness slows walkers down, and which slope downhill is easiest."""
-
-TURN = 2.6
-"""How fast somebody turns [rad/s]."""
+SITTING_TIME = 1.5  # to sit down or to stand up [s]
 
 
 @compiled
-def lead(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
-    """Go on with the carriage by one sub-step."""
+def lead_pelvis(person: Record, nodes: Records, ground: Grid, dt: float) -> None:
+    """Advance the led place by one sub-step."""
     wx, wz = _walk_vector(person)
-    ease = _ease(person, wx, wz, ground)
+    ease = _slope_slowdown(person, wx, wz, ground)
     wx, wz = ease * wx, ease * wz
     _steer_heading(person, wx, wz, dt)
-    _go(person, nodes, wx, wz, dt)
-    relative_speed = relative(speed_of(person), leg_of(person))
-    walking = eased(relative_speed / 0.3) if person.stepping else 0.0
-    person.walking, person.walking_rate = sprung(
-        person.walking, person.walking_rate, walking, 6.0, dt
+    _advance_place(person, nodes, wx, wz, dt)
+    relative_speed = froude(ground_speed(person), leg_length(person))
+    walk_target = smoothstep(relative_speed / 0.3) if person.stepping else 0.0
+    person.walk_blend, person.walk_blend_rate = spring_step(
+        person.walk_blend, person.walk_blend_rate, walk_target, 6.0, dt
     )
 
 
 @compiled
 def halt(person: Record) -> None:
-    """Let one who is frozen have no motion of its own: it sets out from rest again."""
+    """Stop the led place of a frozen person."""
     for c in range(2):
-        person.going[c] = person.gaining[c] = 0.0
-    person.turning = 0.0
+        person.velocity[c] = person.acceleration[c] = 0.0
+    person.yaw_rate = 0.0
 
 
 @compiled
 def _walk_vector(person: Record) -> tuple[float, float]:
-    """Return the velocity that is walked with [m/s]."""
+    """Return the wanted velocity along x and z [m/s]."""
     wx, wz = 0.0, 0.0
-    if person.goes:
+    if person.has_goal:
         x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
-        away = math.hypot(x, z)
-        left = max(away - person.near, 0.0)
+        distance = math.hypot(x, z)
+        left = max(distance - person.stop_distance, 0.0)
         # Slow down so that braking gently ends at the goal.
-        speed = min(person.pace, math.sqrt(2.0 * BRAKE * GRAVITY * left), 0.5 * GAIN * left)
-        if left < THERE * leg_of(person):
-            person.goes, person.arrived = False, True
-        if away > 1e-9:
-            wx, wz = speed * x / away, speed * z / away
-    wx, wz = wx + person.aside[0], wz + person.aside[1]
-    if person.posture == SITTING or person.seated > 0.03 or person.frozen:
+        speed = min(
+            person.pace,
+            math.sqrt(2.0 * BRAKING_ACCELERATION * GRAVITY * left),
+            0.5 * VELOCITY_GAIN * left,
+        )
+        if left < ARRIVAL_DISTANCE * leg_length(person):
+            person.has_goal = False
+        if distance > 1e-9:
+            wx, wz = speed * x / distance, speed * z / distance
+    wx, wz = wx + person.sidestep[0], wz + person.sidestep[1]
+    if person.posture == SITTING or person.sit_blend > 0.03 or person.frozen:
         wx, wz = 0.0, 0.0
     speed = math.hypot(wx, wz)
-    if speed > 1e-6 and not person.faces:
+    if speed > 1e-6 and not person.has_facing:
         # Who has to turn far first turns, and then walks.
-        turn = abs(wrapped(math.atan2(-wz, wx) - person.heading))
-        share = min(max((math.radians(115.0) - turn) / math.radians(60.0), 0.0), 1.0)
+        turn_angle = abs(wrap_angle(math.atan2(-wz, wx) - person.heading))
+        share = min(max((math.radians(115.0) - turn_angle) / math.radians(60.0), 0.0), 1.0)
         wx, wz = wx * share, wz * share
     return wx, wz
 
 
 @compiled
-def _ease(person: Record, wx: float, wz: float, ground: Grid) -> float:
-    """Return by how much somebody slows down on a slope.
+def _slope_slowdown(person: Record, wx: float, wz: float, ground: Grid) -> float:
+    """Return the factor by which a slope slows walking.
 
     Source: Tobler 1993; half as much, for his hikers have a long way to go.
     """
     speed = math.hypot(wx, wz)
     if speed < 1e-6:
         return 1.0
-    ahead = 0.4 * leg_of(person) / speed
+    ahead = 0.4 * leg_length(person) / speed
     x, z = person.at[0], person.at[1]
-    here, _ = surface(ground.frame, ground.vertices, x - ahead * wx, z - ahead * wz)
-    there, _ = surface(ground.frame, ground.vertices, x + ahead * wx, z + ahead * wz)
-    slope = (there - here) / (2.0 * ahead * speed)
-    return math.exp(-0.5 * HIKE * max(abs(slope + FALL) - FALL, 0.0))
+    height_behind, _ = surface_at(ground.frame, ground.vertices, x - ahead * wx, z - ahead * wz)
+    height_ahead, _ = surface_at(ground.frame, ground.vertices, x + ahead * wx, z + ahead * wz)
+    slope = (height_ahead - height_behind) / (2.0 * ahead * speed)
+    return math.exp(-0.5 * SLOPE_FACTOR * max(abs(slope + EASIEST_SLOPE) - EASIEST_SLOPE, 0.0))
 
 
 @compiled
 def _steer_heading(person: Record, wx: float, wz: float, dt: float) -> None:
-    """Turn towards where somebody walks, or is to face."""
-    wanted = person.heading
+    """Turn towards the walking direction or the facing asked for."""
+    target = person.heading
     x, z = person.goal[0] - person.at[0], person.goal[1] - person.at[1]
-    if person.faces:
-        wanted = person.facing
-    elif person.goes and math.hypot(x, z) > max(person.near, 0.12 * leg_of(person)):
-        wanted = math.atan2(-z - person.aside[1], x + person.aside[0])
-    elif math.hypot(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_of(person)):
-        wanted = math.atan2(-wz, wx)
+    if person.has_facing:
+        target = person.facing
+    elif person.has_goal and math.hypot(x, z) > max(
+        person.stop_distance, 0.12 * leg_length(person)
+    ):
+        target = math.atan2(-z - person.sidestep[1], x + person.sidestep[0])
+    elif math.hypot(wx, wz) > 0.12 * math.sqrt(GRAVITY * leg_length(person)):
+        target = math.atan2(-wz, wx)
     if person.frozen or person.posture == SITTING:
-        wanted = person.heading
-    off = wrapped(wanted - person.heading)
-    rate = min(max(3.2 * off, -TURN), TURN)
-    gain = min(max(9.0 * (rate - person.turning), -14.0), 14.0)
-    person.turning += gain * dt
-    person.heading = wrapped(person.heading + person.turning * dt)
+        target = person.heading
+    error = wrap_angle(target - person.heading)
+    rate = min(max(3.2 * error, -MAX_YAW_RATE), MAX_YAW_RATE)
+    acceleration = min(max(9.0 * (rate - person.yaw_rate), -14.0), 14.0)
+    person.yaw_rate += acceleration * dt
+    person.heading = wrap_angle(person.heading + person.yaw_rate * dt)
 
 
 @compiled
-def _go(person: Record, nodes: Records, wx: float, wz: float, dt: float) -> None:
-    """Move the carriage with its velocity, and along with the body."""
-    leg, most = leg_of(person), MOST * GRAVITY
-    gain_x, gain_z = GAIN * (wx - person.going[0]), GAIN * (wz - person.going[1])
+def _advance_place(person: Record, nodes: Records, wx: float, wz: float, dt: float) -> None:
+    """Move the led place with its velocity, and along with the body."""
+    leg, limit = leg_length(person), MAX_ACCELERATION * GRAVITY
+    gain_x, gain_z = (
+        VELOCITY_GAIN * (wx - person.velocity[0]),
+        VELOCITY_GAIN * (wz - person.velocity[1]),
+    )
     size = math.hypot(gain_x, gain_z)
-    if size > most:
-        gain_x, gain_z = gain_x * most / size, gain_z * most / size
-    person.gaining[0], person.gaining[1] = gain_x, gain_z
+    if size > limit:
+        gain_x, gain_z = gain_x * limit / size, gain_z * limit / size
+    person.acceleration[0], person.acceleration[1] = gain_x, gain_z
     node = nodes[person.node + PELVIS]
-    sits = person.posture == SITTING or person.seated > 0.03
+    is_sitting = person.posture == SITTING or person.sit_blend > 0.03
     for c in range(2):
         axis = 2 * c
-        off = node.p[axis] - person.wanted[PELVIS, axis]
-        loose = LOOSE * leg
-        beyond = 0.0 if sits else off - min(max(off, -loose), loose)
-        # Who is shoved goes with the shove: as fast as the body, not faster.
-        shoved = min(abs(beyond) / (SHOVED * leg), 1.0)
-        v = (node.p[axis] - node.before[axis]) / dt
-        gain = gain_x if c == 0 else gain_z
-        person.going[c] += (gain + GIVES * shoved * (v - person.going[c])) * dt
-        shift = GIVES * beyond * dt
-        person.at[c] += person.going[c] * dt + shift
-        # Where it should be moves over to where it is; that is no motion of its own.
+        offset = node.p[axis] - person.targets[PELVIS, axis]
+        free = FREE_OFFSET * leg
+        excess = 0.0 if is_sitting else offset - min(max(offset, -free), free)
+        # A shoved person moves as fast as the body, not faster.
+        shoved = min(abs(excess) / (SHOVED_OFFSET * leg), 1.0)
+        v = (node.p[axis] - node.previous[axis]) / dt
+        acceleration = gain_x if c == 0 else gain_z
+        person.velocity[c] += (acceleration + FOLLOW_RATE * shoved * (v - person.velocity[c])) * dt
+        shift = FOLLOW_RATE * excess * dt
+        person.at[c] += person.velocity[c] * dt + shift
+        # The targets move over to the body, which is no motion of their own.
         for k in range(FOOT):
-            person.before[k, axis] += shift
-    most = max(1.1 * person.pace, STAGGER * math.sqrt(GRAVITY * leg))
-    share = min(most / max(speed_of(person), 1e-9), 1.0)
-    person.going[0], person.going[1] = share * person.going[0], share * person.going[1]
-    if not person.stepping and person.posture != SITTING and person.seated < 0.03:
+            person.previous_targets[k, axis] += shift
+    limit = max(1.1 * person.pace, STAGGER_FROUDE * math.sqrt(GRAVITY * leg))
+    share = min(limit / max(ground_speed(person), 1e-9), 1.0)
+    person.velocity[0], person.velocity[1] = share * person.velocity[0], share * person.velocity[1]
+    if not person.stepping and person.posture != SITTING and person.sit_blend < 0.03:
         for c in range(2):
-            middle = 0.5 * (person.stood[0, 2 * c] + person.stood[1, 2 * c])
-            person.at[c] += RESTS * (middle - person.at[c]) * dt
-
-
-TIME = 1.5
-"""That it takes to sit down or to stand up [s]."""
+            middle = 0.5 * (person.stance_place[0, 2 * c] + person.stance_place[1, 2 * c])
+            person.at[c] += CENTRING_RATE * (middle - person.at[c]) * dt
 
 
 @compiled
-def sit(person: Record, dt: float) -> None:
-    """Go on with sitting down or standing up; nobody begins it before standing still."""
-    down = person.posture == SITTING
-    stands = not person.stepping and speed_of(person) < 0.04 * leg_of(person)
-    if person.frozen or (down and person.seated == 0.0 and not stands):
+def advance_sitting(person: Record, dt: float) -> None:
+    """Advance sitting down or standing up; sitting starts only from standing still."""
+    is_sitting = person.posture == SITTING
+    is_standing = not person.stepping and ground_speed(person) < 0.04 * leg_length(person)
+    if person.frozen or (is_sitting and person.sit_blend == 0.0 and not is_standing):
         return
-    step = dt / TIME if down else -dt / TIME
-    person.seated = min(max(person.seated + step, 0.0), 1.0)
+    step = dt / SITTING_TIME if is_sitting else -dt / SITTING_TIME
+    person.sit_blend = min(max(person.sit_blend + step, 0.0), 1.0)

@@ -1,4 +1,8 @@
-"""Person record."""
+"""Person record: the state of compiled control, one record for each acting person.
+
+A person has sixteen consecutive nodes, in the order of `JOINTS`. Left is 0 and right is 1 wherever
+there are two of something.
+"""
 
 from __future__ import annotations
 
@@ -7,145 +11,140 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Records
-from pipeline.simulation.dynamics.records import zeros
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 
 PELVIS, SPINE, SHOULDERS, HEAD = (JOINTS.index(n) for n in ("pelvis", "spine", "shoulders", "head"))
-
 SHOULDER, ELBOW, HAND = (JOINTS.index(f"{n}_l") for n in ("shoulder", "elbow", "hand"))
-
 HIP, KNEE, FOOT = (JOINTS.index(f"{n}_l") for n in ("hip", "knee", "foot"))
-"""The left of two; the right one follows."""
-
-COUNT = len(JOINTS)
+NODE_COUNT = len(JOINTS)
+"""Places of the joints behind a person's first node; of two the left one, the right one follows."""
 
 STANCE, SWING = 0, 1
-"""What a foot does."""
+"""States of a foot."""
 
 SWINGING, REACHING, PLACED, HUGGING = 0, 1, 2, 3
-"""What an arm does: it swings along, is held out ahead, has its hand put somewhere in the world,
-or that around somebody, with the elbow aside."""
+"""Modes of an arm: it swings along, is held out ahead, or has its hand at a place in the world;
+in a hug with the elbow aside."""
 
 STANDING, SITTING = 0, 1
+"""Postures."""
 
-AT_EASE, OUT = (0.02, np.radians(14.0)), 0.13
-"""Of arms that hang: how far they swing ahead and bend [rad]; how far outward [rad]."""
+HANG_SWING, HANG_BEND, HANG_OUTWARD = 0.02, np.radians(14.0), 0.13
+"""Angles of hanging arms: ahead, in the elbow, outward [rad]."""
 
-LONGEST_ARM = 0.995
-"""Of an arm, in the sum of its links."""
+MAX_ARM_STRETCH = 0.995
+"""Longest reach of an arm, in the sum of its links."""
 
-_SIZES = ("height", "thigh", "shin", "upper_arm", "forearm", "hips", "shoulders", "hip_height")
-
-_MORE = ("ankle", "belly", "chest", "neck", "foot", "ball")
+LENGTHS = (
+    *("height", "thigh", "shin", "upper_arm", "forearm", "hips", "shoulders", "hip_height"),
+    *("ankle", "belly", "chest", "neck", "foot", "ball"),
+)
+"""Lengths of a person [m]: `hips` and `shoulders` are half widths, `ball` is from ankle to ball."""
 
 PERSON = np.dtype(
     [
-        # Its number among the owners, its first node, and its first grip: left hand, right hand,
-        # and both hands together.
+        # Numbers of its owner, its first node, and its first grip: left hand, right hand, both.
         ("owner", "i8"),
         ("node", "i8"),
         ("grip", "i8"),
-        # Lengths [m]: halves of hips and shoulders, of the leg's joints, of the trunk from
-        # pelvis over spine to shoulders and head, of the foot, and from ankle to its ball.
-        *((name, "f8") for name in (*_SIZES, *_MORE)),
-        # Where its pelvis is led over the ground, how fast, and by what it is pushed there:
-        # x and z [m], [m/s], [m/s²]; heading and how fast it turns [rad], [rad/s].
+        *((name, "f8") for name in LENGTHS),
+        # The led place of the pelvis, its velocity and acceleration: x and z [m], [m/s], [m/s²];
+        # heading and its rate [rad], [rad/s].
         ("at", "f8", 2),
-        ("going", "f8", 2),
-        ("gaining", "f8", 2),
+        ("velocity", "f8", 2),
+        ("acceleration", "f8", 2),
         ("heading", "f8"),
-        ("turning", "f8"),
-        # The clock of the gait [cycles], whether it goes, and how much of a walk it is, 0 to 1.
+        ("yaw_rate", "f8"),
+        # Gait clock [cycles], whether it runs, and the blend from standing to walking, 0 to 1.
         ("phase", "f8"),
         ("stepping", "?"),
-        ("walking", "f8"),
-        ("walking_rate", "f8"),
-        # Of each foot: what it does, the ankle's place when flat on the ground and its yaw, both
-        # where it stands or stood and where it will; height of its arch; pitch, toes up; how
-        # long it has stood [cycles].
-        ("doing", "i8", 2),
-        ("stood", "f8", (2, 3)),
-        ("left", "f8", (2, 3)),
-        ("land", "f8", (2, 3)),
+        ("walk_blend", "f8"),
+        ("walk_blend_rate", "f8"),
+        # Of each foot: STANCE or SWING; places of the ankle with the foot flat, at stance, lift-off
+        # and landing, and yaws; height of the swing; pitch, toes up; the ankle now.
+        ("foot_state", "i8", 2),
+        ("stance_place", "f8", (2, 3)),
+        ("liftoff_place", "f8", (2, 3)),
+        ("landing_place", "f8", (2, 3)),
         ("yaw", "f8", 2),
-        ("yaw_left", "f8", 2),
-        ("yaw_land", "f8", 2),
-        ("arch", "f8", 2),
+        ("liftoff_yaw", "f8", 2),
+        ("landing_yaw", "f8", 2),
+        ("swing_height", "f8", 2),
         ("pitch", "f8", 2),
-        ("pitch_left", "f8", 2),
+        ("liftoff_pitch", "f8", 2),
         ("ankles", "f8", (2, 3)),
-        # Of each that swings: where the pelvis looked when it left the ground, and where the other
-        # foot was to stand, x and z, round which it goes [rad], [m].
-        ("way_left", "f8", 2),
+        # Of each swinging foot at lift-off: heading of the pelvis, and x and z of the other foot,
+        # around which it passes [rad], [m].
+        ("liftoff_heading", "f8", 2),
         ("pivot", "f8", (2, 2)),
-        # Since it was last asked [s]; how often feet came down since then, the last time of each,
-        # and with what speed [m/s].
-        ("since", "f8"),
-        ("landed", "i8", 2),
-        ("landed_at", "f8", 2),
-        ("landing", "f8", 2),
-        # Ground that it goes by [m], [m/s]; lean of the trunk, along x and z; twist of the chest.
+        # Time since the last report [s]; touchdowns of each foot since then, time and speed of the
+        # last one [s], [m/s].
+        ("report_time", "f8"),
+        ("touchdowns", "i8", 2),
+        ("touchdown_time", "f8", 2),
+        ("touchdown_speed", "f8", 2),
+        # Height of the ground it follows [m], [m/s].
         ("floor", "f8"),
         ("floor_rate", "f8"),
-        # How much lower the pelvis is than it would be, for a leg that stands is no longer [m].
-        ("short", "f8"),
+        # Lowering of the pelvis for a stance leg of limited length [m].
+        ("pelvis_drop", "f8"),
+        # Lean of the trunk along x and z, as tangents; twist of the chest [rad].
         ("lean", "f8", 2),
         ("lean_rate", "f8", 2),
         ("twist", "f8"),
         ("twist_rate", "f8"),
-        # Where it looks: yaw in the world and pitch [rad], and their rates.
+        # Direction of the gaze: yaw in the world and pitch [rad], and rates.
         ("gaze", "f8", 2),
         ("gaze_rate", "f8", 2),
-        # How far it sits, 0 to 1; how far it bows, as a tangent, and crouches, as a part of its
-        # legs, to reach what is low, and their rates.
-        ("seated", "f8"),
+        # Blend from standing to sitting, 0 to 1; bow as a tangent and crouch as a fraction of the
+        # legs, to reach low places, and rates; phase of the breath.
+        ("sit_blend", "f8"),
         ("bow", "f8"),
         ("bow_rate", "f8"),
         ("crouch", "f8"),
         ("crouch_rate", "f8"),
         ("breath", "f8"),
-        # Of each arm: how much its hand is where it is told to be, 0 to 1, and where that is in
-        # the frame of the chest [m]; rates of both.
-        ("told", "f8", 2),
-        ("told_rate", "f8", 2),
-        ("hand", "f8", (2, 3)),
-        ("hand_rate", "f8", (2, 3)),
-        # How far the arm goes round somebody, 0 to 1, and the rate.
-        ("wraps", "f8", 2),
-        ("wraps_rate", "f8", 2),
-        # How much its muscles are slack after a blow, 0 to 1.
-        ("dazed", "f8"),
-        # Commands: a place to go to, whether it got there in this step, how near
-        # is there [m]; the speed of its walk [m/s]; a
-        # velocity that is added, from steering; a heading to stand in.
-        ("goes", "?"),
-        ("arrived", "?"),
+        # Of each arm: blend from swinging to its hand place, 0 to 1, and that place in the frame
+        # of the chest [m]; rates.
+        ("hand_blend", "f8", 2),
+        ("hand_blend_rate", "f8", 2),
+        ("hand_place", "f8", (2, 3)),
+        ("hand_velocity", "f8", (2, 3)),
+        # Blend of each arm to an embrace, 0 to 1, and rate.
+        ("embrace_blend", "f8", 2),
+        ("embrace_blend_rate", "f8", 2),
+        # Slackness of the muscles after a blow, 0 to 1.
+        ("stun", "f8"),
+        # Commands: whether to go to a goal, x and z [m], and the distance at which it is reached
+        # [m]; walking speed [m/s]; velocity added to step aside [m/s].
+        ("has_goal", "?"),
         ("goal", "f8", 2),
-        ("near", "f8"),
+        ("stop_distance", "f8"),
         ("pace", "f8"),
-        ("aside", "f8", 2),
-        # Whom it does not step aside for, by owner, -1 for nobody.
+        ("sidestep", "f8", 2),
+        # Owner for whom it does not step aside, or NOBODY; heading to stand in [rad].
         ("partner", "i8"),
-        ("faces", "?"),
+        ("has_facing", "?"),
         ("facing", "f8"),
-        ("looks", "?"),
+        ("has_look_target", "?"),
         ("look_at", "f8", 3),
-        ("arm", "i8", 2),
-        ("arm_at", "f8", (2, 3)),
-        # How far its shoulders are to come down to somebody [m]; how much it leans on them, 0 to
-        # 1, and the rate.
-        ("down", "f8"),
-        ("leans", "f8"),
-        ("leans_rate", "f8"),
+        ("arm_mode", "i8", 2),
+        ("arm_target", "f8", (2, 3)),
+        # Descent of the shoulders to a small partner [m]; blend to leaning on it, 0 to 1, and rate.
+        ("stoop_depth", "f8"),
+        ("embrace_lean", "f8"),
+        ("embrace_lean_rate", "f8"),
+        # STANDING or SITTING; the seat: distance behind the feet and height of the pelvis [m], lean
+        # back; whether to keep quite still.
         ("posture", "i8"),
         ("seat", "f8", 3),
         ("frozen", "?"),
-        # What control asks of its nodes: where they should be [m], and where
-        # they should have been a sub-step ago.
-        ("wanted", "f8", (COUNT, 3)),
-        ("before", "f8", (COUNT, 3)),
+        # Target places of the nodes [m], now and one sub-step ago.
+        ("targets", "f8", (NODE_COUNT, 3)),
+        ("previous_targets", "f8", (NODE_COUNT, 3)),
     ],
     align=True,
 )
@@ -154,61 +153,62 @@ PERSON = np.dtype(
 
 def persons_of(
     proportions: Sequence[Proportions],
-    firsts: Sequence[int],
+    first_nodes: Sequence[int],
     at: Array,
     headings: Array,
     ground: Array,
 ) -> Records:
-    """Return persons who stand at ease.
+    """Return records of n people who stand with hanging arms.
 
     Args:
-        proportions: of each of n.
-        firsts: number of the first node of each.
-        at: (n, 2) x and z where each stands [m].
-        headings: (n,) where each looks, positive turns about +Y [rad].
-        ground: (n,) height of the ground there [m].
+        proportions: of each person.
+        first_nodes: number of the first node of each.
+        at: (n, 2) x and z of each [m].
+        headings: (n,) positive turns about +Y [rad].
+        ground: (n,) height of the ground [m].
     """
-    persons = zeros(len(proportions), PERSON)
-    for i, (who, first) in enumerate(zip(proportions, firsts, strict=True)):
-        _measure(persons[i], who)
-        persons[i].node = first
-        persons[i].heading = headings[i]
-        persons[i].partner = -1
-        persons[i].at[:] = at[i]
-        persons[i].floor = ground[i]
-        persons[i].gaze[:] = headings[i], 0.0
-        persons[i].pace = 0.42 * np.sqrt(9.81 * persons[i].hip_height)
-        nodes = standing(who, at[i], headings[i], ground[i])
-        persons[i].wanted[:] = persons[i].before[:] = nodes
+    persons = zero_records(len(proportions), PERSON)
+    for i, (own, first) in enumerate(zip(proportions, first_nodes, strict=True)):
+        person = persons[i]
+        for name, fraction in _length_fractions(own).items():
+            setattr(person, name, fraction * own.height)
+        person.node = first
+        person.heading = headings[i]
+        person.partner = -1
+        person.at[:] = at[i]
+        person.floor = ground[i]
+        person.gaze[:] = headings[i], 0.0
+        person.pace = 0.42 * np.sqrt(9.81 * person.hip_height)
+        nodes = standing_nodes(own, at[i], headings[i], ground[i])
+        person.targets[:] = person.previous_targets[:] = nodes
         for k in range(2):
-            persons[i].stood[k] = persons[i].left[k] = persons[i].land[k] = nodes[FOOT + k]
-            persons[i].ankles[k] = nodes[FOOT + k]
-            persons[i].yaw[k] = persons[i].yaw_land[k] = persons[i].yaw_left[k] = headings[i]
+            for place in (person.stance_place, person.liftoff_place, person.landing_place):
+                place[k] = nodes[FOOT + k]
+            person.ankles[k] = nodes[FOOT + k]
+            person.yaw[k] = person.landing_yaw[k] = person.liftoff_yaw[k] = headings[i]
     return persons
 
 
-def standing(
+def standing_nodes(
     proportions: Proportions, at: NDArray[np.float64], heading: float, ground: float
 ) -> Array:
-    """Return (16, 3) the nodes of one who stands at a place (x, z) [m]."""
-    rest = at_ease(proportions)
+    """Return (16, 3) the nodes of a person who stands at x and z [m]."""
     c, s = np.cos(heading), np.sin(heading)
-    x, y, z = rest.T
+    x, y, z = hanging_arms_pose(proportions).T
     return np.stack([at[0] + c * x + s * z, ground + y, at[1] - s * x + c * z], axis=1)
 
 
-def at_ease(proportions: Proportions) -> Array:
-    """Return (16, 3) the rest pose with arms that hang as they do before they swing [m]."""
+def hanging_arms_pose(proportions: Proportions) -> Array:
+    """Return (16, 3) the rest pose with arms as they hang before they swing [m]."""
     rest = proportions.rest()
     upper, lower = (proportions.height * x for x in (proportions.upper_arm, proportions.forearm))
-    swing, bend = AT_EASE
     for k, side in enumerate((-1.0, 1.0)):
-        ahead = upper * np.sin(swing) + lower * np.sin(swing + bend)
-        down = upper * np.cos(swing) + lower * np.cos(swing + bend)
-        along = np.array([ahead, -down * np.cos(OUT), side * down * np.sin(OUT)])
+        ahead = upper * np.sin(HANG_SWING) + lower * np.sin(HANG_SWING + HANG_BEND)
+        down = upper * np.cos(HANG_SWING) + lower * np.cos(HANG_SWING + HANG_BEND)
+        along = np.array([ahead, -down * np.cos(HANG_OUTWARD), side * down * np.sin(HANG_OUTWARD)])
         size = float(np.sqrt((along * along).sum()))
         along /= size
-        size = min(size, LONGEST_ARM * (upper + lower))
+        size = min(size, MAX_ARM_STRETCH * (upper + lower))
         back = np.array([along[1], -along[0], 0.28 * side])
         back -= (back * along).sum() * along
         part = (upper**2 - lower**2 + size**2) / (2.0 * size)
@@ -218,23 +218,20 @@ def at_ease(proportions: Proportions) -> Array:
     return rest
 
 
-def _measure(person: np.record, who: Proportions) -> None:
-    """Write down lengths [m]."""
-    fractions = {
+def _length_fractions(own: Proportions) -> dict[str, float]:
+    return {
         "height": 1.0,
-        "thigh": who.hip - who.knee,
-        "shin": who.knee - who.ankle,
-        "upper_arm": who.upper_arm,
-        "forearm": who.forearm,
-        "hips": who.hips,
-        "shoulders": who.shoulders,
-        "hip_height": who.hip,
-        "ankle": who.ankle,
-        "belly": who.spine - who.hip,
-        "chest": who.shoulder - who.spine,
-        "neck": who.head - who.shoulder,
-        "foot": who.foot,
-        "ball": 0.48 * who.foot,
+        "thigh": own.hip - own.knee,
+        "shin": own.knee - own.ankle,
+        "upper_arm": own.upper_arm,
+        "forearm": own.forearm,
+        "hips": own.hips,
+        "shoulders": own.shoulders,
+        "hip_height": own.hip,
+        "ankle": own.ankle,
+        "belly": own.spine - own.hip,
+        "chest": own.shoulder - own.spine,
+        "neck": own.head - own.shoulder,
+        "foot": own.foot,
+        "ball": 0.48 * own.foot,
     }
-    for name, fraction in fractions.items():
-        setattr(person, name, fraction * who.height)

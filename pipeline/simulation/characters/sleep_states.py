@@ -1,54 +1,46 @@
-"""Sleep states."""
+"""Sleep states: characters that lie still are left where they are, and wake when something comes.
+
+Relaxation leaves a tremor of some millimetres that should not be seen, and costs time. A
+character that touches something and has been in one place for a while sleeps: it is infinitely
+heavy to gentle touches, and wakes as soon as something strikes it, moves beside it, or holds it.
+"""
 
 from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.body_arrays import FREE, RESTING, Numbers
+from pipeline.simulation.characters.body_arrays import FREE, RESTING, IntArray
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 
-WATCH = 0.25
-"""Time after which it is looked whether somebody has moved [s]."""
-
-MOVED, MORE, MOST = 0.006, 0.002, 0.05
-"""How far what rests may have moved in that time; how much more for each time that it did not
-go far, and how far that is [m]."""
-
-TOUCHES = 0.1
-"""How long ago it has to have touched something [s]."""
-
-WAKES = 0.3
-"""Speed of what wakes whom it comes to [m/s]."""
-
-TIRED = 8
-"""How often somebody has been watched and has not gone far when its tremor wakes nobody: in a pile
-each would keep the others awake for ever."""
-
-UNTANGLES = 2.0
-"""Time for which links of one character that are in one another are parted [s]: where its joints
-hold them there they are thrown back as fast as they part, and it would never lie still."""
-
-DEEP, WEDGED = 0.004, 40
-"""How deep somebody lies in another who is given time to come out [m], and how often it is watched
-for that."""
+WATCH_INTERVAL = 0.25  # at which movement is measured [s]
+STILL_DISTANCE = 0.006  # moved in an interval by what rests [m]
+STILL_DISTANCE_GAIN = 0.002  # more for each interval without much movement [m]
+MAX_STILL_DISTANCE = 0.05  # much movement [m]
+RECENT_TOUCH = 0.1  # age of a touch that supports [s]
+WAKE_SPEED = 0.3  # of an approach that wakes [m/s]
+TIRED_COUNT = 8  # still intervals after which a tremor wakes nobody, or piles would never rest
+DEEP_OVERLAP = 0.004  # overlap that is given time to resolve [m]
+WEDGED_COUNT = 40  # still intervals after which it is not
+UNTANGLE_TIME = 2.0  # for which overlapping links of one character are parted: where its joints
+# hold them together they would be thrown back for ever [s]
 
 
 @compiled
-def look_who_rests(
-    nodes: Records, links: Records, owners: Records, grips: Numbers, h: float, dt: float
+def update_sleep(
+    nodes: Records, links: Records, owners: Records, grips: IntArray, h: float, dt: float
 ) -> None:
-    """Let those sleep who lie still, and wake whoever is held; once a step."""
+    """Let still characters sleep, and wake those that are held; once a step."""
     for c in range(len(owners)):
         owner = owners[c]
         if not owner.asleep:
-            owner.speed = _speed(nodes, owner) / h
-            # Those who act bring their arms out of themselves.
-            longer = dt if owner.knotted and not owner.acts else -dt
-            owner.tangled = min(max(owner.tangled + longer, 0.0), UNTANGLES)
-            owner.knotted = False
-            owner.watched += dt
-            if owner.watched >= WATCH and not owner.acts:
-                _watch(nodes, links, owner)
+            owner.speed = _fastest_move(nodes, owner) / h
+            # Acting people bring their arms out of themselves.
+            change = dt if owner.self_penetrating and not owner.acts else -dt
+            owner.tangled_time = min(max(owner.tangled_time + change, 0.0), UNTANGLE_TIME)
+            owner.self_penetrating = False
+            owner.watch_time += dt
+            if owner.watch_time >= WATCH_INTERVAL and not owner.acts:
+                _watch_movement(nodes, links, owner)
     for n in range(len(grips)):
         if grips[n, 0] >= 0 and grips[n, 1] >= 0:
             for k in range(2):
@@ -56,92 +48,104 @@ def look_who_rests(
 
 
 @inlined
-def strike(nodes: Records, one: Record, other: Record) -> None:
-    """Wake who is struck by somebody, unless that one has only trembled for long.
+def wake_struck(nodes: Records, one: Record, other: Record) -> None:
+    """Wake characters that strike one another, unless the other one has only trembled for long.
 
-    Who is pushed by somebody who acts does not fall asleep meanwhile.
+    A character pushed by an acting one does not fall asleep meanwhile.
     """
-    if (one.asleep or other.acts) and other.drowsy < TIRED:
+    if (one.asleep or other.acts) and other.still_count < TIRED_COUNT:
         wake(nodes, one)
-    if (other.asleep or one.acts) and one.drowsy < TIRED:
+    if (other.asleep or one.acts) and one.still_count < TIRED_COUNT:
         wake(nodes, other)
 
 
 @inlined
-def rouse(nodes: Records, one: Record, other: Record, depth: float, speed: float) -> None:
-    """Wake those of two who touch whom that wakes: a blow at a speed [m/s], or a depth [m].
+def wake_touching(nodes: Records, one: Record, other: Record, depth: float, speed: float) -> None:
+    """Wake two touching characters by their approach speed [m/s], or by a deep overlap [m].
 
-    Who has lain deep in somebody asleep for long wakes that one, for both to make room; who fell
+    One that has long lain deep in a sleeping one wakes it, for both to make room; one that fell
     asleep in spite of it does not wake the other again.
     """
-    if speed > WAKES:
-        strike(nodes, one, other)
-    if depth <= DEEP:
+    if speed > WAKE_SPEED:
+        wake_struck(nodes, one, other)
+    if depth <= DEEP_OVERLAP:
         return
-    if one.asleep and one.drowsy < WEDGED and not other.asleep and other.drowsy >= TIRED:
+    if (
+        one.asleep
+        and one.still_count < WEDGED_COUNT
+        and not other.asleep
+        and other.still_count >= TIRED_COUNT
+    ):
         wake(nodes, one)
-    elif other.asleep and other.drowsy < WEDGED and not one.asleep and one.drowsy >= TIRED:
+    elif (
+        other.asleep
+        and other.still_count < WEDGED_COUNT
+        and not one.asleep
+        and one.still_count >= TIRED_COUNT
+    ):
         wake(nodes, other)
 
 
 @inlined
-def wake_near(nodes: Records, owners: Records, near: Numbers) -> None:
-    """Wake those beside whom somebody moves."""
+def wake_near(nodes: Records, owners: Records, near: IntArray) -> None:
+    """Wake characters beside which another one moves."""
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
-        if one.asleep and not other.asleep and other.speed > WAKES:
-            strike(nodes, one, other)
-        elif other.asleep and not one.asleep and one.speed > WAKES:
-            strike(nodes, one, other)
+        if one.asleep and not other.asleep and other.speed > WAKE_SPEED:
+            wake_struck(nodes, one, other)
+        elif other.asleep and not one.asleep and one.speed > WAKE_SPEED:
+            wake_struck(nodes, one, other)
 
 
 @compiled
 def wake(nodes: Records, owner: Record) -> None:
-    """Wake somebody."""
-    owner.watched, owner.drowsy = 0.0, 0
+    """Wake a character."""
+    owner.watch_time, owner.still_count = 0.0, 0
     if not owner.asleep:
         return
     owner.asleep = False
     for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
         node = nodes[i]
         if node.lock == RESTING:
-            node.lock, node.give = FREE, node.inverse_mass
+            node.lock, node.mobility = FREE, node.inverse_mass
         for k in range(3):
             node.anchor[k] = node.p[k]
 
 
 @inlined
-def _speed(nodes: Records, owner: Record) -> float:
-    """Return how far the fastest node went in the last sub-step [m]."""
+def _fastest_move(nodes: Records, owner: Record) -> float:
+    """Return the distance moved by the fastest node in the last sub-step [m]."""
     fastest = 0.0
     for i in range(owner.nodes[0], owner.nodes[0] + owner.nodes[1]):
         node, squared = nodes[i], 0.0
         for k in range(3):
-            squared += (node.p[k] - node.before[k]) ** 2
+            squared += (node.p[k] - node.previous[k]) ** 2
         fastest = max(fastest, squared)
     return math.sqrt(fastest)
 
 
 @inlined
-def _watch(nodes: Records, links: Records, owner: Record) -> None:
-    """Let somebody sleep who has not moved, or remember where it is."""
-    owner.watched = 0.0
+def _watch_movement(nodes: Records, links: Records, owner: Record) -> None:
+    """Let a still character sleep, or remember where it is."""
+    owner.watch_time = 0.0
     first, end = owner.nodes[0], owner.nodes[0] + owner.nodes[1]
-    farthest, held = 0.0, False
+    farthest, is_supported = 0.0, False
     for i in range(first, end):
         node, squared = nodes[i], 0.0
-        held = held or node.inverse_mass == 0.0
+        is_supported = is_supported or node.inverse_mass == 0.0
         for k in range(3):
             squared += (node.p[k] - node.anchor[k]) ** 2
             node.anchor[k] = node.p[k]
         farthest = max(farthest, squared)
     for n in range(owner.links[0], owner.links[0] + owner.links[1]):
-        held = held or min(links[n].age[0], links[n].age[1]) < TOUCHES
-    far = math.sqrt(farthest)
-    owner.drowsy = owner.drowsy + 1 if far < MOST else 0
-    if not held or far > min(MOVED + MORE * owner.drowsy, MOST):
+        is_supported = is_supported or min(links[n].age[0], links[n].age[1]) < RECENT_TOUCH
+    moved = math.sqrt(farthest)
+    owner.still_count = owner.still_count + 1 if moved < MAX_STILL_DISTANCE else 0
+    if not is_supported or moved > min(
+        STILL_DISTANCE + STILL_DISTANCE_GAIN * owner.still_count, MAX_STILL_DISTANCE
+    ):
         return
-    if owner.deep > DEEP and owner.drowsy < WEDGED:
+    if owner.penetration > DEEP_OVERLAP and owner.still_count < WEDGED_COUNT:
         return
     owner.asleep, owner.speed = True, 0.0
     for i in range(first, end):

@@ -1,24 +1,37 @@
-"""Trunk posture."""
+"""Trunk posture: targets of pelvis, spine, shoulders and head, from what the legs do.
+
+- The pelvis stands at standing height over the feet (`pelvis_motion`). In walking it rises over
+  each standing leg and sinks between them, sways over the stance foot, and turns its forward hip
+  with the forward leg; in running it is lowest where the leg bears most.
+- The shoulders shift until the centre of mass is over the feet; a person who runs or gains speed
+  leans into it.
+- The pelvis turns with the way, the shoulders towards what is looked at, at most 90 degrees more.
+
+Rotations are yaw about Y, then lean; letters as in `spatial`.
+
+Source: Horswill 2008, "Low-level character control"; Perlin 1995 for breath; Winter 2009, chapter
+on kinematics, for how much a pelvis sways and sinks.
+"""
 
 from __future__ import annotations
 
 import math
 
 from pipeline.simulation.characters.gait_timing import (
-    cycle_of,
-    eased,
-    leg_of,
-    pace_of,
-    relative,
-    running,
-    speed_of,
-    sprung,
-    wrapped,
+    froude,
+    gait_pace,
+    ground_speed,
+    leg_length,
+    leg_phase,
+    run_blend,
+    smoothstep,
+    spring_step,
+    wrap_angle,
 )
 from pipeline.simulation.characters.person_record import (
-    COUNT,
     HEAD,
     HIP,
+    NODE_COUNT,
     PELVIS,
     SHOULDER,
     SHOULDERS,
@@ -30,37 +43,27 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.vectors import Vector, length, minus, put, row
 from pipeline.simulation.people.proportions import SEGMENTS
 
-STRAIGHT = 0.996
-"""Part of its length that a leg has at most; one that is quite straight cannot be bent."""
+MAX_LEG_STRETCH = 0.996  # of its length; a quite straight leg cannot be bent
 
-SWAY, SINK, ROTATE, LIST = 0.022, 0.028, math.radians(5.0), math.radians(4.0)
-"""How far the pelvis goes aside and up and down, in legs; how far it turns and tilts."""
+# The pelvis in walking: sideways and vertical amplitude in leg lengths, rotation and tilt.
+SWAY, BOB = 0.022, 0.028
+PELVIS_ROTATION, PELVIS_TILT = math.radians(5.0), math.radians(4.0)
+RISE_RATE = 14.0  # at which the pelvis rises once no stance leg holds it down [1/s]
+EARLY_LOWERING = 0.4  # remaining swing from which the pelvis comes down for a far landing place
 
-RISES = 14.0
-"""How quickly somebody rises whom a leg that stood has held down [1/s]."""
+SHOULDER_ROTATION = math.radians(6.0)  # against the pelvis
+MAX_TWIST = math.radians(90.0)  # of the shoulders against the pelvis
+MAX_LEAN = 1.6  # tangent of the trunk's lean
 
-SOON = 0.4
-"""Left of a swing: from when on the pelvis comes down for a foot that is put far off."""
-
-COUNTER = math.radians(6.0)
-"""How far the shoulders turn against the pelvis."""
-
-MOST_TWIST = math.radians(90.0)
-"""Of the shoulders against the pelvis."""
-
-MOST_LEAN = 1.6
-"""Tangent of the lean of the trunk."""
-
-CHEST = tuple(SEGMENTS).index("chest")
-"""Which of a person's links."""
+CHEST_LINK = tuple(SEGMENTS).index("chest")  # among the links of a person
 
 Frame = tuple[Vector, Vector, Vector]
 """Directions ahead, up and to the right."""
 
 
 @compiled
-def frame_of(heading: float, lean_x: float, lean_z: float, tilt: float) -> Frame:
-    """Return the frame of one who looks along `heading`.
+def trunk_frame(heading: float, lean_x: float, lean_z: float, tilt: float) -> Frame:
+    """Return the frame of a trunk that faces a heading.
 
     Args:
         heading: about +Y [rad].
@@ -90,8 +93,8 @@ def frame_of(heading: float, lean_x: float, lean_z: float, tilt: float) -> Frame
 
 
 @compiled
-def from_frame(origin: Vector, frame: Frame, x: float, y: float, z: float) -> Vector:
-    """Return the place in the world of one in a frame."""
+def place_in_world(origin: Vector, frame: Frame, x: float, y: float, z: float) -> Vector:
+    """Return the place in the world of a place in a frame."""
     a, u, r = frame
     return (
         origin[0] + x * a[0] + y * u[0] + z * r[0],
@@ -101,91 +104,97 @@ def from_frame(origin: Vector, frame: Frame, x: float, y: float, z: float) -> Ve
 
 
 @compiled
-def turn_of(person: Record, about: float) -> float:
-    """Return the cosine of the gait's clock from a phase on, once a cycle."""
-    return math.cos(2.0 * math.pi * (person.phase - about))
+def phase_cosine(person: Record, start: float) -> float:
+    """Return the cosine of the gait phase after a given phase, once a cycle."""
+    return math.cos(2.0 * math.pi * (person.phase - start))
 
 
 @compiled
 def hold_trunk(person: Record, nodes: Records, dt: float) -> None:
-    """Say where the nodes of the trunk should be."""
+    """Set the targets of the trunk's nodes."""
     _follow_ground(person, dt)
-    _, stance = pace_of(person)
+    _, stance = gait_pace(person)
     middle = 0.5 * (1.0 - stance)
-    some = person.walking
+    walking = person.walk_blend
     # While the left foot swings, from phase 0 on, weight is on the right one.
-    aside = SWAY * leg_of(person) * some * turn_of(person, middle)
-    tilt = LIST * some * turn_of(person, middle)
-    rotation = -ROTATE * some * turn_of(person, 1.0 - stance)
-    height = _height(person, stance, dt)
+    sway = SWAY * leg_length(person) * walking * phase_cosine(person, middle)
+    tilt = PELVIS_TILT * walking * phase_cosine(person, middle)
+    rotation = -PELVIS_ROTATION * walking * phase_cosine(person, 1.0 - stance)
+    height = _pelvis_height(person, stance, dt)
     c, s = math.cos(person.heading), math.sin(person.heading)
-    back = seat_back(person)
+    backward = backward_shift(person)
     pelvis = (
-        person.at[0] + aside * s - back * c,
+        person.at[0] + sway * s - backward * c,
         person.floor + height,
-        person.at[1] + aside * c + back * s,
+        person.at[1] + sway * c + backward * s,
     )
-    put(person.wanted, PELVIS, pelvis)
-    frame = frame_of(person.heading + rotation, 0.0, 0.0, tilt)
+    put(person.targets, PELVIS, pelvis)
+    frame = trunk_frame(person.heading + rotation, 0.0, 0.0, tilt)
     for k in range(2):
         side = person.hips if k == 1 else -person.hips
-        put(person.wanted, HIP + k, from_frame(pelvis, frame, 0.0, 0.0, side))
+        put(person.targets, HIP + k, place_in_world(pelvis, frame, 0.0, 0.0, side))
     _lean(person, nodes, dt)
     _hold_chest(person, pelvis, rotation, dt)
 
 
 @compiled
 def _follow_ground(person: Record, dt: float) -> None:
-    """Let the ground that somebody goes by follow what the feet stand on."""
-    low = 0.5 * (person.stood[0, 1] + person.stood[1, 1]) - person.ankle
+    """Let the ground height follow the feet."""
+    target = 0.5 * (person.stance_place[0, 1] + person.stance_place[1, 1]) - person.ankle
     for k in range(2):
-        if person.doing[k] != STANCE:
-            gone = row(person.land, k)[1] - row(person.stood, k)[1]
-            low += 0.5 * gone * 0.5
-    person.floor, person.floor_rate = sprung(person.floor, person.floor_rate, low, 9.0, dt)
+        if person.foot_state[k] != STANCE:
+            rise = row(person.landing_place, k)[1] - row(person.stance_place, k)[1]
+            target += 0.5 * rise * 0.5
+    person.floor, person.floor_rate = spring_step(person.floor, person.floor_rate, target, 9.0, dt)
 
 
 @compiled
-def _height(person: Record, stance: float, dt: float) -> float:
-    """Return how high the pelvis is above the ground [m]."""
-    leg, some = leg_of(person), person.walking
-    bones = STRAIGHT * (person.thigh + person.shin)
-    stood = person.ankle + bones
-    speed = speed_of(person)
-    run = running(speed, leg)
-    rate, _ = pace_of(person)
-    ahead = min(0.5 * speed * stance / rate - 0.42 * person.foot, 0.6 * bones)
-    low = person.ankle + math.sqrt(bones * bones - max(ahead, 0.0) ** 2) + 0.012 * leg
-    rise = min(0.5 * max(0.985 * stood - low, 0.0), SINK * leg)
+def _pelvis_height(person: Record, stance: float, dt: float) -> float:
+    """Return the height of the pelvis above the ground [m]."""
+    leg, walking = leg_length(person), person.walk_blend
+    leg_bones = MAX_LEG_STRETCH * (person.thigh + person.shin)
+    standing = person.ankle + leg_bones
+    speed = ground_speed(person)
+    running = run_blend(speed, leg)
+    rate, _ = gait_pace(person)
+    half_stride = min(0.5 * speed * stance / rate - 0.42 * person.foot, 0.6 * leg_bones)
+    lowest = (
+        person.ankle + math.sqrt(leg_bones * leg_bones - max(half_stride, 0.0) ** 2) + 0.012 * leg
+    )
+    rise = min(0.5 * max(0.985 * standing - lowest, 0.0), BOB * leg)
     middle = 0.5 * (1.0 - stance)
-    swing = math.cos(4.0 * math.pi * (person.phase - middle))
-    walk = low + rise + rise * swing
-    bounce = 0.955 * stood - 0.035 * leg * swing
-    height = (1.0 - some) * stood + some * ((1.0 - run) * walk + run * bounce)
-    sat = eased(person.seated)
-    height = (1.0 - sat) * (height - person.crouch * leg) + sat * (person.seat[1] - person.floor)
+    bob = math.cos(4.0 * math.pi * (person.phase - middle))
+    walk_height = lowest + rise + rise * bob
+    run_height = 0.955 * standing - 0.035 * leg * bob
+    height = (1.0 - walking) * standing + walking * (
+        (1.0 - running) * walk_height + running * run_height
+    )
+    sitting = smoothstep(person.sit_blend)
+    height = (1.0 - sitting) * (height - person.crouch * leg) + sitting * (
+        person.seat[1] - person.floor
+    )
     return _within_reach(person, height, dt)
 
 
 @compiled
 def _within_reach(person: Record, height: float, dt: float) -> float:
-    """Return the height at which no leg that stands has to be longer than it is.
+    """Return the height at which no stance leg is longer than it can be.
 
-    Who was held down by a leg rises when its foot leaves the ground, and is not thrown up.
+    When the leg that held the pelvis down swings, the pelvis rises smoothly.
     """
-    bones = 0.995 * (person.thigh + person.shin)
-    most = height
+    leg_bones = 0.995 * (person.thigh + person.shin)
+    highest = height
     for k in range(2):
-        if person.doing[k] == STANCE:
-            x = person.ankles[k, 0] - person.wanted[HIP + k, 0]
-            z = person.ankles[k, 2] - person.wanted[HIP + k, 2]
-            away = min(x * x + z * z, 0.75 * bones * bones)
-            top = person.ankles[k, 1] + math.sqrt(bones * bones - away) - person.floor
-            most = min(most, top)
+        if person.foot_state[k] == STANCE:
+            x = person.ankles[k, 0] - person.targets[HIP + k, 0]
+            z = person.ankles[k, 2] - person.targets[HIP + k, 2]
+            away = min(x * x + z * z, 0.75 * leg_bones * leg_bones)
+            top = person.ankles[k, 1] + math.sqrt(leg_bones * leg_bones - away) - person.floor
+            highest = min(highest, top)
         else:
-            most = min(most, height - _soon(person, k, height, bones))
-    person.short = max(height - most, person.short * math.exp(-RISES * dt))
-    held: float = height - person.short
+            highest = min(highest, height - _soon(person, k, height, leg_bones))
+    person.pelvis_drop = max(height - highest, person.pelvis_drop * math.exp(-RISE_RATE * dt))
+    held: float = height - person.pelvis_drop
     return held
 
 
@@ -201,121 +210,125 @@ def _soon(person: Record, k: int, height: float, bones: float) -> float:
         height: that the pelvis has otherwise, above the ground [m].
         bones: how long the leg may be [m].
     """
-    rate, stance = pace_of(person)
-    left = max(1.0 - cycle_of(person, k) / (1.0 - stance), 0.0)
-    if left > SOON:
+    rate, stance = gait_pace(person)
+    left = max(1.0 - leg_phase(person, k) / (1.0 - stance), 0.0)
+    if left > EARLY_LOWERING:
         return 0.0
     time = left * (1.0 - stance) / rate
-    x = person.land[k, 0] - person.wanted[HIP + k, 0] - person.going[0] * time
-    z = person.land[k, 2] - person.wanted[HIP + k, 2] - person.going[1] * time
+    x = person.landing_place[k, 0] - person.targets[HIP + k, 0] - person.velocity[0] * time
+    z = person.landing_place[k, 2] - person.targets[HIP + k, 2] - person.velocity[1] * time
     away = min(x * x + z * z, 0.75 * bones * bones)
-    top = person.land[k, 1] + math.sqrt(bones * bones - away) - person.floor
-    lower: float = max(height - top, 0.0) * eased(1.0 - left / SOON)
+    top = person.landing_place[k, 1] + math.sqrt(bones * bones - away) - person.floor
+    lower: float = max(height - top, 0.0) * smoothstep(1.0 - left / EARLY_LOWERING)
     return lower
 
 
 @compiled
-def seat_back(person: Record) -> float:
-    """Return how far the pelvis is behind the feet, of one who sits or bows [m]."""
+def backward_shift(person: Record) -> float:
+    """Return how far behind the feet the pelvis is in sitting and bowing [m]."""
     # First back, then down: whoever folds straight down falls on their heels.
-    back: float = person.seat[0] * math.sin(0.5 * math.pi * eased(person.seated))
+    backward: float = person.seat[0] * math.sin(0.5 * math.pi * smoothstep(person.sit_blend))
     # Who bows or crouches keeps the balance with the hips.
-    balance = 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_of(person)
+    balance = 0.03 * person.height * person.bow + 0.16 * person.crouch * leg_length(person)
     # Who holds somebody leans on them.
-    back += (1.0 - person.leans) * balance
-    return back
+    backward += (1.0 - person.embrace_lean) * balance
+    return backward
 
 
 @compiled
 def _lean(person: Record, nodes: Records, dt: float) -> None:
-    """Lean so that the centre of mass is over the feet; into a run; and into what gains speed."""
-    leg, speed = leg_of(person), speed_of(person)
-    run = running(speed, leg)
-    per = 0.03 * min(relative(speed, leg), 0.6) + 0.16 * run
+    """Lean to balance over the feet, into a run, and into acceleration."""
+    leg, speed = leg_length(person), ground_speed(person)
+    running = run_blend(speed, leg)
+    speed_lean = 0.03 * min(froude(speed, leg), 0.6) + 0.16 * running
     size = max(speed, 1e-6)
-    along_x, along_z = per * person.going[0] / size, per * person.going[1] / size
-    along_x += 0.45 * person.gaining[0] / GRAVITY
-    along_z += 0.45 * person.gaining[1] / GRAVITY
-    if person.seated > 0.0:
+    along_x, along_z = (
+        speed_lean * person.velocity[0] / size,
+        speed_lean * person.velocity[1] / size,
+    )
+    along_x += 0.45 * person.acceleration[0] / GRAVITY
+    along_z += 0.45 * person.acceleration[1] / GRAVITY
+    if person.sit_blend > 0.0:
         # Weight goes over the feet on the way, and back over the seat once there.
-        on_way = 4.0 * person.seated * (1.0 - person.seated)
+        halfway = 4.0 * person.sit_blend * (1.0 - person.sit_blend)
         c, s = math.cos(person.heading), math.sin(person.heading)
-        lean = 0.62 * on_way + person.seat[2] * eased(person.seated)
+        lean = 0.62 * halfway + person.seat[2] * smoothstep(person.sit_blend)
         along_x, along_z = along_x + lean * c, along_z - lean * s
     elif person.bow > 0.02:
         c, s = math.cos(person.heading), math.sin(person.heading)
         along_x, along_z = along_x + person.bow * c, along_z - person.bow * s
     elif not person.stepping:
-        x, z = _off_balance(person, nodes)
+        x, z = _balance_error(person, nodes)
         along_x -= 1.2 * x / leg
         along_z -= 1.2 * z / leg
-    size = max(math.hypot(along_x, along_z) / MOST_LEAN, 1.0)
-    for c, wanted in ((0, along_x / size), (1, along_z / size)):
-        person.lean[c], person.lean_rate[c] = sprung(
-            person.lean[c], person.lean_rate[c], wanted, 5.0, dt
+    size = max(math.hypot(along_x, along_z) / MAX_LEAN, 1.0)
+    for c, target in ((0, along_x / size), (1, along_z / size)):
+        person.lean[c], person.lean_rate[c] = spring_step(
+            person.lean[c], person.lean_rate[c], target, 5.0, dt
         )
 
 
 @compiled
-def _off_balance(person: Record, nodes: Records) -> tuple[float, float]:
-    """Return how far the centre of mass is from over the middle of the feet [m]."""
+def _balance_error(person: Record, nodes: Records) -> tuple[float, float]:
     x = z = weight = 0.0
-    for i in range(person.node, person.node + COUNT):
+    for i in range(person.node, person.node + NODE_COUNT):
         node = nodes[i]
         mass = 1.0 / max(node.inverse_mass, 1e-9)
         x, z, weight = x + mass * node.p[0], z + mass * node.p[2], weight + mass
     return (
-        x / weight - 0.5 * (person.stood[0, 0] + person.stood[1, 0]),
-        z / weight - 0.5 * (person.stood[0, 2] + person.stood[1, 2]),
+        x / weight - 0.5 * (person.stance_place[0, 0] + person.stance_place[1, 0]),
+        z / weight - 0.5 * (person.stance_place[0, 2] + person.stance_place[1, 2]),
     )
 
 
 @compiled
 def _hold_chest(person: Record, pelvis: Vector, rotation: float, dt: float) -> None:
-    """Say where spine, shoulders and head should be."""
-    aside = wrapped(person.gaze[0] - person.heading)
-    wanted = min(max(0.4 * aside, -MOST_TWIST), MOST_TWIST)
-    person.twist, person.twist_rate = sprung(person.twist, person.twist_rate, wanted, 5.0, dt)
-    counter = -rotation / ROTATE * COUNTER
+    """Set the targets of spine, shoulders and head."""
+    gaze_yaw = wrap_angle(person.gaze[0] - person.heading)
+    twist_target = min(max(0.4 * gaze_yaw, -MAX_TWIST), MAX_TWIST)
+    person.twist, person.twist_rate = spring_step(
+        person.twist, person.twist_rate, twist_target, 5.0, dt
+    )
+    counter_rotation = -rotation / PELVIS_ROTATION * SHOULDER_ROTATION
     x, z = person.lean[0], person.lean[1]
     yaw = person.heading + person.twist
-    belly = frame_of(person.heading + 0.5 * (rotation + counter), 0.5 * x, 0.5 * z, 0.0)
-    spine = from_frame(pelvis, belly, 0.0, person.belly, 0.0)
-    chest = frame_of(yaw + counter, x, z, 0.0)
-    shoulders = from_frame(spine, chest, 0.0, person.chest + _breathe(person, dt), 0.0)
-    put(person.wanted, SPINE, spine)
-    put(person.wanted, SHOULDERS, shoulders)
+    belly = trunk_frame(person.heading + 0.5 * (rotation + counter_rotation), 0.5 * x, 0.5 * z, 0.0)
+    spine = place_in_world(pelvis, belly, 0.0, person.belly, 0.0)
+    chest = trunk_frame(yaw + counter_rotation, x, z, 0.0)
+    shoulders = place_in_world(spine, chest, 0.0, person.chest + _breath_lift(person, dt), 0.0)
+    put(person.targets, SPINE, spine)
+    put(person.targets, SHOULDERS, shoulders)
     for k in range(2):
         side = person.shoulders if k == 1 else -person.shoulders
-        put(person.wanted, SHOULDER + k, from_frame(shoulders, chest, 0.0, 0.0, side))
+        put(person.targets, SHOULDER + k, place_in_world(shoulders, chest, 0.0, 0.0, side))
     # The neck keeps the head upright, and bends with what is looked at.
     nod = -0.35 * person.gaze[1]
     c, s = math.cos(person.gaze[0]), math.sin(person.gaze[0])
-    neck = frame_of(yaw, 0.35 * x + nod * c, 0.35 * z - nod * s, 0.0)
-    put(person.wanted, HEAD, from_frame(shoulders, neck, 0.0, person.neck, 0.0))
+    neck = trunk_frame(yaw, 0.35 * x + nod * c, 0.35 * z - nod * s, 0.0)
+    put(person.targets, HEAD, place_in_world(shoulders, neck, 0.0, person.neck, 0.0))
 
 
 @compiled
-def stretch(person: Record, links: Records, owners: Records) -> None:
-    """Let the link between spine and shoulders be as long as breath has it."""
-    link = owners[person.owner].links[0] + CHEST
-    long = length(minus(row(person.wanted, SHOULDERS), row(person.wanted, SPINE)))
-    links[link].reach[0] = links[link].reach[1] = long
+def stretch_chest(person: Record, links: Records, owners: Records) -> None:
+    """Set the length of the chest link to what breath makes it."""
+    link = owners[person.owner].links[0] + CHEST_LINK
+    span = length(minus(row(person.targets, SHOULDERS), row(person.targets, SPINE)))
+    links[link].length_limits[0] = links[link].length_limits[1] = span
 
 
 @compiled
 def chest_frame(person: Record) -> tuple[Vector, Frame]:
-    """Return the middle of the shoulders, and the frame of the chest, as they should be."""
-    _, stance = pace_of(person)
+    """Return the target of the middle of the shoulders, and the frame of the chest."""
+    _, stance = gait_pace(person)
     yaw = person.heading + person.twist
-    yaw += COUNTER * person.walking * turn_of(person, 1.0 - stance)
-    return row(person.wanted, SHOULDERS), frame_of(yaw, person.lean[0], person.lean[1], 0.0)
+    yaw += SHOULDER_ROTATION * person.walk_blend * phase_cosine(person, 1.0 - stance)
+    return row(person.targets, SHOULDERS), trunk_frame(yaw, person.lean[0], person.lean[1], 0.0)
 
 
 @compiled
-def _breathe(person: Record, dt: float) -> float:
-    """Return how high the shoulders are lifted by breath [m]; the quicker the walk, the more."""
-    effort = min(relative(speed_of(person), leg_of(person)), 1.2)
+def _breath_lift(person: Record, dt: float) -> float:
+    """Return the lift of the shoulders by breath [m]; it grows with the effort of the walk."""
+    effort = min(froude(ground_speed(person), leg_length(person)), 1.2)
     person.breath = (person.breath + (0.25 + 0.45 * effort) * dt) % 1.0
     depth = (0.0035 + 0.004 * effort) * person.height
     lift: float = depth * math.sin(2.0 * math.pi * person.breath)

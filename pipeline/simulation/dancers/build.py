@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pipeline.simulation.people.proportions import ADULT, CHILD, Proportions
-from pipeline.spec.cast import Dancer
-from pipeline.spec.dancer import Build
+from pipeline.spec.dancer import Build, Dancer
 
 BUILDS = {"torso": ADULT, "adult": ADULT, "child": CHILD}
 
 
-def proportions_of(member: Dancer) -> Proportions:
+def dancer_proportions(member: Dancer) -> Proportions:
     """Return how a dancer is made."""
     words = member.dancer
     if not isinstance(words, Build):

@@ -1,38 +1,11 @@
-"""Contacts, motions and happenings -> sound events, one file each (Sims 1987, ch. 13).
+"""Contacts, motions and signals -> sound events (Sims 1987, ch. 13).
 
-A new cause is a model in `pipeline/spec/detect.py`, a file here and a line in one of the
-registries.
+A new cause has a model in the spec's `Detect`, a detector here, and a voice in
+`audio/cause_voices.py`. Every module is imported, so that detectors register themselves.
 """
 
-from pipeline.simulation.detect.bends import Squawks, Squeaks
-from pipeline.simulation.detect.boings import Boings
-from pipeline.simulation.detect.breaths import Breaths
-from pipeline.simulation.detect.collisions import collisions
-from pipeline.simulation.detect.footfalls import footfalls
-from pipeline.simulation.detect.motions import MakesWatch
-from pipeline.simulation.detect.rubs import rolls, slides
-from pipeline.simulation.detect.scuffs import scuffs
-from pipeline.simulation.detect.swooshes import Swooshes
-from pipeline.simulation.detect.whistles import Whistles
+from importlib import import_module
+from pkgutil import iter_modules
 
-OF_CONTACTS = {
-    "footfall": footfalls,
-    "scuff": scuffs,
-    "collision": collisions,
-    "roll": rolls,
-    "slide": slides,
-}
-"""Cause -> which contacts make it, see `Contacts`."""
-
-OF_MOTIONS: dict[str, MakesWatch] = {
-    "squeak": Squeaks,
-    "squawk": Squawks,
-    "swoosh": Swooshes,
-    "whistle": Whistles,
-    "boing": Boings,
-    "breath": Breaths,
-}
-"""Cause -> what watches the rows for it, see `Motions`."""
-
-OF_HAPPENINGS = {"cry": "cry", "hug": "hug"}
-"""Cause -> the kind of happening that makes it, see `Voices`."""
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")

@@ -1,65 +1,54 @@
-"""Generators: the words of a terrain -> its surface about the origin, one function a kind.
+"""Registry of terrain generators: the model of a kind -> its surface about the origin.
 
-A new kind is a model in `pipeline/spec/terrain/`, a function in a file of this room and a
-line in `GENERATORS`.
+A new kind is a model in `pipeline/spec/terrain` and a function with `@generates` in a module
+that `ground` imports.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
 from pipeline.errors import SceneError
-from pipeline.simulation.terrain.boulders import boulders
-from pipeline.simulation.terrain.built import ditches, ramp, stairs
-from pipeline.simulation.terrain.from_file import below
-from pipeline.simulation.terrain.grid_mesh import mesh
 from pipeline.simulation.terrain.heightfield import HeightField
-from pipeline.simulation.terrain.image import image
-from pipeline.simulation.terrain.stones import stones
-from pipeline.simulation.terrain.wild import flat, fractal, hills
-from pipeline.spec.terrain import (
-    BouldersTerrain,
-    DitchesTerrain,
-    FlatTerrain,
-    FractalTerrain,
-    HillsTerrain,
-    ImageTerrain,
-    MeshTerrain,
-    RampTerrain,
-    StairsTerrain,
-    StonesTerrain,
-    SumTerrain,
-)
-from pipeline.spec.terrain import Ground as Words
+from pipeline.spec.terrain.base import TerrainConfig
+from pipeline.spec.terrain.kinds import SumTerrain
+
+Generator = TypeVar("Generator", bound=Callable[[Any, np.random.Generator], HeightField])
+
+GENERATORS: dict[type[TerrainConfig], Callable[..., HeightField]] = {}
+"""Generators by the model of their kind."""
 
 
-def total(words: SumTerrain, chance: np.random.Generator) -> HeightField:
+def generates(model: type[TerrainConfig]) -> Callable[[Generator], Generator]:
+    """Register the generator of a kind of terrain."""
+
+    def register(generator: Generator) -> Generator:
+        GENERATORS[model] = generator
+        return generator
+
+    return register
+
+
+@generates(SumTerrain)
+def total(terrain: SumTerrain, rng: np.random.Generator) -> HeightField:
     """Return the sum of terrains; each draws from a seed of its own.
 
     Raises:
-        SceneError: a file that a term names does not hold what it should.
+        SceneError: the file of a term does not hold what it should.
     """
-    heights = np.zeros((words.cells[1] + 1, words.cells[0] + 1))
-    for i, (term, own) in enumerate(zip(words.of, chance.spawn(len(words.of)), strict=True)):
+    heights = np.zeros((terrain.cells[1] + 1, terrain.cells[0] + 1))
+    for i, (term, own) in enumerate(zip(terrain.of, rng.spawn(len(terrain.of)), strict=True)):
         try:
             heights += GENERATORS[type(term)](term, own).heights
         except SceneError as error:
             raise below(error, f"of[{i}]") from None
-    return HeightField(heights, words.size)
+    return HeightField(heights, terrain.size)
 
 
-GENERATORS: dict[type[Words], Callable[..., HeightField]] = {
-    FlatTerrain: flat,
-    FractalTerrain: fractal,
-    HillsTerrain: hills,
-    BouldersTerrain: boulders,
-    StairsTerrain: stairs,
-    RampTerrain: ramp,
-    DitchesTerrain: ditches,
-    StonesTerrain: stones,
-    ImageTerrain: image,
-    MeshTerrain: mesh,
-    SumTerrain: total,
-}
+def below(error: SceneError, path: str) -> SceneError:
+    """Return an error whose problems lie below `path` in the scene."""
+    return SceneError([replace(p, path=f"{path}.{p.path}") for p in error.problems])

@@ -1,4 +1,12 @@
-"""Ground: the terrain of a scene, ready to be stood on and drawn."""
+"""Ground: the surface of a scene with its forbidden zones.
+
+A place is forbidden where the slope cannot be stepped on, and within one foot
+radius downhill of such a slope, where a foot would touch the wall. The zones are
+kept as a field of one truth value a cell, computed to the safe side: a cell is
+forbidden if any of its points may be.
+
+Source: Sims 1987, 8.2.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +19,11 @@ from numpy.typing import NDArray
 from pipeline.errors import SceneError
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
-from pipeline.simulation.terrain.forbidden import forbidden_cells
-from pipeline.simulation.terrain.from_file import below
-from pipeline.simulation.terrain.generators import GENERATORS
-from pipeline.simulation.terrain.heightfield import HeightField
-from pipeline.simulation.terrain.surfaces import surface_of
-from pipeline.spec.terrain import Ground as Words
-from pipeline.spec.values import FAR
+from pipeline.simulation.terrain import constructed, height_files, natural  # noqa: F401 - register
+from pipeline.simulation.terrain.generators import GENERATORS, below
+from pipeline.simulation.terrain.heightfield import HeightField, surface_of
+from pipeline.spec.model_base import WORLD_LIMIT
+from pipeline.spec.terrain.base import TerrainConfig
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +32,7 @@ class Ground:
 
     Attributes:
         field: the surface.
-        forbidden: (n_z, n_x) cells that no foot may be put on.
+        forbidden: (n_z, n_x) cells without footholds.
         material: name of its material.
     """
 
@@ -47,30 +53,97 @@ class Ground:
         return self.field.surface(x, z)
 
     def steppable(self, x: Array, z: Array) -> NDArray[np.bool_]:
-        """Say where a foot may be put; outside the grid it may not."""
+        """Return where a foot may be put; outside the grid it may not."""
         forbidden = self.forbidden[self.field.cell_of(x, z)]
         result: NDArray[np.bool_] = self.field.inside(x, z) & ~forbidden
         return result
 
 
 def level_ground(height: float, like: Ground) -> Ground:
-    """Return level ground everywhere at `height` [m], of the material of another one."""
-    field = HeightField(np.full((3, 3), height), (2.0 * FAR, 2.0 * FAR))
+    """Return level ground everywhere at `height` [m], of the material of `like`."""
+    field = HeightField(np.full((3, 3), height), (2.0 * WORLD_LIMIT, 2.0 * WORLD_LIMIT))
     return Ground(field, np.zeros((2, 2), dtype=bool), like.material)
 
 
-def build_ground(words: Words, seed: int) -> Ground:
-    """Build the ground that `words` describe.
+def build_ground(terrain: TerrainConfig, seed: int) -> Ground:
+    """Build the ground of a scene.
 
     The terrain draws from the scene's seed under the name "terrain".
 
     Raises:
-        SceneError: a file that the words name does not hold what it should.
+        SceneError: a file of the terrain does not hold what it should.
     """
     try:
-        field = GENERATORS[type(words)](words, generator(seed, "terrain"))
+        field = GENERATORS[type(terrain)](terrain, generator(seed, "terrain"))
     except SceneError as error:
         raise below(error, "terrain") from None
-    field = surface_of(field, words.polygons).placed(words.at, math.radians(words.heading_deg))
-    zones = forbidden_cells(field, math.radians(words.unsteppable_slope_deg), words.foot_radius)
-    return Ground(field, zones, words.material)
+    field = surface_of(field, terrain.polygons).placed(
+        terrain.at, math.radians(terrain.heading_deg)
+    )
+    zones = forbidden_cells(field, math.radians(terrain.unsteppable_slope_deg), terrain.foot_radius)
+    return Ground(field, zones, terrain.material)
+
+
+def forbidden_cells(
+    field: HeightField, unsteppable_slope: float, foot_radius: float
+) -> NDArray[np.bool_]:
+    """Return the cells (n_z, n_x) without footholds.
+
+    Args:
+        field: the surface.
+        unsteppable_slope: slopes at or above this angle cannot be stepped on [rad].
+        foot_radius: how far downhill of them it is still forbidden [m].
+    """
+    limit = math.tan(unsteppable_slope) ** 2
+    facets = [(x, z, _sum_of_squares(x, z) >= limit) for x, z in field.facets]
+    zones: NDArray[np.bool_] = np.logical_or.reduce([steep for _, _, steep in facets])
+    if foot_radius == 0.0 or not zones.any():
+        return zones
+    near = _near(field.cell, foot_radius)
+    margin = int(np.abs(near).max(initial=0))
+    # With a margin around it no neighbour needs to be looked for.
+    wide = np.pad(zones, margin)
+    # The triangles of a cell may fall to different sides.
+    for along_x, along_z, steep in facets:
+        source = np.flatnonzero(np.pad(steep, margin))
+        _mark_downhill(wide, source, (along_x[steep], along_z[steep]), field.cell, near)
+    return np.ascontiguousarray(wide[margin:-margin, margin:-margin]) if margin else zones
+
+
+def _sum_of_squares(x: Array, z: Array) -> Array:
+    squares = x * x
+    squares += z * z
+    return squares
+
+
+def _near(cell: tuple[float, float], radius: float) -> NDArray[np.int64]:
+    """Return the offsets (i, j) of cells that have points within `radius` of this one's."""
+    reach = [math.ceil(radius / side) for side in cell]
+    i, j = np.meshgrid(*(np.arange(-r, r + 1) for r in reach))
+    gap = np.hypot(np.maximum(np.abs(i) - 1, 0) * cell[0], np.maximum(np.abs(j) - 1, 0) * cell[1])
+    is_near = (gap <= radius) & ((i != 0) | (j != 0))
+    return np.stack([i[is_near], j[is_near]], axis=-1)
+
+
+def _mark_downhill(
+    wide: NDArray[np.bool_],
+    source: NDArray[np.int64],
+    gradient: tuple[Array, Array],
+    cell: tuple[float, float],
+    near: NDArray[np.int64],
+) -> None:
+    """Set the cells of `wide` that are near and downhill of `source`.
+
+    Args:
+        wide: zones with a margin.
+        source: steep cells, as places in the ravelled `wide`.
+        gradient: rise along x and z of each of them, per metre.
+        cell: length of a cell along x and z [m].
+        near: (n, 2) offsets of neighbours that are near enough.
+    """
+    flat, columns = wide.ravel(), wide.shape[1]
+    over_x, over_z = gradient[0] * cell[0], gradient[1] * cell[1]
+    across = np.abs(over_x) + np.abs(over_z)
+    for i, j in near.tolist():
+        # Some point of that cell lies downhill of some point of this one.
+        flat[source[over_x * i + over_z * j < across] + (j * columns + i)] = True

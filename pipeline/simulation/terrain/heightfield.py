@@ -2,7 +2,7 @@
 
 The grid has (n_z + 1, n_x + 1) vertices. Each cell is cut along the diagonal from
 its low corner to its high corner, and every question about the surface is
-answered on these triangles, so that feet stand on what the renderer draws. `quadfield`
+answered on these triangles, so that feet stand on what the renderer draws. `QuadField`
 cuts them otherwise.
 
 The grid G has a pose in the world W: its middle lies at (x, z) and it is turned about
@@ -14,6 +14,7 @@ Source: Sims 1987, 8.1.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -22,12 +23,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
+from pipeline.spec.terrain.base import Polygons
 
 Located = tuple[Array, Array, Array]
 """Heights (4, ...) at the corners of cells, and places in them along x and z (...)."""
 
-AXES = 4
-"""Most axes of arrays of places, and one."""
+MAX_AXES = 4
+"""One more than the axes of the largest arrays of places."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +50,7 @@ class HeightField:
 
     @classmethod
     def of_vertices(cls, vertices: Array, cells: tuple[int, int]) -> Self:
-        """Return the field whose vertices (V, 3) these are, those of its grid first."""
+        """Return the field of vertices (V, 3), those of the grid first."""
         n_x, n_z = cells
         grid = vertices[: (n_x + 1) * (n_z + 1)]
         low, along_x, high = grid[0], grid[n_x], grid[-1]
@@ -114,7 +116,7 @@ class HeightField:
                 np.reshape(self.cells, (2, *(1,) * axes)),
                 steps.reshape(4, *(1,) * axes),
             )
-            for axes in range(AXES)
+            for axes in range(MAX_AXES)
         )
 
     def _on_grid(self, x: Array, z: Array) -> Array:
@@ -181,7 +183,7 @@ class HeightField:
         return np.minimum(np.maximum(j, 0), n_z - 1), np.minimum(np.maximum(i, 0), n_x - 1)
 
     def inside(self, x: Array, z: Array) -> NDArray[np.bool_]:
-        """Say which points lie over the grid."""
+        """Return which points lie over the grid."""
         x, z = self.to_grid(x, z)
         result: NDArray[np.bool_] = (np.abs(x) <= self.size[0] / 2) & (
             np.abs(z) <= self.size[1] / 2
@@ -237,3 +239,78 @@ def _normal(along_x: Array, along_z: Array) -> Array:
     normals[..., 0], normals[..., 1], normals[..., 2] = -along_x, 1.0, -along_z
     normals /= length[..., None]
     return normals
+
+
+class QuadField(HeightField):
+    """A height field whose cells favour neither diagonal.
+
+    Four corners do not lie in a plane in general, and the heights that Sims interpolates
+    between them span a curved patch, which no triangles draw. So a quadrilateral is four
+    triangles about its middle, at the mean height of its corners: feet and picture share them.
+
+    Source: Sims 1987, 8.1.
+    """
+
+    def _height(self, at: Located) -> Array:
+        (h00, h10, h01, h11), u, v = at
+        rise_u, rise_v = _rises(h00, h10, h01, h11, u, v)
+        middle = 0.25 * ((h00 + h10) + (h01 + h11))
+        result: Array = middle + rise_u * (u - 0.5) + rise_v * (v - 0.5)
+        return result
+
+    def _rise(self, at: Located) -> tuple[Array, Array]:
+        (h00, h10, h01, h11), u, v = at
+        rise_u, rise_v = _rises(h00, h10, h01, h11, u, v)
+        return self._turned(rise_u / self.cell[0], rise_v / self.cell[1])
+
+    @cached_property
+    def vertices(self) -> Array:
+        """Vertices (V, 3) [m]: those of the grid, then the middles of its cells, row by row."""
+        grid = self._grid
+        middles = 0.25 * ((grid[:-1, :-1] + grid[:-1, 1:]) + (grid[1:, :-1] + grid[1:, 1:]))
+        return np.concatenate([grid.reshape(-1, 3), middles.reshape(-1, 3)])
+
+    @cached_property
+    def faces(self) -> NDArray[np.uint32]:
+        """Triangles (F, 3), counter-clockwise from above, cell by cell: the surface itself."""
+        a, b, c, d = self._corner_numbers
+        m = self.heights.size + np.arange(len(a))
+        triangles = np.stack([b, a, m, d, b, m, c, d, m, a, c, m], axis=-1).reshape(-1, 3)
+        return triangles.astype(np.uint32)
+
+    @property
+    def facets(self) -> tuple[tuple[Array, Array], ...]:
+        """Rise along x and z (n_z, n_x) of each triangle of the cells, in the grid's frame."""
+        x, z = self._rises
+        mean_x, mean_z = 0.5 * (x[:-1] + x[1:]), 0.5 * (z[:, :-1] + z[:, 1:])
+        return (x[:-1], mean_z), (mean_x, z[:, 1:]), (x[1:], mean_z), (mean_x, z[:, :-1])
+
+
+def _rises(
+    h00: Array, h10: Array, h01: Array, h11: Array, u: Array, v: Array
+) -> tuple[Array, Array]:
+    """Return the rises along u and v, a cell, of the triangle at (u, v) of each cell.
+
+    A triangle rises along its own edge as that does, and across it as the two edges beside
+    it do on average.
+    """
+    low_u, high_u, low_v, high_v = h10 - h00, h11 - h01, h01 - h00, h11 - h10
+    along_u = np.abs(v - 0.5) >= np.abs(u - 0.5)
+    rise_u = np.where(along_u, np.where(v < 0.5, low_u, high_u), 0.5 * (low_u + high_u))
+    rise_v = np.where(along_u, 0.5 * (low_v + high_v), np.where(u < 0.5, low_v, high_v))
+    return rise_u, rise_v
+
+
+SURFACES: Mapping[Polygons, type[HeightField]] = {"triangles": HeightField, "quads": QuadField}
+
+
+def surface_of(field: HeightField, polygons: Polygons) -> HeightField:
+    """Return the same field with cells made of `polygons`."""
+    return SURFACES[polygons](field.heights, field.size, field.at, field.heading)
+
+
+def surface_of_vertices(vertices: Array, cells: tuple[int, int]) -> HeightField:
+    """Return the surface of vertices (V, 3); a `QuadField` if the cells have middles."""
+    n_x, n_z = cells
+    has_middles = len(vertices) > (n_x + 1) * (n_z + 1)
+    return SURFACES["quads" if has_middles else "triangles"].of_vertices(vertices, cells)

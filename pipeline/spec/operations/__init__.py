@@ -14,13 +14,12 @@ from typing import Annotated, Any, get_args
 
 from pydantic import BaseModel, BeforeValidator, Discriminator, Tag
 
-from pipeline.spec.faults import Fault, fault
-from pipeline.spec.nearest import hint
-from pipeline.spec.operations.copying import Copy, Move, copy, move
-from pipeline.spec.operations.deleting import Connect, Delete, connect, delete
-from pipeline.spec.operations.mirroring import Mirror, mirror
-from pipeline.spec.operations.selecting import Select, select
-from pipeline.spec.operations.sheet import Doing, Sheet, changed, faults_of_result
+from pipeline.spec.model_base import Fault, fault_error
+from pipeline.spec.operations.copies import Copy, Mirror, Move, copy, mirror, move
+from pipeline.spec.operations.drawing import Doing, Sheet, changed, faults_of_result
+from pipeline.spec.operations.drawing_edits import Connect, Delete, connect, delete
+from pipeline.spec.operations.node_selection import Select, select
+from pipeline.spec.suggestions import hint
 
 AnyOperation = Mirror | Copy | Move | Select | Delete | Connect
 
@@ -67,12 +66,12 @@ def _says_what_to_do(words: Any) -> Any:
     known = [kind.word for kind in OPERATIONS]
     if _kind_of(words) is None:
         if not isinstance(words, Mapping):
-            raise fault(f"should be a mapping with one of the keys {', '.join(known)}")
+            raise fault_error(f"should be a mapping with one of the keys {', '.join(known)}")
         for key in words:
             said = hint(str(key), known)
             if said.startswith("did") or len(words) == 1:
-                raise fault(f"no operation is called '{key}', {said}", key, at_key=True)
-        raise fault(f"needs one of the keys {', '.join(known)}")
+                raise fault_error(f"no operation is called '{key}', {said}", key, at_key=True)
+        raise fault_error(f"needs one of the keys {', '.join(known)}")
     return words
 
 

@@ -10,16 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import replace
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from pipeline.spec.faults import Fault
-from pipeline.spec.nearest import hint
-from pipeline.spec.operations.mirroring import Axis, mirrored_point
-from pipeline.spec.operations.sheet import At, Mark, Sheet
-from pipeline.spec.values import Name, Number, Point, Words
+from pipeline.spec.model_base import ConfigModel, Fault, Name, Number, Point
+from pipeline.spec.operations.drawing import At, Mark, Sheet
+from pipeline.spec.suggestions import hint
 
+Axis = Literal["x", "y"]
 Factor = Annotated[Number, Field(ge=1e-3, le=1e3)]
 Degrees = Annotated[Number, Field(ge=-3600, le=3600)]
 
@@ -33,7 +32,7 @@ Centre = Annotated[
 ]
 
 
-class Transformation(Words):
+class Transformation(ConfigModel):
     """What moves a set of nodes."""
 
     mirror: Axis | None = Field(
@@ -97,6 +96,12 @@ def transformed(words: Transformation, marks: Collection[Mark], sheet: Sheet) ->
         size = mark.size * even * math.sqrt(sx * sy)
         moved.append(replace(mark, at=(x + dx, y + dy), size=size))
     return moved
+
+
+def mirrored_point(at: At, axis: Axis) -> At:
+    """Return the place of a copy [m]."""
+    x, y = at
+    return (-x, y) if axis == "x" else (x, -y)
 
 
 def turned(at: At, degrees: float) -> At:

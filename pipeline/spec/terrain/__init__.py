@@ -1,53 +1,20 @@
-"""Terrain: the ground of a scene, by the name of its kind or written out."""
+"""Terrain: the ground of a scene, by the name of a preset or written out."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Union
 
 from pydantic import BeforeValidator, Field
 
-from pipeline.spec.terrain.built import DitchesTerrain, RampTerrain, StairsTerrain, StonesTerrain
-from pipeline.spec.terrain.files import ImageTerrain, MeshTerrain, beside, simulated
-from pipeline.spec.terrain.ground import Grid, Ground, Polygons
-from pipeline.spec.terrain.names import ShortForms, written_out
-from pipeline.spec.terrain.presets import TERRAIN_PRESETS
-from pipeline.spec.terrain.sum import SumTerrain
-from pipeline.spec.terrain.wild import BouldersTerrain, FlatTerrain, FractalTerrain, HillsTerrain
+from pipeline.spec.terrain import kinds  # noqa: F401 - registers all kinds
+from pipeline.spec.terrain.base import TERRAIN_KINDS, ShortForms, TerrainConfig, written_out
 
-Terrain = Annotated[
-    FlatTerrain
-    | FractalTerrain
-    | HillsTerrain
-    | BouldersTerrain
-    | StairsTerrain
-    | RampTerrain
-    | DitchesTerrain
-    | StonesTerrain
-    | ImageTerrain
-    | MeshTerrain
-    | SumTerrain,
-    Field(discriminator="kind"),
-    BeforeValidator(written_out),
-    ShortForms(),
-]
-
-__all__ = [
-    "TERRAIN_PRESETS",
-    "BouldersTerrain",
-    "DitchesTerrain",
-    "FlatTerrain",
-    "FractalTerrain",
-    "Grid",
-    "Ground",
-    "HillsTerrain",
-    "ImageTerrain",
-    "MeshTerrain",
-    "Polygons",
-    "RampTerrain",
-    "StairsTerrain",
-    "StonesTerrain",
-    "SumTerrain",
-    "Terrain",
-    "beside",
-    "simulated",
-]
+if TYPE_CHECKING:
+    Terrain = TerrainConfig
+else:
+    Terrain = Annotated[
+        Union[tuple(TERRAIN_KINDS.values())],  # noqa: UP007 - made of the registry
+        Field(discriminator="kind"),
+        BeforeValidator(written_out),
+        ShortForms(),
+    ]

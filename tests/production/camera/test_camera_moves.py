@@ -24,7 +24,7 @@ SCENE = f"""
 pronk: 1
 fps: {RATE}
 duration: {SECONDS}
-samples: 1
+rows_per_frame: 1
 cast:
 - {{name: toy, prop: {{shape: box, size: [0.4, 0.4, 0.4]}}, at: [0, 0.2, 0]}}
 """

@@ -30,7 +30,7 @@ SCENE = f"""
 pronk: 1
 fps: {RATE}
 duration: {SECONDS}
-samples: 1
+rows_per_frame: 1
 terrain: TERRAIN
 cast:
 - {{name: a, prop: {{shape: box, size: [0.6, 0.4, 0.3]}}, at: [0, 1, 0]}}

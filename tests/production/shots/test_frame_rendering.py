@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from pipeline.production.run.production import score_only, simulate_only, take_key
-from pipeline.production.run.progress import Quiet
+from pipeline.production.run.progress import Reporter
 from pipeline.production.shots.frame_rendering import frame_key
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.simulation.take import Take
@@ -48,8 +48,8 @@ def test_a_second_run_changes_nothing(studio: Studio) -> None:
 
 def test_scoring_and_simulating_what_is_made_changes_nothing(studio: Studio) -> None:
     before = studio.state()
-    score_only(studio.order(), Quiet())
-    simulate_only(studio.order(), Quiet())
+    score_only(studio.order(), Reporter())
+    simulate_only(studio.order(), Reporter())
     assert studio.changes(before) == set()
 
 
@@ -272,6 +272,6 @@ def test_what_is_no_take_is_replaced_by_one(
     studio: Studio, film: Studio, harm: Callable[[Path], None]
 ) -> None:
     harm(studio.made / "take.zarr")
-    simulate_only(studio.order(), Quiet())
+    simulate_only(studio.order(), Reporter())
     assert studio.contents() == film.contents()
     assert not list(studio.made.rglob("*.partial*"))

@@ -9,7 +9,8 @@ from pydantic import TypeAdapter
 from pipeline.production.shots.ground_mesh import GROWTH, RINGS, ground_meshes
 from pipeline.simulation.take import Take, TerrainRecord
 from pipeline.simulation.terrain import build_ground
-from pipeline.spec import FlatTerrain, FractalTerrain, HillsTerrain, Terrain
+from pipeline.spec import Terrain
+from pipeline.spec.terrain.kinds import FlatTerrain, FractalTerrain, HillsTerrain
 
 TERRAINS: list[Terrain] = [
     FlatTerrain(size=(8, 8), cells=(8, 8)),

@@ -11,10 +11,9 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups import looks
-from pipeline.simulation.bodies.groups.chance import Chance
-from pipeline.simulation.bodies.groups.others import Cast, Others
-from pipeline.simulation.bodies.groups.rule import Setting
+from pipeline.simulation.bodies.groups import member_meshes
+from pipeline.simulation.bodies.groups.counter_random import CounterRandom
+from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext
 from pipeline.simulation.spatial import UP, Array, rotation
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Rows
@@ -30,13 +29,13 @@ SMALLEST = 0.03
 """Scale below which it is dead."""
 
 
-class Flames:
+class FireRule:
     """A fire."""
 
-    def __init__(self, setting: Setting, words: Fire) -> None:
+    def __init__(self, setting: GroupContext, words: Fire) -> None:
         self.setting = setting
         self.words = words
-        self.chance = Chance(setting.world.seed, setting.name)
+        self.chance = CounterRandom(setting.world.seed, setting.name)
         self.slots = np.arange(words.count)
         # Lives differ, so that the fire does not pulse.
         self.span = words.life * (0.7 + 0.6 * self.chance.uniform(self.slots, 0, 0))
@@ -44,13 +43,13 @@ class Flames:
         self.life = np.full(words.count, -1, dtype=np.int64)
         self.source = np.zeros((words.count, 3))
         rows = setting.world.clock.rows
-        solid = looks.flame(words.size)
-        self.inventory = looks.inventory(
+        solid = member_meshes.flame(words.size)
+        self.inventory = member_meshes.inventory(
             setting.name, setting.material, rows, words.count, [("", solid)], words.size, True
         )
         self._parent: int | None = None
 
-    def meet(self, cast: Cast) -> None:
+    def meet(self, cast: CastIndex) -> None:
         """See `Rule`."""
         if self.setting.parent is not None:
             self._parent = cast.number(self.setting.parent, f"{self.setting.path}.parent")
@@ -58,7 +57,7 @@ class Flames:
     def send(self, time: float, goal: tuple[float, float]) -> None:
         """See `Rule`; a fire burns where it burns."""
 
-    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+    def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
         """See `Rule`."""
         for k, time in enumerate(times):
             turns = float(time) / self.span + self.phase
@@ -69,7 +68,7 @@ class Flames:
             self._pose(rows, k, turns - life)
         return []
 
-    def _place(self, others: Others, k: int) -> Array:
+    def _place(self, others: CastPoses, k: int) -> Array:
         """Return where flames come from (3,) [m]."""
         if self._parent is None:
             return self.setting.place

@@ -10,11 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups import looks
-from pipeline.simulation.bodies.groups.making import Making
-from pipeline.simulation.bodies.groups.others import Cast, Others, Outline
-from pipeline.simulation.bodies.groups.rule import Setting
-from pipeline.simulation.bodies.groups.steering import Steering
+from pipeline.simulation.bodies.groups import member_meshes
+from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext, Outline
+from pipeline.simulation.bodies.groups.steering import GoalSelector, Steering
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import UP, Array, from_directions, rotation, turn
@@ -44,10 +42,10 @@ GLIDE, STROKE = 0.16, 0.75
 """Angle of wings that are held out, and of a full beat [rad]."""
 
 
-class Birds:
+class FlockRule:
     """A flock."""
 
-    def __init__(self, setting: Setting, words: Flock) -> None:
+    def __init__(self, setting: GroupContext, words: Flock) -> None:
         self.setting = setting
         self.words = words
         chance = generator(setting.world.seed, f"{setting.name} begins")
@@ -57,22 +55,22 @@ class Birds:
         self.steering = Steering.of(
             words, words.size, words.speed, words.agility, STEEPEST, places, setting.seed
         )
-        self.making = Making(setting, words)
+        self.making = GoalSelector(setting, words)
         self.phase = 2.0 * math.pi * chance.random(words.count)
         self.effort = np.full(words.count, 0.5)
         span = words.size
         pieces = [
-            ("", looks.bird(span)),
-            (".right", looks.wing(span, 1.0)),
-            (".left", looks.wing(span, -1.0)),
+            ("", member_meshes.bird(span)),
+            (".right", member_meshes.wing(span, 1.0)),
+            (".left", member_meshes.wing(span, -1.0)),
         ]
-        self.inventory = looks.inventory(
+        self.inventory = member_meshes.inventory(
             setting.name, setting.material, setting.world.clock.rows, words.count, pieces, span
         )
         self._avoided: Sequence[Outline] = ()
         self._time = 0.0
 
-    def meet(self, cast: Cast) -> None:
+    def meet(self, cast: CastIndex) -> None:
         """See `Rule`."""
         self.making.meet(cast)
         self._avoided = [cast.outline(name) for name in self.words.avoid]
@@ -81,7 +79,7 @@ class Birds:
         """See `Rule`."""
         self.making.send(time, goal, self.words.height + self.words.above)
 
-    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+    def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
         """See `Rule`."""
         goals = self.making.goals(times, others)
         middles, radii = others.balls(self._avoided)

@@ -14,10 +14,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups import looks
-from pipeline.simulation.bodies.groups.chance import Chance
-from pipeline.simulation.bodies.groups.others import Cast, Others, Outline
-from pipeline.simulation.bodies.groups.rule import Setting
+from pipeline.simulation.bodies.groups import member_meshes
+from pipeline.simulation.bodies.groups.counter_random import CounterRandom
+from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext, Outline
 from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.spatial import UP, Array, heading, rotation
 from pipeline.simulation.take import Contact, Mesh, Node, Part
@@ -46,13 +45,13 @@ REACH = 0.8
 """Distance at which it bends away from a foot, in its heights."""
 
 
-class Blades:
+class GrassRule:
     """Grass."""
 
-    def __init__(self, setting: Setting, words: Grass) -> None:
+    def __init__(self, setting: GroupContext, words: Grass) -> None:
         self.setting = setting
         self.words = words
-        chance = Chance(setting.world.seed, setting.name)
+        chance = CounterRandom(setting.world.seed, setting.name)
         slots = np.arange(words.count)
         x, z, turned, tall, own = (chance.uniform(slots, 0, draw) for draw in range(5))
         roots = np.tile(setting.place, (words.count, 1))
@@ -66,14 +65,14 @@ class Blades:
         self.inventory = self._inventory()
         self._avoided: Sequence[Outline] = ()
 
-    def meet(self, cast: Cast) -> None:
+    def meet(self, cast: CastIndex) -> None:
         """See `Rule`."""
         self._avoided = [cast.outline(name) for name in self.words.avoid]
 
     def send(self, time: float, goal: tuple[float, float]) -> None:
         """See `Rule`; grass stays where it stands."""
 
-    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+    def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
         """See `Rule`."""
         feet = others.points(self._avoided)
         rows.positions[:, 0], rows.rotations[:, 0] = 0.0, np.eye(3)
@@ -132,7 +131,7 @@ class Blades:
             nodes.append(Node(f"{name}.{i}", name, -1, (x, y, z)))
             blade = _blade(float(self.tall[i]))
             solids.append(replace(blade, vertices=blade.vertices @ self.looks[i].T + self.roots[i]))
-        whole = looks.joined(solids)
+        whole = member_meshes.joined(solids)
         each = len(solids[0].vertices)
         follows = np.zeros((len(whole.vertices), 2), dtype=np.int32)
         follows[:, 0] = 1 + np.repeat(np.arange(count), each)

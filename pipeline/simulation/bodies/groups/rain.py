@@ -13,10 +13,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.bodies.groups import looks
-from pipeline.simulation.bodies.groups.chance import Chance
-from pipeline.simulation.bodies.groups.others import Cast, Others
-from pipeline.simulation.bodies.groups.rule import Setting
+from pipeline.simulation.bodies.groups import member_meshes
+from pipeline.simulation.bodies.groups.counter_random import CounterRandom
+from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext
 from pipeline.simulation.spatial import Array, from_directions
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Rows
@@ -38,13 +37,13 @@ WATER = 1000.0
 """[kg/m³]."""
 
 
-class Drops:
+class RainRule:
     """Rain."""
 
-    def __init__(self, setting: Setting, words: Rain) -> None:
+    def __init__(self, setting: GroupContext, words: Rain) -> None:
         self.setting = setting
         self.words = words
-        self.chance = Chance(setting.world.seed, setting.name)
+        self.chance = CounterRandom(setting.world.seed, setting.name)
         self.fall = words.height / words.speed
         self.period = self.fall + SPLASH + DRY
         self.slots = np.arange(words.count)
@@ -55,20 +54,20 @@ class Drops:
         self.drift = drift
         up = -drift / math.sqrt(float((drift * drift).sum()))
         self.leaning = from_directions(np.array([up[1], -up[0], 0.0]), up)
-        solid = looks.drop(words.size)
+        solid = member_meshes.drop(words.size)
         rows = setting.world.clock.rows
-        self.inventory = looks.inventory(
+        self.inventory = member_meshes.inventory(
             setting.name, setting.material, rows, words.count, [("", solid)], words.size, True
         )
         self._time = 0.0
 
-    def meet(self, cast: Cast) -> None:
+    def meet(self, cast: CastIndex) -> None:
         """See `Rule`; rain knows nobody."""
 
     def send(self, time: float, goal: tuple[float, float]) -> None:
         """See `Rule`; rain falls where it falls."""
 
-    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+    def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
         """See `Rule`."""
         contacts = list[Contact]()
         for k, time in enumerate(times):

@@ -10,11 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups import looks
-from pipeline.simulation.bodies.groups.making import Making
-from pipeline.simulation.bodies.groups.others import Cast, Others, Outline
-from pipeline.simulation.bodies.groups.rule import Setting
-from pipeline.simulation.bodies.groups.steering import Steering
+from pipeline.simulation.bodies.groups import member_meshes
+from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext, Outline
+from pipeline.simulation.bodies.groups.steering import GoalSelector, Steering
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import UP, Array, from_directions, rotation, turn
 from pipeline.simulation.take import Contact
@@ -31,10 +29,10 @@ WAG, WAGS = 0.55, 1.1
 """Angle of the tail [rad], and wags for each length that it swims."""
 
 
-class Fish:
+class SchoolRule:
     """A school."""
 
-    def __init__(self, setting: Setting, words: School) -> None:
+    def __init__(self, setting: GroupContext, words: School) -> None:
         self.setting = setting
         self.words = words
         chance = generator(setting.world.seed, f"{setting.name} begins")
@@ -44,17 +42,17 @@ class Fish:
         self.steering = Steering.of(
             words, words.size, words.speed, words.agility, STEEPEST, places, setting.seed
         )
-        self.making = Making(setting, words)
+        self.making = GoalSelector(setting, words)
         self.phase = 2.0 * math.pi * chance.random(words.count)
-        pieces = [("", looks.fish(words.size)), (".tail", looks.fin(words.size))]
+        pieces = [("", member_meshes.fish(words.size)), (".tail", member_meshes.fin(words.size))]
         rows = setting.world.clock.rows
-        self.inventory = looks.inventory(
+        self.inventory = member_meshes.inventory(
             setting.name, setting.material, rows, words.count, pieces, words.size
         )
         self._avoided: Sequence[Outline] = ()
         self._time = 0.0
 
-    def meet(self, cast: Cast) -> None:
+    def meet(self, cast: CastIndex) -> None:
         """See `Rule`."""
         self.making.meet(cast)
         self._avoided = [cast.outline(name) for name in self.words.avoid]
@@ -63,7 +61,7 @@ class Fish:
         """See `Rule`."""
         self.making.send(time, goal, self.words.above)
 
-    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+    def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
         """See `Rule`."""
         goals = self.making.goals(times, others)
         middles, radii = others.balls(self._avoided)

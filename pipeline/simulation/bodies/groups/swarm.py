@@ -14,9 +14,8 @@ import math
 
 import numpy as np
 
-from pipeline.simulation.bodies.groups import looks
-from pipeline.simulation.bodies.groups.others import Cast, Others
-from pipeline.simulation.bodies.groups.rule import Setting
+from pipeline.simulation.bodies.groups import member_meshes
+from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import UP, Array, from_directions
 from pipeline.simulation.take import Contact
@@ -27,10 +26,10 @@ DAMPING = 1.2
 """d, in units of the square root of k; below 2 it swings."""
 
 
-class Insects:
+class SwarmRule:
     """A swarm."""
 
-    def __init__(self, setting: Setting, words: Swarm) -> None:
+    def __init__(self, setting: GroupContext, words: Swarm) -> None:
         self.setting = setting
         self.words = words
         self.chance = generator(*setting.seed)
@@ -42,19 +41,19 @@ class Insects:
         self.x = x * self.chance.standard_normal(shape)
         self.v = v * self.chance.standard_normal(shape)
         rows = setting.world.clock.rows
-        self.inventory = looks.inventory(
+        self.inventory = member_meshes.inventory(
             setting.name,
             setting.material,
             rows,
             words.count,
-            [("", looks.insect(words.size))],
+            [("", member_meshes.insect(words.size))],
             words.size,
         )
         self._around: int | None = None
         self._time = 0.0
         self._middle: Array | None = None
 
-    def meet(self, cast: Cast) -> None:
+    def meet(self, cast: CastIndex) -> None:
         """See `Rule`."""
         if self.words.around is not None:
             path = f"{self.setting.path}.group.around"
@@ -63,7 +62,7 @@ class Insects:
     def send(self, time: float, goal: tuple[float, float]) -> None:
         """See `Rule`; a swarm stays where it is."""
 
-    def write(self, rows: Rows, times: Array, others: Others) -> list[Contact]:
+    def write(self, rows: Rows, times: Array, others: CastPoses) -> list[Contact]:
         """See `Rule`."""
         for k, time in enumerate(times):
             middle = self.setting.place if self._around is None else others.p[k, self._around]

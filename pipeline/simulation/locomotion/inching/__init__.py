@@ -1,1 +1,1 @@
-"""Figures of one chain, which walk by letting their ends take turns."""
+"""Inchworms: figures of one chain, which walk on their ends in turns."""

@@ -1,7 +1,13 @@
-"""Chain: a figure of one chain without a branch, as an inchworm sees it.
+"""The chain of an inchworm, and the loop that it takes between its feet.
 
-Its two end links are its feet. Between them runs a limb whose base and tip can be
-swapped: the same joints, counted from the other end.
+The two end links of a figure without branches are its feet. The limb between them can be used from
+either end: the same joints, with base and tip swapped.
+
+The loop: let s run from 0 at the rear foot to 1 at the front one. A chain whose links are inclined
+by θ(s) = A sin 2πs leaves the ground along it, rises into a loop and returns along it; its ends
+are Σ l cos θ apart, which tends to J₀(A) of its length for many links. This is close to the
+elastica, the shape of least bending of a rod with clamped ends: a low arch while the ends are far
+apart, an omega when they meet. Feet that are inclined themselves bend θ near them.
 
 Source: Sims 1987, 5.3 and figure 5.7.
 """
@@ -22,22 +28,22 @@ from pipeline.simulation.figures.skeleton import FORWARD, Limb, Link, Skeleton
 from pipeline.simulation.spatial import Array
 
 REAR, FRONT = 0, 1
-"""The two ends."""
+"""Numbers of the two ends."""
 
 STRAIGHTNESS = 1e-3
-"""How far from one line the joints of a chain may be drawn, as a part of its length."""
+"""Greatest offset of joints from one line, as a fraction of the chain's length."""
 
 MIN_BENDS = 3
-"""Places at which a chain must bend to carry one end to any place in any direction."""
+"""Bending places that a chain needs to carry one end anywhere in any orientation."""
 
 SIDEWAYS = np.array([0.0, 0.0, 1.0])
 
 
 def is_inchworm(figure: Figure) -> bool:
-    """Tell whether a figure is one straight chain that can put one end before the other.
+    """Return whether a figure is one straight chain that can put one end before the other.
 
-    It has a head and a tail and no other limb, lies along its own X as it was drawn, and
-    bends up and down in three places or more.
+    It has a head, a tail and no other limb, lies along its X as drawn, and bends up and down in
+    three places or more.
     """
     skeleton = figure.skeleton
     if [limb.kind for limb in skeleton.limbs] != [HEAD, TAIL] or skeleton.prismatic.any():
@@ -46,9 +52,9 @@ def is_inchworm(figure: Figure) -> bool:
     bends = np.abs(skeleton.axes @ SIDEWAYS) > 1.0 - STRAIGHTNESS
     places = len(np.unique(np.round(skeleton.places[bends, 0] / (STRAIGHTNESS * head.length))))
     points = np.concatenate([skeleton.places, [head.tip, tail.tip]])
-    astray = np.abs(points[:, 1:] - points[0, 1:]).max()
+    offset = np.abs(points[:, 1:] - points[0, 1:]).max()
     straight = float(head.tip[0] - tail.tip[0]) > 0.0
-    return places >= MIN_BENDS and straight and bool(astray <= STRAIGHTNESS * head.length)
+    return places >= MIN_BENDS and straight and bool(offset <= STRAIGHTNESS * head.length)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +63,9 @@ class EndFoot:
 
     Attributes:
         link: the link.
-        number: of it in the skeleton.
-        limb: the limb, head or tail, that ends in it.
-        solid: (V, 3) its surface in the creation frame [m].
+        number: of the link in the skeleton.
+        limb: head or tail, which ends in the link.
+        solid: (V, 3) its vertices in the creation frame [m].
     """
 
     link: Link
@@ -69,7 +75,7 @@ class EndFoot:
 
     @property
     def length(self) -> float:
-        """From node to node [m]."""
+        """Length between its nodes [m]."""
         return float(np.linalg.norm(self.link.ends[1] - self.link.ends[0]))
 
     @property
@@ -80,7 +86,7 @@ class EndFoot:
 
     @property
     def taper(self) -> float:
-        """Angle by which its axis rises to the front when its underside lies level [rad]."""
+        """Inclination of its axis while its underside is level [rad]."""
         inner, outer = self.link.radii
         towards = float(np.sign(self.link.ends[1, 0] - self.link.ends[0, 0]))
         return towards * (outer - inner) / self.length
@@ -88,13 +94,13 @@ class EndFoot:
 
 @dataclass(frozen=True, eq=False)
 class InchwormChain:
-    """One worm's joints and links.
+    """Joints and links of one worm.
 
     Attributes:
-        figure: whose they are.
-        feet: the rear and the front end.
+        figure: of the worm.
+        feet: rear and front end.
         rooted: the skeleton with either end as its base.
-        limbs: from either end to the other, tip in the middle of the other foot.
+        limbs: from either end to the other, with the tip in the middle of the other foot.
     """
 
     figure: Figure
@@ -104,7 +110,7 @@ class InchwormChain:
 
     @staticmethod
     def of(figure: Figure) -> InchwormChain:
-        """Find both ends of a figure that `is_inchworm`."""
+        """Return the chain of a figure that `is_inchworm`."""
         skeleton = figure.skeleton
         pieces = figure.pieces
         feet = []
@@ -113,24 +119,24 @@ class InchwormChain:
             solid = next(p.solid.vertices for p in pieces if p.link == number)
             feet.append(EndFoot(skeleton.links[number], number, limb, solid))
         rear, front = feet
-        ways = [
+        rooted_limbs = [
             limb_between(skeleton, base.link.name, tip.link.name, tip.middle)
             for base, tip in ((rear, front), (front, rear))
         ]
-        (one, there), (other, back) = ways
-        return InchwormChain(figure, (rear, front), (one, other), (there, back))
+        (from_rear, forward), (from_front, backward) = rooted_limbs
+        return InchwormChain(figure, (rear, front), (from_rear, from_front), (forward, backward))
 
     @cached_property
     def batches(self) -> tuple[LimbBatch, LimbBatch]:
-        """The limb from the rear end to the front end, and the one back."""
-        one, other = (
+        """The limb from the rear end to the front end, and its reverse."""
+        forward, backward = (
             LimbBatch.of([(s, limb)]) for s, limb in zip(self.rooted, self.limbs, strict=True)
         )
-        return one, other
+        return forward, backward
 
     @cached_property
     def _from_rear(self) -> tuple[Array, Array, NDArray[np.int64]]:
-        """Joint by joint from the rear: x [m], how it raises the front, and its place's number."""
+        """Joints from the rear: x [m], sign of raising the front, number of their place."""
         joints = list(self.limbs[REAR].joints)
         x = self.rooted[REAR].places[joints] @ FORWARD
         lift = np.round(self.rooted[REAR].axes[joints] @ SIDEWAYS)
@@ -147,20 +153,20 @@ class InchwormChain:
 
     @cached_property
     def along(self) -> Array:
-        """(m,) where the middles of these links are, 0 at the rear foot and 1 at the front one."""
+        """(m,) middles of these links, 0 at the rear foot and 1 at the front one."""
         ends = np.cumsum(self.spans)
         result: Array = (ends - 0.5 * self.spans) / ends[-1]
         return result
 
     @property
     def length(self) -> float:
-        """From tip to tip, stretched out [m]."""
+        """Length from tip to tip, stretched [m]."""
         head, tail = self.figure.skeleton.limbs
         return float(head.tip[0] - tail.tip[0])
 
     @property
     def free(self) -> float:
-        """Length of what is between the feet [m]."""
+        """Length between the feet, stretched [m]."""
         return float(self.spans.sum())
 
     @property
@@ -170,16 +176,16 @@ class InchwormChain:
 
     @property
     def outside(self) -> float:
-        """From the middle of one foot to that of the other, less what is between them [m]."""
+        """Distance between the middles of the feet, less the length between the feet [m]."""
         return 0.5 * (self.feet[REAR].length + self.feet[FRONT].length)
 
     def joint_values(self, bends: Array) -> Array:
         """Return the joint values (n, J), from the rear, that bend the chain upward.
 
-        Joints at one place share its bend; those that turn sideways or roll are at zero.
+        Joints at one place share its bend; those that turn sideways or roll are zero.
 
         Args:
-            bends: (n, m + 1) how each link points higher than the one behind it [rad].
+            bends: (n, m + 1) change of inclination at each place [rad].
         """
         _, lift, place = self._from_rear
         sharing = np.bincount(place, weights=np.abs(lift), minlength=bends.shape[1])
@@ -192,42 +198,42 @@ MAX_AMPLITUDE = 2.0
 """Amplitude A of the tightest loop [rad]; at 2.4 its two sides would meet."""
 
 MIN_AMPLITUDE = 0.05
-"""Least amplitude: below it a chord hardly depends on the amplitude."""
+"""Least amplitude: below it the chord hardly depends on the amplitude [rad]."""
 
 NEWTON_STEPS = 12
-"""Iterations; eight are enough for the last bit anywhere between the bounds."""
+"""Iterations; eight reach the last bit anywhere between the bounds."""
 
 END_FALLOFF = 3.0
-"""How fast the direction of a foot is forgotten along the chain."""
+"""Exponent with which the inclination of a foot fades along the chain."""
 
 
-def loop_chord(chain: InchwormChain, loop_amplitude: Array | float) -> Array:
-    """Return how far apart the feet's inner ends are in loops of `loop_amplitude` (...) [m]."""
+def loop_chord(chain: InchwormChain, amplitude: Array | float) -> Array:
+    """Return the distance between the feet's inner ends in loops of `amplitude` (...) [m]."""
     wave = np.sin(2.0 * np.pi * chain.along)
-    θ = np.asarray(loop_amplitude)[..., None] * wave
-    # By rows: a BLAS would let the last bit depend on how many there are.
+    θ = np.asarray(amplitude)[..., None] * wave
+    # Not by matmul: a BLAS result depends on the number of rows in the last bit.
     result: Array = (np.cos(θ) * chain.spans).sum(axis=-1)
     return result
 
 
-def loop_neck(chain: InchwormChain, loop_amplitude: Array) -> Array:
-    """Return how far apart the two sides of loops of `loop_amplitude` (n,) come [m].
+def loop_neck(chain: InchwormChain, amplitude: Array) -> Array:
+    """Return the least distance between the two sides of loops of `amplitude` (n,) [m].
 
-    Where they lean over, A > π/2, that is where they stand upright.
+    Where the sides lean over, A > π/2, it is at their upright parts.
     """
     s = chain.along
-    θ = loop_amplitude[:, None] * np.sin(2.0 * np.pi * s)
+    θ = amplitude[:, None] * np.sin(2.0 * np.pi * s)
     sides = np.where(np.abs(s - 0.5) > 0.25, np.maximum(np.cos(θ), 0.0), 0.0)
-    result: Array = loop_chord(chain, loop_amplitude) - (sides * chain.spans).sum(axis=1)
+    result: Array = loop_chord(chain, amplitude) - (sides * chain.spans).sum(axis=1)
     return result
 
 
 def loop_amplitude(chain: InchwormChain, chords: Array) -> Array:
-    """Return the amplitudes (n,) of loops over `chords` (n,) [m]; see `loop_chord`."""
+    """Return the amplitudes (n,) of loops over `chords` (n,) [m]; inverse of `loop_chord`."""
     wave = np.sin(2.0 * np.pi * chain.along)
     low, high = loop_chord(chain, np.array([MAX_AMPLITUDE, MIN_AMPLITUDE]))
     wanted = np.clip(chords, low, high)
-    # J₀(A) = 1 - A²/4 + ..., a bound from above on a curve without a turning point between.
+    # J₀(A) = 1 - A²/4 + ... bounds the monotone curve from above.
     A = np.clip(2.0 * np.sqrt(1.0 - wanted / chain.free), MIN_AMPLITUDE, MAX_AMPLITUDE)
     for _ in range(NEWTON_STEPS):
         slope = -(np.sin(A[:, None] * wave) * wave * chain.spans).sum(axis=-1)
@@ -238,14 +244,14 @@ def loop_amplitude(chain: InchwormChain, chords: Array) -> Array:
 def loop_bends(
     chain: InchwormChain, chords: Array, slope: Array, rear: Array, front: Array
 ) -> Array:
-    """Return how each link points higher than the one behind it (n, m + 1) [rad].
+    """Return the change of inclination at each place of the chain (n, m + 1) [rad].
 
     Args:
         chain: the worm.
-        chords: (n,) from one foot's inner end to the other's [m].
-        slope: (n,) elevation of that way [rad].
-        rear: (n,) elevation of the rear foot [rad].
-        front: (n,) of the front foot [rad].
+        chords: (n,) between the feet's inner ends [m].
+        slope: (n,) inclination of the chord [rad].
+        rear: (n,) inclination of the rear foot [rad].
+        front: (n,) inclination of the front foot [rad].
     """
     s = chain.along
     θ = slope[:, None] + loop_amplitude(chain, chords)[:, None] * np.sin(2.0 * np.pi * s)

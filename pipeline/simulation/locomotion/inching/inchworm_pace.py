@@ -1,4 +1,4 @@
-"""Pace of an inchworm: how it was asked to walk, every parameter known."""
+"""Walking parameters of an inchworm."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.locomotion.gaits.pace import GRAVITY, cycle_and_stride
+from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.locomotion.gaits.pace import cycle_and_stride
 from pipeline.simulation.locomotion.inching.inchworm_chain import (
     MAX_AMPLITUDE,
     MIN_AMPLITUDE,
@@ -18,51 +19,51 @@ from pipeline.simulation.locomotion.inching.inchworm_chain import (
     loop_chord,
     loop_neck,
 )
-from pipeline.spec.cast import Creature
+from pipeline.spec.creature import Creature
 from pipeline.spec.walk import Walk
 
 MAX_STRETCH = 0.972
-"""How far the feet may be apart, as a part of the chain's length between them: a low arch
-is left, which can still be bent up or down (Sims 1987, 6.3)."""
+"""Greatest chord, in the length between the feet: the remaining low arch can still bend up or down
+(Sims 1987, 6.3)."""
 
 BEND_FRACTION = 0.85
-"""How far joints bend in the tightest loop on level ground, as a part of their limits;
-the rest is for ground that is not level."""
+"""Bends of the tightest loop on level ground, as a fraction of joint limits; uneven ground needs
+the rest."""
 
 MIN_LOOP_GAP = 2.05
 """Least distance of the middles of the loop's two sides, in radii of the thickest link."""
 
 DEFAULT_STRIDE = 0.92
-"""A stride that nobody asked for, as a part of the longest that the chain can do."""
+"""Default stride, as a fraction of the longest."""
 
 CYCLE_PERIODS = 4.6
-"""Duration of a cycle in the periods of a pendulum of the worm's length, over 2π."""
+"""Default cycle duration, in periods of a pendulum of the worm's length, over 2π."""
 
 FOOT_LIFTS = (0.045, 0.10)
-"""How high the rear and the front foot are lifted, as parts of the worm's length."""
+"""Default lift of the rear and the front foot, in the worm's length."""
 
 UNUSED_KEYS = {
     "gait": "has no legs to time: its ends take turns",
     "duty": "has no legs to time: its ends take turns",
     "body_height": "lies on the ground: its loop is as high as its stride makes it",
     "swing": "lifts its ends by its loop, and has no legs that swing",
-    "bounciness": "has no body that bounces",
+    "body_bob": "has no body that bounces",
     "path": "goes straight on, and follows no path",
     "repeat": "goes straight on, and follows no path",
 }
-"""Words of walking that mean nothing to an inchworm, and why."""
+"""Keys of `walk` that do not apply to an inchworm, with the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class InchwormPace:
-    """How one worm goes.
+    """Walking parameters of one worm.
 
     Attributes:
         cycle: duration of a cycle, a step of either end [s].
-        stride: way of a cycle over level ground [m].
-        chords: from one foot's inner end to the other's, drawn up and stretched [m].
-        bounds: of these on any ground [m].
-        lifts: how high the rear and the front foot clear the ground [m].
+        stride: distance of a cycle over level ground [m].
+        chords: between the feet's inner ends, drawn up and stretched [m].
+        bounds: of the chord on any ground [m].
+        lifts: clearance of the rear and the front foot [m].
     """
 
     cycle: float
@@ -73,28 +74,28 @@ class InchwormPace:
 
 
 def resolve_inchworm_pace(number: int, member: Creature, chain: InchwormChain) -> InchwormPace:
-    """Choose what the author left open so that it suits the worm.
+    """Return the walking parameters of a worm, with defaults for keys that are left out.
 
     Args:
         number: place in the cast.
-        member: words.
+        member: of the cast.
         chain: the worm.
 
     Raises:
-        SceneError: if a word means nothing to a worm, or the stride is more than it can do.
+        SceneError: a key does not apply to a worm, or the stride is too long.
     """
-    words = member.walk or Walk()
-    _refuse_unused_keys(number, member, words)
+    config = member.walk or Walk()
+    _refuse_unused_keys(number, member, config)
     longest = MAX_STRETCH * chain.free
     shortest = min(_shortest_chord(chain), longest)
     most = longest - shortest
     natural = CYCLE_PERIODS * math.sqrt(chain.length / GRAVITY)
-    cycle, stride = cycle_and_stride(words, natural, DEFAULT_STRIDE * most)
+    cycle, stride = cycle_and_stride(config, natural, DEFAULT_STRIDE * most)
     if member.walk is not None and (stride > most or most <= 0.0):
         raise SceneError([Problem(f"cast[{number}].walk", _stride_message(member, stride, most))])
     # A worm that takes short steps neither stretches nor loops as far as it could.
     spare = 0.5 * (most - min(stride, most))
-    step = words.step_height
+    step = config.step_height
     return InchwormPace(
         cycle,
         stride,
@@ -106,15 +107,15 @@ def resolve_inchworm_pace(number: int, member: Creature, chain: InchwormChain) -
     )
 
 
-def _refuse_unused_keys(number: int, member: Creature, words: Walk) -> None:
+def _refuse_unused_keys(number: int, member: Creature, config: Walk) -> None:
     defaults = Walk()
     problems = [
         Problem(
-            f"cast[{number}].walk.{word}",
-            f"'{member.figure}' is an inchworm, which {reason}; take `{word}` away",
+            f"cast[{number}].walk.{key}",
+            f"'{member.figure}' is an inchworm, which {reason}; take `{key}` away",
         )
-        for word, reason in UNUSED_KEYS.items()
-        if getattr(words, word) != getattr(defaults, word)
+        for key, reason in UNUSED_KEYS.items()
+        if getattr(config, key) != getattr(defaults, key)
     ]
     if problems:
         raise SceneError(problems)
@@ -133,7 +134,7 @@ def _stride_message(member: Creature, stride: float, most: float) -> str:
 
 
 def _shortest_chord(chain: InchwormChain) -> float:
-    """Return the shortest chord of a loop on level ground that the worm can bend to [m]."""
+    """Return the chord of the tightest loop that the worm can bend to on level ground [m]."""
     amplitudes = np.linspace(MIN_AMPLITUDE, MAX_AMPLITUDE, 118)
     flat = np.zeros(len(amplitudes))
     chords = loop_chord(chain, amplitudes)
@@ -143,6 +144,6 @@ def _shortest_chord(chain: InchwormChain) -> float:
         axis=1
     )
     good &= loop_neck(chain, amplitudes) >= MIN_LOOP_GAP * chain.thickness
-    # The tightest of those that lead there without a joint at its limit.
+    # The tightest one reached before any joint exceeds its limit.
     last = int(np.argmin(good)) - 1 if not good.all() else len(good) - 1
     return float(chords[last]) if last >= 0 else chain.free

@@ -1,7 +1,14 @@
-"""Footing: where the feet of an inchworm lie, and where they are put next.
+"""Poses of inchworms: from poses of the feet on a track to all links.
 
-A worm keeps to the vertical plane through its heading. In it a foot's pose is three
-numbers: the way of its middle from the start, its height, and its elevation.
+A worm stays in the vertical plane through its heading. In it a foot's pose is three numbers:
+distance of its middle from the start, height, and inclination.
+
+One foot is the base of the chain and does not move, the other is its tip. Between them inverse
+kinematics finds the joint values nearest to those of a loop, so a pose is a function of the two
+feet alone and as smooth as their paths; nothing drifts, and either end may be the base. Many
+moments are solved at once.
+
+Source: Sims 1987, 5.3, 6.2 and B.2.
 """
 
 from __future__ import annotations
@@ -29,22 +36,22 @@ from pipeline.simulation.spatial import Array, heading, rotation, turn, unturn
 from pipeline.simulation.terrain import Ground
 
 CANDIDATE_FRACTIONS = np.linspace(0.0, 1.0, 41)
-"""Places looked at from the wished one back to the present one."""
+"""Candidate places, from the wished one back to the present one."""
 
 FOOT_SAMPLES = np.linspace(-0.5, 0.5, 5)
-"""Where the ground under a foot is looked at, as parts of its length."""
+"""Samples of the ground under a foot, in its length."""
 
 SIDEWAYS = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
 class InchwormTrack:
-    """The plane in which one worm goes.
+    """The plane in which one worm walks.
 
     Attributes:
-        ground: what it goes on.
-        start: (2,) x and z where its way begins [m].
-        heading: where it goes [rad].
+        ground: that it walks on.
+        start: (2,) x and z of its start [m].
+        heading: [rad].
     """
 
     ground: Ground
@@ -52,27 +59,24 @@ class InchwormTrack:
     heading: float
 
     def places(self, ways: Array) -> tuple[Array, Array]:
-        """Return x and z (...) at `ways` (...) [m]."""
+        """Return x and z (...) at distances `ways` (...) [m]."""
         return (
             self.start[0] + ways * math.cos(self.heading),
             self.start[1] - ways * math.sin(self.heading),
         )
 
     def height(self, ways: Array) -> Array:
-        """Return the height of the ground (...) at `ways` (...) [m]."""
+        """Return the height of the ground (...) at distances `ways` (...) [m]."""
         return self.ground.height(*self.places(ways))
 
     def pose(self, feet: Array) -> tuple[Array, Array]:
-        """Return the rotations (n, 3, 3) and the middles (n, 3) [m] of `feet` (n, 3)."""
+        """Return rotations (n, 3, 3) and middles (n, 3) [m] of feet (n, 3)."""
         x, z = self.places(feet[:, 0])
         R = heading(self.heading) @ rotation(SIDEWAYS, feet[:, 2])
         return R, np.stack([x, feet[:, 1], z], axis=-1)
 
     def rise(self, foot: EndFoot, poses: Array) -> Array:
-        """Return how far feet (n, 3) would have to be raised to clear the ground (n,) [m].
-
-        Less than zero where there is room under them.
-        """
+        """Return how far feet (n, 3) are in the ground (n,), negative above it [m]."""
         R, p = self.pose(poses)
         solid = (foot.solid - foot.middle) @ R.transpose(0, 2, 1) + p[:, None]
         over = self.ground.height(solid[..., 0], solid[..., 2]) - solid[..., 1]
@@ -80,9 +84,9 @@ class InchwormTrack:
         return result
 
     def lie(self, foot: EndFoot, ways: Array) -> Array:
-        """Return the poses (n, 3) of a foot that lies along the ground at `ways` (n,) [m].
+        """Return the poses (n, 3) of a foot lying on the ground at distances `ways` (n,) [m].
 
-        Its underside takes on the slope of the ground under it and touches it.
+        Its underside takes the slope of the ground under it and touches it.
         """
         under = self.height(ways[:, None] + foot.length * FOOT_SAMPLES)
         middle = under - under.mean(axis=1, keepdims=True)
@@ -92,14 +96,14 @@ class InchwormTrack:
         return poses
 
     def safe(self, foot: EndFoot, ways: Array) -> NDArray[np.bool_]:
-        """Say where (n,) all of the ground under a foot may be stepped on."""
+        """Return where (n,) all of the ground under a foot is steppable."""
         x, z = self.places(ways[:, None] + foot.length * FOOT_SAMPLES)
         result: NDArray[np.bool_] = np.all(self.ground.steppable(x, z), axis=1)
         return result
 
 
 def foot_chord(chain: InchwormChain, rear: Array, front: Array) -> tuple[Array, Array]:
-    """Return length [m] and elevation [rad] of the way between the feet's inner ends (n,)."""
+    """Return length [m] and inclination [rad] of the line between the feet's inner ends (n,)."""
     back, fore = 0.5 * chain.feet[REAR].length, 0.5 * chain.feet[FRONT].length
     along = front[:, 0] - rear[:, 0] - fore * np.cos(front[:, 2]) - back * np.cos(rear[:, 2])
     up = front[:, 1] - rear[:, 1] - fore * np.sin(front[:, 2]) - back * np.sin(rear[:, 2])
@@ -116,15 +120,15 @@ def candidate_poses(
 ) -> Array:
     """Return poses (n, 3) in which a foot may be put down next, the best first.
 
-    That is the wished one, then those on the way back to where the foot is.
+    These are the wished one, then those on the way back to the foot.
 
     Args:
         chain: the worm.
-        track: where it goes.
+        track: that it walks on.
         feet: (3,) poses of the rear and the front foot.
-        end: which foot is to move.
-        wished: way at which it would best lie [m].
-        bounds: shortest and longest way between the feet's inner ends [m].
+        end: number of the foot that moves.
+        wished: best distance along the track [m].
+        bounds: shortest and longest chord between the feet [m].
     """
     ways = wished + CANDIDATE_FRACTIONS * (float(feet[end][0]) - wished)
     poses = track.lie(chain.feet[end], ways)
@@ -136,32 +140,31 @@ def candidate_poses(
 
 
 LOOP_GAINS = (1.0,) * 10 + (0.0, 0.0)
-"""Gain of the pull towards the loop, iteration by iteration; at the end the tip is only
-brought home. Enough for nanometres: the loop already ends near where the feet are."""
+"""Gain of the pull towards the loop by iteration; the last ones only solve for the tip. Enough for
+nanometres: the loop already ends near the feet."""
 
 DAMPING = 1e-12
-"""λ² where errors are lengths of the limb and radians. It is there because a chain in its
-plane cannot move sideways in every way, and asks for nothing there."""
+"""λ² with errors in limb lengths and radians. A planar chain cannot move sideways in every way."""
 
 MAX_FOOT_PITCH = (0.22, 0.75)
-"""How far the rear and the front foot point up at most while they are in the air [rad]."""
+"""Greatest pitch of the rear and the front foot in the air [rad]."""
 
 PITCH_DELAY = 1.4
-"""How much later than in the middle of its way a foot is raised the most; 1 is not later."""
+"""Exponent that delays the greatest pitch beyond the middle of the step; 1 does not."""
 
 LINK_SAMPLES = (0.0, 0.25, 0.5, 0.75)
-"""Parts of a link's length at which the ground under it is looked at."""
+"""Samples along a link at which the ground under it is tested, in its length."""
 
 
 def swing_poses(end: int, start: Array, finish: Array, height: Array, s: Array) -> Array:
-    """Return the poses (n, 3) of a foot at parts `s` (n,) of its way through the air.
+    """Return the poses (n, 3) of a foot at fractions `s` (n,) of its step.
 
-    It begins and ends at rest, leaves the ground upward, and looks up before it is set down.
+    It starts and ends at rest, leaves the ground upward, and pitches up before it is set down.
 
     Args:
-        end: which foot.
+        end: number of the foot.
         start: (n, 3) pose from which it lifts.
-        finish: (n, 3) pose in which it comes down.
+        finish: (n, 3) pose in which it lands.
         height: (n,) of the arch [m].
         s: (n,) 0 to 1.
     """
@@ -180,7 +183,7 @@ class InchwormPose:
         positions: (n, links, 3) [m].
         rotations: (n, links, 3, 3).
         q: (n, J) joint values [rad].
-        residual: (n,) distance of the moving foot from where it is to be [m].
+        residual: (n,) distance of the moving foot from its goal [m].
     """
 
     positions: Array
@@ -192,12 +195,12 @@ class InchwormPose:
 def solve_pose(
     chain: InchwormChain, track: InchwormTrack, base: int, rear: Array, front: Array
 ) -> InchwormPose:
-    """Return where all links of a worm are.
+    """Return the pose of all links of a worm.
 
     Args:
         chain: the worm.
-        track: where it goes.
-        base: which foot the others hang on.
+        track: that it walks on.
+        base: number of the foot that is the base of the chain.
         rear: (n, 3) poses of the rear foot.
         front: (n, 3) poses of the front foot.
     """
@@ -219,64 +222,66 @@ def solve_pose(
 
 
 def _solve_joints(
-    chain: InchwormChain, base: int, rear: Array, front: Array, aim: TipPlacement
+    chain: InchwormChain, base: int, rear: Array, front: Array, goal: TipPlacement
 ) -> tuple[LimbPose, Array]:
-    """Bring the tip of the chain to where it is to be, as near to a loop as can be."""
-    wished = chain.joint_values(
+    """Return the chain with its tip at the goal, as near to a loop as possible, and residuals."""
+    loop = chain.joint_values(
         loop_bends(chain, *foot_chord(chain, rear, front), rear[:, 2], front[:, 2])
     )
     if base != REAR:
-        wished = wished[:, ::-1]
+        loop = loop[:, ::-1]
     n = len(rear)
     batch = chain.batches[base].rows(np.zeros(n, dtype=np.int64))
-    batch = replace(batch, preferred=np.clip(wished, batch.lower, batch.upper))
+    batch = replace(batch, preferred=np.clip(loop, batch.lower, batch.upper))
     pose, damping = batch.pose(batch.preferred), np.broadcast_to(DAMPING * np.eye(6), (n, 6, 6))
     for gain in LOOP_GAINS:
-        task = aim.task(batch, pose)
+        task = goal.task(batch, pose)
         placed = replace(pose, jacobian=task.jacobian.transpose(0, 2, 1))
         pose = batch.pose(damped_step(batch, placed, task.velocity, np.full(n, gain), damping))
-    return _finish_reach(batch, pose, aim)
+    return _finish_reach(batch, pose, goal)
 
 
-def _finish_reach(batch: LimbBatch, pose: LimbPose, aim: TipPlacement) -> tuple[LimbPose, Array]:
-    """Let those whose joints have come to their limits take the longer way."""
-    left = np.linalg.norm(aim.task(batch, pose).velocity, axis=-1)
-    far = np.flatnonzero(left > TOLERANCE)
-    residual: Array = left * batch.lengths
+def _finish_reach(batch: LimbBatch, pose: LimbPose, goal: TipPlacement) -> tuple[LimbPose, Array]:
+    """Solve limbs whose joints reached their limits with the full inverse kinematics."""
+    error = np.linalg.norm(goal.task(batch, pose).velocity, axis=-1)
+    far = np.flatnonzero(error > TOLERANCE)
+    residual: Array = error * batch.lengths
     if len(far):
-        found = reach(batch.rows(far), pose.rows(far), aim.places[far], aim.rows(far).orientations)
+        solution = reach(
+            batch.rows(far), pose.rows(far), goal.places[far], goal.rows(far).orientations
+        )
         for field in ("q", "X_BJ", "tips", "jacobian"):
-            getattr(pose, field)[far] = getattr(found.pose, field)
-        residual[far] = found.residual
+            getattr(pose, field)[far] = getattr(solution.pose, field)
+        residual[far] = solution.residual
     return pose, residual
 
 
 def ground_penetration(
     chain: InchwormChain, track: InchwormTrack, rear: Array, front: Array
 ) -> Array:
-    """Return how deep the links between the feet are in the ground (n,), 0 if they are not [m].
+    """Return how deep the links between the feet are in the ground (n,), 0 above it [m].
 
     A chain with a joint at its limit, which cannot give way, counts as sunk by its length.
 
     Args:
         chain: the worm.
-        track: where it goes.
+        track: that it walks on.
         rear: (n, 3) poses of the rear foot.
         front: (n, 3) poses of the front foot.
     """
-    whole = solve_pose(chain, track, REAR, rear, front)
+    pose = solve_pose(chain, track, REAR, rear, front)
     skeleton = chain.figure.skeleton
-    held = ((whole.q <= skeleton.lower) | (whole.q >= skeleton.upper)).any(axis=1)
-    depth = np.where(held, chain.length, 0.0)
+    at_limit = ((pose.q <= skeleton.lower) | (pose.q >= skeleton.upper)).any(axis=1)
+    depth = np.where(at_limit, chain.length, 0.0)
     feet = [foot.number for foot in chain.feet]
     for number, link in enumerate(skeleton.links):
         if number in feet:
             continue
         for part in LINK_SAMPLES:
             inside = part * (link.ends[1] - link.ends[0])
-            p = whole.positions[:, number] + turn(whole.rotations[:, number], inside)
+            p = pose.positions[:, number] + turn(pose.rotations[:, number], inside)
             radius = link.radii[0] + part * (link.radii[1] - link.radii[0])
             up = track.ground.normal(p[:, 0], p[:, 2])[:, 1]
-            over = track.ground.height(p[:, 0], p[:, 2]) + radius / up - p[:, 1]
-            depth = np.maximum(depth, over)
+            link_depth = track.ground.height(p[:, 0], p[:, 2]) + radius / up - p[:, 1]
+            depth = np.maximum(depth, link_depth)
     return depth

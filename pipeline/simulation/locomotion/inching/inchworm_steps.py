@@ -1,7 +1,7 @@
-"""Steps of an inchworm: which end moves, from where, and where it comes down.
+"""Steps of an inchworm: which end moves, from where, and where it lands.
 
-Stretched out, its front end is set down; drawn up, its rear end. Each time base and tip
-of the chain are swapped.
+Stretched out it sets its front end down, drawn up its rear end; base and tip of the chain are then
+swapped.
 """
 
 from __future__ import annotations
@@ -25,40 +25,39 @@ from pipeline.simulation.locomotion.inching.inchworm_pose import (
 from pipeline.simulation.spatial import Array
 
 MIN_STEP = 0.05
-"""A step shorter than this part of the stride is none."""
+"""Shortest step, as a fraction of the stride."""
 
 STEP_SAMPLES = np.linspace(0.0, 1.0, 34)[1:-1]
-"""Parts of a step at which the ground under the moving foot is looked at."""
+"""Fractions of a step at which the ground under the moving foot is tested."""
 
 SEARCH_RANGE = np.linspace(0.0, 0.5, 26)
-"""How far from where it is told to be a worm may lie down, as parts of its length."""
+"""Distances from its start at which a worm may lie down, in its length."""
 
 REST_CHORDS = (0.99, 0.975, 0.95, 0.92, 0.88)
-"""How far apart the feet of a worm at rest may be, as parts of the chain between them: the
-lowest arch that is clear of the ground is taken."""
+"""Chords of a worm at rest, in the length between its feet: the lowest arch clear of the ground
+is used."""
 
 PENETRATION_TOLERANCE = 0.001
-"""How deep a chain may be in the ground without harm, as a part of its length."""
+"""Harmless depth of a chain in the ground, in its length."""
 
 SPACING_ITERATIONS = 6
-"""How often the ends of a worm that lies down are moved until they are as far apart on
-sloping ground as they are to be."""
+"""Iterations that bring the feet to a given chord on sloping ground."""
 
 SPACING_TOLERANCE = 0.01
-"""How far from that they may stay, as a part of the chain between them."""
+"""Tolerance of that chord, in the length between the feet."""
 
 
 @dataclass(frozen=True, eq=False)
 class InchwormStep:
-    """One end moves, the other one is planted.
+    """A step: one end moves, the other one is planted.
 
     Attributes:
-        end: which moves.
+        end: number of the moving foot.
         planted: (3,) pose of the other foot.
         start: (3,) pose from which the foot lifts.
-        finish: (3,) pose in which it comes down.
+        finish: (3,) pose in which it lands.
         height: of its arch [m].
-        lifted: phase of the gait at which it lifts, whole cycles counted.
+        lifted: gait phase at which it lifts, whole cycles included.
     """
 
     end: int
@@ -70,25 +69,25 @@ class InchwormStep:
 
     @property
     def down(self) -> float:
-        """Phase at which it comes down, whole cycles counted."""
+        """Gait phase at which it lands, whole cycles included."""
         return self.lifted + 0.5
 
     @property
     def feet(self) -> tuple[Array, Array]:
-        """Poses (3,) of the rear and the front foot when it is done."""
+        """Poses (3,) of the rear and the front foot at the end of the step."""
         return (self.finish, self.planted) if self.end == REAR else (self.planted, self.finish)
 
 
 @dataclass(frozen=True, eq=False)
 class Inchworm:
-    """What does not change of one worm.
+    """The constants of one worm.
 
     Attributes:
-        name: of it.
+        name: of the performer.
         chain: its joints and links.
-        pace: how it goes.
-        track: where it goes.
-        walks: whether it goes anywhere.
+        pace: how it walks.
+        track: that it walks on.
+        walks: whether it walks or rests.
     """
 
     name: str
@@ -97,18 +96,18 @@ class Inchworm:
     track: InchwormTrack
     walks: bool
 
-    def laid_down(self) -> InchwormStep:
-        """Return how it lies at the start, as the end of a step of its rear end.
+    def lie_down(self) -> InchwormStep:
+        """Return the initial pose as the end of a step of the rear foot.
 
         Raises:
-            SimulationError: if there is no ground for its feet near its place.
+            SimulationError: no ground near its start fits its feet.
         """
         chain, track = self.chain, self.track
         chords = self.pace.chords[:1] if self.walks else [part * chain.free for part in REST_CHORDS]
         shifts = chain.length * np.stack([SEARCH_RANGE, -SEARCH_RANGE], axis=-1).ravel()
         rear, front, good = (
-            np.concatenate(some)
-            for some in zip(*(self._apart(shifts, chord) for chord in chords), strict=True)
+            np.concatenate(poses)
+            for poses in zip(*(self._spaced_feet(shifts, chord) for chord in chords), strict=True)
         )
         if not good.any():
             x, z = track.start
@@ -118,7 +117,7 @@ class Inchworm:
                 "place it elsewhere with `at`, or raise `unsteppable_slope_deg`"
             )
         back, fore = rear[good], front[good]
-        # Rather a higher arch where it is told to be than a lower one elsewhere.
+        # A higher arch at the start is better than a lower one elsewhere.
         order = np.argsort(np.tile(np.arange(len(shifts)), len(chords))[good], kind="stable")
         back, fore = back[order], fore[order]
         depth = np.maximum(
@@ -127,12 +126,12 @@ class Inchworm:
         best = int(np.argmin(depth))
         return InchwormStep(REAR, fore[best], back[best], back[best], 0.0, -0.5)
 
-    def _apart(self, shifts: Array, chord: float) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return poses (n, 3) of both feet so that `chord` is between them, and which will do.
+    def _spaced_feet(self, shifts: Array, chord: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Return poses (n, 3) of both feet with a chord between them, and which of them are valid.
 
         Args:
-            shifts: (n,) ways of the worm's middle [m].
-            chord: from one foot's inner end to the other's [m].
+            shifts: (n,) distances of the worm's middle from its start [m].
+            chord: between the feet's inner ends [m].
         """
         chain, track = self.chain, self.track
         apart = np.full(len(shifts), chord + chain.outside)
@@ -148,44 +147,43 @@ class Inchworm:
             good &= track.safe(foot, poses[:, 0])
         return rear, front, good
 
-    def next(self, before: InchwormStep) -> InchwormStep | None:
-        """Return the step after `before`: the other end's. None if it finds no foothold."""
-        end = FRONT if before.end == REAR else REAR
-        feet, pace = before.feet, self.pace
+    def next(self, step: InchwormStep) -> InchwormStep | None:
+        """Return the next step, of the other end; None without a foothold."""
+        end = FRONT if step.end == REAR else REAR
+        feet, pace = step.feet, self.pace
         planted, start = feet[1 - end], feet[end]
-        apart = pace.chords[end] + self.chain.outside
-        wished = float(planted[0]) + (apart if end == FRONT else -apart)
+        distance = pace.chords[end] + self.chain.outside
+        wished = float(planted[0]) + (distance if end == FRONT else -distance)
         poses = candidate_poses(self.chain, self.track, feet, end, wished, pace.bounds)
         poses = poses[poses[:, 0] - start[0] >= MIN_STEP * pace.stride]
         if not len(poses):
             return None
-        beside = np.broadcast_to(planted, poses.shape)
-        finish = self._clearest(poses, *((beside, poses) if end == FRONT else (poses, beside)))
-        height = self._clear(end, start, finish)
-        return InchwormStep(end, planted, start, finish, height, before.down)
+        other = np.broadcast_to(planted, poses.shape)
+        finish = self._clearest_pose(poses, *((other, poses) if end == FRONT else (poses, other)))
+        height = self._arch_height(end, start, finish)
+        return InchwormStep(end, planted, start, finish, height, step.down)
 
-    def _clearest(self, poses: Array, rear: Array, front: Array) -> Array:
-        """Return the first of `poses` (n, 3) in which the chain is clear of the ground.
+    def _clearest_pose(self, poses: Array, rear: Array, front: Array) -> Array:
+        """Return the first of `poses` (n, 3) with the chain clear of the ground, or the least deep.
 
-        If there is none, that in which it is sunk the least. Feet closer together raise a
-        higher arch between them.
+        Feet closer together raise a higher arch between them.
 
         Args:
-            poses: of the foot that moves.
+            poses: of the moving foot.
             rear: (n, 3) poses of the rear foot.
             front: (n, 3) poses of the front foot.
         """
-        # Nearly always the first will do, and the others need not be looked at.
-        for some in (slice(1), slice(None)):
-            depth = ground_penetration(self.chain, self.track, rear[some], front[some])
+        # Nearly always the first one clears the ground.
+        for tested in (slice(1), slice(None)):
+            depth = ground_penetration(self.chain, self.track, rear[tested], front[tested])
             best = int(np.argmin(np.maximum(depth, PENETRATION_TOLERANCE * self.chain.length)))
             if depth[best] <= PENETRATION_TOLERANCE * self.chain.length:
                 break
         result: Array = poses[best]
         return result
 
-    def _clear(self, end: int, start: Array, finish: Array) -> float:
-        """Return how high a step must arch to clear the ground [m]."""
+    def _arch_height(self, end: int, start: Array, finish: Array) -> float:
+        """Return the arch height with which a step clears the ground [m]."""
         n, least = len(STEP_SAMPLES), self.pace.lifts[end]
         low = swing_poses(
             end, np.tile(start, (n, 1)), np.tile(finish, (n, 1)), np.zeros(n), STEP_SAMPLES
@@ -198,9 +196,9 @@ def feet_at(steps: list[InchwormStep], phases: Array, end: int) -> tuple[Array, 
     """Return the poses (n, 3) of the rear and the front foot at n moments.
 
     Args:
-        steps: in which the worm is, all of the same `end`.
-        phases: (n,) of its gait, whole cycles counted.
-        end: which foot moves.
+        steps: of the worm at these moments, all of the same end.
+        phases: (n,) gait phases, whole cycles included.
+        end: number of the moving foot.
     """
     planted, start, finish = (
         np.stack([getattr(step, name) for step in steps]) for name in ("planted", "start", "finish")

@@ -1,8 +1,8 @@
-"""Inching: the troupe of worms that walk by swapping base and tip.
+"""The troupe of inchworms.
 
-The rear end is planted and the front end reaches forward, until the worm is stretched
-out; then the front end is planted and the rear end is drawn up behind it, and the middle
-rises into a loop. Whichever end is planted is the base of the chain, the other its tip.
+The rear end is planted and the front end reaches forward until the worm is stretched; then the
+front end is planted and the rear end is drawn up behind it, while the middle rises into a loop.
+The planted end is the base of the chain, the other one its tip.
 
 Source: Sims 1987, 5.3 and figure 5.7.
 """
@@ -35,28 +35,28 @@ from pipeline.simulation.locomotion.inventory import (
     parent_links,
 )
 from pipeline.simulation.locomotion.swing.swing_trajectory import touchdown_speed
-from pipeline.simulation.script import Orders
 from pipeline.simulation.take import Channel, Contact, Mesh, Node, Note, Part
-from pipeline.simulation.troupe import Facts, Inventory, Rows, World
-from pipeline.spec.cast import Creature
+from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
+from pipeline.spec.creature import Creature
 from pipeline.spec.script import Instruction
 
 FOOT_MISS = 1e-4
-"""Distance between a foot and where it is to be that is worth a note [m]."""
+"""Distance between a foot and its goal that is worth a note [m]."""
 
 
-class InchwormTroupe:
-    """All inchworms: their state, and how it advances.
+class InchwormTroupe(Troupe):
+    """All inchworms.
 
-    Attributes of the state:
-        phases: of the gaits, whole cycles counted.
-        steps: the step in which each is.
-        halted: which of them found no foothold.
+    Attributes:
+        phases: of the gaits, whole cycles included.
+        steps: current step of each worm.
+        halted: whether each worm found no foothold.
     """
 
     def __init__(
         self, cast: Sequence[tuple[int, Creature, Figure]], world: World, materials: Sequence[str]
     ) -> None:
+        _refuse_direction(cast, world.script)
         self.world = world
         self.worms = [
             _build_inchworm(number, member, figure, world) for number, member, figure in cast
@@ -64,50 +64,50 @@ class InchwormTroupe:
         self.materials = list(materials)
         self.inventory = describe(self.worms, materials, world.clock.rows)
         self.step = 0
-        self.steps = [worm.laid_down() for worm in self.worms]
+        self.steps = [worm.lie_down() for worm in self.worms]
         self.phases = [0.0 for _ in self.worms]
         self.halted = [not worm.walks for worm in self.worms]
         self._contacts: list[Contact] = []
         self._notes: list[Note] = []
-        self._late: list[Note] = []
+        self._row_notes: list[Note] = []
         self._kept: list[tuple[int, tuple[InchwormStep, ...], tuple[float, ...]]] = []
         for w in range(len(self.worms)):
-            self._lift(0, w)
+            self._start_step(0, w)
 
-    def prepare(self, instruction: Instruction, where: str) -> None:
-        """Refuse whatever a worm is told."""
-        if instruction.who in [worm.name for worm in self.worms]:
-            message = f"'{instruction.who}' is an inchworm, which follows no script"
-            raise SceneError([Problem(f"{where}.who", message)])
+    def prepare(self, instruction: Instruction, path: str) -> None:
+        """Refuse instructions to inchworms.
 
-    def read(self, orders: Orders) -> None:
-        """Take in nothing: nobody directs an inchworm yet, which is said when it is asked for."""
+        Raises:
+            SceneError: the instruction is for an inchworm.
+        """
+        if any(worm.name == instruction.who for worm in self.worms):
+            raise SceneError([_undirected(instruction, path)])
 
     def advance(self, step: int) -> None:
-        """Go from `step` to the next."""
+        """Advance from `step` to the next."""
         self._contacts.clear()
         self._notes.clear()
         self.step = step + 1
         for w, worm in enumerate(self.worms):
             if not self.halted[w]:
                 rate = self.world.clock.dt / worm.pace.cycle
-                self._go_on(step, w, step * rate, self.step * rate)
+                self._advance_worm(step, w, step * rate, self.step * rate)
 
-    def keep(self) -> None:
-        """Keep the present state as the next row."""
+    def buffer_row(self) -> None:
+        """Append the current state as the next row."""
         self._kept.append((self.step, tuple(self.steps), tuple(self.phases)))
 
     def write(self, rows: Rows) -> None:
-        """Write nodes and channels of all rows kept."""
+        """Write nodes and channels of all kept rows."""
         rows.alive[:] = True
         node, channel = 0, 0
         for w, worm in enumerate(self.worms):
-            own = self._posed(w)
+            own = self._poses(w)
             links, joints = own.positions.shape[1], own.q.shape[1]
             rows.positions[:, node : node + links] = own.positions
             rows.rotations[:, node : node + links] = own.rotations
             phases = np.array([phases[w] for _, _, phases in self._kept])
-            # A worm that halted does so at the end of a step.
+            # Worms halt at the end of a step.
             going = [
                 worm.walks and p < s[w].down
                 for (_, s, _), p in zip(self._kept, phases, strict=True)
@@ -120,22 +120,22 @@ class InchwormTroupe:
         self._kept.clear()
 
     def facts(self) -> Facts:
-        """Return the footfalls and notes of the last step."""
-        # Rows may have been written before the step, too.
-        notes, self._late = (*self._notes, *self._late), []
+        """Return the contacts and notes of the last step."""
+        # Rows may also have been written before the step.
+        notes, self._row_notes = (*self._notes, *self._row_notes), []
         return Facts(tuple(self._contacts), notes)
 
     # --- one step ---------------------------------------------------------------
 
-    def _go_on(self, step: int, w: int, before: float, after: float) -> None:
-        """Take worm `w` from one phase to another; set down and lift what is due between."""
+    def _advance_worm(self, step: int, w: int, before: float, after: float) -> None:
+        """Advance worm `w` between two phases; land and start the steps that are due."""
         while not self.halted[w] and (down := self.steps[w].down) <= after:
-            self._touch(step, w, (down - before) / (after - before))
-            self._lift(step, w)
+            self._record_touch(step, w, (down - before) / (after - before))
+            self._start_step(step, w)
         self.phases[w] = self.steps[w].down if self.halted[w] else after
 
-    def _lift(self, step: int, w: int) -> None:
-        """Swap base and tip: plan the step of the other end; halt if it has nowhere to go."""
+    def _start_step(self, step: int, w: int) -> None:
+        """Swap base and tip and start the step of the other end; halt without a foothold."""
         if self.halted[w]:
             return
         planned = self.worms[w].next(self.steps[w])
@@ -147,15 +147,15 @@ class InchwormTroupe:
             return
         self.steps[w] = planned
 
-    def _touch(self, step: int, w: int, fraction: float) -> None:
-        """Put the moving end down, `fraction` of a step after `step`."""
-        worm, taken = self.worms[w], self.steps[w]
-        foot, track = worm.chain.feet[taken.end], worm.track
-        _, middles = track.pose(np.stack([taken.start, taken.finish]))
+    def _record_touch(self, step: int, w: int, fraction: float) -> None:
+        """Record the landing of the moving end, `fraction` of a step after `step`."""
+        worm, current = self.worms[w], self.steps[w]
+        foot, track = worm.chain.feet[current.end], worm.track
+        _, middles = track.pose(np.stack([current.start, current.finish]))
         x, z = middles[1, 0], middles[1, 2]
         normal = track.ground.normal(x, z)
         time = 0.5 * worm.pace.cycle
-        speed = touchdown_speed(middles[0], middles[1], taken.height, normal, time)
+        speed = touchdown_speed(middles[0], middles[1], current.height, normal, time)
         mass = FigureMass(worm.chain.figure).mass_of(foot.limb.links)
         self._contacts.append(
             Contact(
@@ -176,14 +176,14 @@ class InchwormTroupe:
 
     # --- rows ---------------------------------------------------------------------
 
-    def _posed(self, w: int) -> InchwormPose:
-        """Return worm `w` in all rows kept; those of equal base are worked out together."""
+    def _poses(self, w: int) -> InchwormPose:
+        """Return worm `w` in all kept rows; rows with the same base are solved together."""
         worm, n = self.worms[w], len(self._kept)
         steps = [steps[w] for _, steps, _ in self._kept]
         phases = np.array([phases[w] for _, _, phases in self._kept])
         skeleton = worm.chain.figure.skeleton
         links, joints = len(skeleton.links), len(skeleton.parents)
-        whole = InchwormPose(
+        poses = InchwormPose(
             np.zeros((n, links, 3)), np.zeros((n, links, 3, 3)), np.zeros((n, joints)), np.zeros(n)
         )
         ends = np.array([step.end for step in steps])
@@ -191,14 +191,42 @@ class InchwormTroupe:
             rows = np.flatnonzero(ends == end)
             if len(rows):
                 rear, front = feet_at([steps[i] for i in rows], phases[rows], end)
-                some = solve_pose(worm.chain, worm.track, 1 - end, rear, front)
+                solved = solve_pose(worm.chain, worm.track, 1 - end, rear, front)
                 for name in ("positions", "rotations", "q", "residual"):
-                    getattr(whole, name)[rows] = getattr(some, name)
-        for row in np.flatnonzero(whole.residual > FOOT_MISS):
+                    getattr(poses, name)[rows] = getattr(solved, name)
+        for row in np.flatnonzero(poses.residual > FOOT_MISS):
             part = f"{worm.name}.{worm.chain.feet[ends[row]].limb.name}"
-            gap = f"{1000.0 * whole.residual[row]:.2g} mm from where it is to be"
-            self._late.append(Note("clamped", self._kept[row][0], part, gap))
-        return whole
+            gap = f"{1000.0 * poses.residual[row]:.2g} mm from where it is to be"
+            self._row_notes.append(Note("clamped", self._kept[row][0], part, gap))
+        return poses
+
+
+def _refuse_direction(
+    cast: Sequence[tuple[int, Creature, Figure]], script: Sequence[Instruction]
+) -> None:
+    """Refuse instructions to inchworms, and their `look_at`.
+
+    Raises:
+        SceneError: there are any.
+    """
+    names = {member.name for _, member, _ in cast}
+    problems = [
+        _undirected(instruction, f"script[{i}]")
+        for i, instruction in enumerate(script)
+        if instruction.who in names
+    ]
+    problems += [
+        Problem(f"cast[{i}].look_at", f"'{member.name}' is an inchworm, which looks nowhere")
+        for i, member, _ in cast
+        if member.look_at is not None
+    ]
+    if problems:
+        raise SceneError(problems)
+
+
+def _undirected(instruction: Instruction, path: str) -> Problem:
+    message = f"'{instruction.who}' is an inchworm, which follows no script"
+    return Problem(f"{path}.who", message)
 
 
 def _build_inchworm(number: int, member: Creature, figure: Figure, world: World) -> Inchworm:
@@ -220,9 +248,9 @@ def describe(worms: Sequence[Inchworm], materials: Sequence[str], rows: int) -> 
     """Return nodes, channels, meshes and parts of worms.
 
     Args:
-        worms: one after the other.
-        materials: of each, for links that name none.
-        rows: of the take; parts live through all of them.
+        worms: all of them.
+        materials: of each worm's links that name none.
+        rows: of the take.
     """
     nodes, channels = list[Node](), list[Channel]()
     meshes, parts, looks = list[Mesh](), list[Part](), list[Mesh]()
@@ -237,8 +265,8 @@ def describe(worms: Sequence[Inchworm], materials: Sequence[str], rows: int) -> 
         channels.append(Channel(f"{worm.name}.speed", "m/s"))
         names = figure.skeleton.joint_names
         channels.extend(Channel(f"{worm.name}.{joint}", "rad") for joint in names)
-        own = creature_solids(worm.name, figure, first, len(meshes), material, rows)
-        meshes.extend(own[0])
-        parts.extend(assign_looks(own[1], figure, len(looks)))
+        solids = creature_solids(worm.name, figure, first, len(meshes), material, rows)
+        meshes.extend(solids[0])
+        parts.extend(assign_looks(solids[1], figure, len(looks)))
         looks.extend(creature_skins(figure, first))
     return Inventory(tuple(nodes), tuple(channels), tuple(meshes), tuple(parts), looks=tuple(looks))

@@ -1,1 +1,1 @@
-"""Leaping: jumps of creatures that walk, and how they are handed over between the two."""
+"""Jumps of walking creatures, and their handover between walking and jumping."""

@@ -1,10 +1,11 @@
-"""Coming: how a walker gets to where it jumps over something, and how its way goes on behind.
+"""Routes of a walker that jumps: to the take-off place, to the landing place, and back to its way.
 
 Source: Sims 1987, 3.2.4.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -29,132 +30,181 @@ from pipeline.simulation.locomotion.routes.route import (
     Route,
     connecting_route,
     heading_vector,
+    turn_in_place,
 )
-from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
+from pipeline.simulation.locomotion.routes.route_progress import RouteProgress, redirect
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.script import GoTo
 
 LOOK_AHEAD = 200.0
-"""How far along an endless way something is looked for [m]."""
+"""Distance along an endless route that is searched [m]."""
 
 ROUTE_STEP = 0.2
-"""Distance between the places of a way that are looked at, in leg lengths."""
+"""Distance of the samples along a route, in leg lengths."""
 
 REJOIN_STRIDES = 2.5
-"""Strides in which who has landed beside its way comes back to it."""
+"""Length of the way back to the route after landing beside it, in strides."""
 
 REJOIN_RATIO = 3.0
-"""That it takes at least, in its distance from the way."""
+"""Least length of that way, in distances from the route."""
+
+
+TURN_TOLERANCE = math.radians(8.0)
+"""Bearing of a target beyond which a creature turns to it before the jump [rad]."""
 
 
 def plan_approach(
-    going: RouteProgress, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
+    progress: RouteProgress, c: int, hopper: Hopper, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
-    """Return the way that ends where solids are jumped over, or why there is none.
+    """Return the route that ends where the solids are jumped over, or the reason why there is none.
 
     Args:
-        going: of the herd.
-        c: who walks.
-        of: how it jumps.
+        progress: of the herd.
+        c: number of the creature.
+        hopper: how it jumps.
         ground: that it walks on.
-        solids: corners (n, 3) of what is to be jumped over [m].
+        solids: corners (n, 3) of the hurdle [m].
     """
-    before_it = going.path.routes[c]
-    found = _plan_approach(going, c, of, ground, solids)
-    if isinstance(found, str):
-        going.lead(c, before_it)
-    return found
+    previous = progress.trajectory.routes[c]
+    approach = _plan_approach(progress, c, hopper, ground, solids)
+    if isinstance(approach, str):
+        redirect(progress, c, previous)
+    return approach
 
 
 def _plan_approach(
-    going: RouteProgress, c: int, of: Hopper, ground: Ground, solids: Sequence[Array]
+    progress: RouteProgress, c: int, hopper: Hopper, ground: Ground, solids: Sequence[Array]
 ) -> Route | str:
-    route = going.path.routes[c]
-    at = _meeting_point(route, float(going.way[c]), of, solids)
+    route = progress.trajectory.routes[c]
+    at = _meeting_point(route, float(progress.distance[c]), hopper, solids)
     if at is None:
         corners = np.concatenate(list(solids))[:, [0, 2]]
         x, z = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
-        apply_order(going, c, GoTo(go_to=(x, z)))
-        route, at = going.path.routes[c], going.path.routes[c].length
-    xz, turned = (a[0] for a in route.at(np.array([at])))
-    hurdle = hurdle_profile(solids, xz, float(turned), clearance_half_width(of))
+        apply_order(progress, c, GoTo(go_to=(x, z)))
+        route, at = progress.trajectory.routes[c], progress.trajectory.routes[c].length
+    xz, route_heading = (a[0] for a in route.at(np.array([at])))
+    hurdle = hurdle_profile(solids, xz, float(route_heading), clearance_half_width(hopper))
     if hurdle is None:
         return "it is not there"
-    there = _standing_at(of, ground, xz, float(turned))
-    # No nearer than it can come to rest.
-    first = float(going.way[c]) + float(going.braking[c]) * float(going.drive[c]) ** 2
-    found = plan_take_off(of, there, ground, hurdle, float(turned))
-    if isinstance(found, str):
-        return found
-    stop = at + hurdle.near - found[0]
-    if stop >= first:
+    state = _standing_at(hopper, ground, xz, float(route_heading))
+    # It cannot stop before its braking distance.
+    braking = float(progress.braking_distance[c]) * float(progress.speed_fraction[c]) ** 2
+    earliest = float(progress.distance[c]) + braking
+    take_off = plan_take_off(hopper, state, ground, hurdle, float(route_heading))
+    if isinstance(take_off, str):
+        return take_off
+    stop = at + hurdle.near - take_off[0]
+    if stop >= earliest:
         return route.upto(stop)
-    return _stopping_problem(of, ground, there, hurdle, float(turned), first - at) or route.upto(
-        first
-    )
+    return _stopping_problem(
+        hopper, ground, state, hurdle, float(route_heading), earliest - at
+    ) or route.upto(earliest)
 
 
 def _stopping_problem(
-    of: Hopper, ground: Ground, there: HopState, hurdle: HurdleProfile, turned: float, way: float
+    hopper: Hopper,
+    ground: Ground,
+    crouched: HopState,
+    hurdle: HurdleProfile,
+    heading: float,
+    way: float,
 ) -> str:
-    """Return why a hurdle cannot be jumped over from so far along the way; empty if it can."""
-    if hurdle.near - way < front_reach(of) + CLEARANCE * of.leg:
+    """Return why a hurdle cannot be jumped over from `way` further; empty if it can."""
+    if hurdle.near - way < front_reach(hopper) + CLEARANCE * hopper.leg_length:
         return "it is too near to stop before it"
-    state = shifted_state(of, there, ground, way * heading_vector(turned))
-    one = plan_vault(of, state, ground, hurdle.from_here(way), turned)
-    return one if isinstance(one, str) else ""
+    state = shifted_state(hopper, crouched, ground, way * heading_vector(heading))
+    jump = plan_vault(hopper, state, ground, hurdle.seen_from(way), heading)
+    return jump if isinstance(jump, str) else ""
 
 
 def route_onward(
-    rest: Route, left: float, landed: tuple[Array, float], stride: float
+    previous: Route, distance: float, landed: tuple[Array, float], stride: float
 ) -> Route | None:
-    """Return the way on from where a jump has landed, None if it has come to its end.
+    """Return the route from a landing place back to the previous one; None at its end.
 
     Args:
-        rest: the way before the jump.
-        left: where on it the jump began [m].
-        landed: (2,) where, and heading [m, rad].
+        previous: route before the jump.
+        distance: along it at the start of the jump [m].
+        landed: (2,) place and heading [m, rad].
         stride: of the creature [m].
     """
-    place, turned = landed
-    far = float(np.linalg.norm(rest.at(np.array([left]))[0][0] - place))
-    ways = left + np.linspace(0.0, 2.0 * far + stride, 400)
-    ways = ways[ways <= rest.length]
+    place, landed_heading = landed
+    offset = float(np.linalg.norm(previous.at(np.array([distance]))[0][0] - place))
+    ways = distance + np.linspace(0.0, 2.0 * offset + stride, 400)
+    ways = ways[ways <= previous.length]
     if not len(ways):
         return None
-    gaps = np.linalg.norm(rest.at(ways)[0] - place, axis=-1)
+    gaps = np.linalg.norm(previous.at(ways)[0] - place, axis=-1)
     nearest = int(gaps.argmin())
     way = float(ways[nearest]) + max(REJOIN_STRIDES * stride, REJOIN_RATIO * float(gaps[nearest]))
-    way = min(way, rest.length)
-    xz, heading_there = (a[0] for a in rest.at(np.array([way])))
-    if np.linalg.norm(xz - place) < 0.1 * stride or rest.length - ways[nearest] < 0.1 * stride:
+    way = min(way, previous.length)
+    xz, heading_there = (a[0] for a in previous.at(np.array([way])))
+    if np.linalg.norm(xz - place) < 0.1 * stride or previous.length - ways[nearest] < 0.1 * stride:
         return None
-    return connecting_route((place, turned), (xz, float(heading_there))).then(rest.beyond(way))
+    return connecting_route((place, landed_heading), (xz, float(heading_there))).then(
+        previous.beyond(way)
+    )
 
 
-def _meeting_point(route: Route, way: float, of: Hopper, solids: Sequence[Array]) -> float | None:
-    """Return after which way a route comes over solids [m], None if it never does."""
+def _meeting_point(
+    route: Route, start: float, hopper: Hopper, solids: Sequence[Array]
+) -> float | None:
+    """Return the distance along a route at which it meets solids; None if it never does [m]."""
     corners = np.concatenate(list(solids))[:, [0, 2]]
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-    around = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=0))) + clearance_half_width(of)
-    ways = np.arange(way, min(route.length, way + LOOK_AHEAD), ROUTE_STEP * of.leg)
+    around = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=0))) + clearance_half_width(hopper)
+    ways = np.arange(start, min(route.length, start + LOOK_AHEAD), ROUTE_STEP * hopper.leg_length)
     if not len(ways):
         return None
     places, headings = route.at(ways)
     for k in np.flatnonzero(np.linalg.norm(places - middle, axis=-1) <= around).tolist():
-        one = hurdle_profile(solids, places[k], float(headings[k]), clearance_half_width(of))
-        if one is not None and one.near <= 0.0 <= one.far:
+        profile = hurdle_profile(
+            solids, places[k], float(headings[k]), clearance_half_width(hopper)
+        )
+        if profile is not None and profile.near <= 0.0 <= profile.far:
             return float(ways[k])
     return None
 
 
-def _standing_at(of: Hopper, ground: Ground, xz: Array, turned: float) -> HopState:
-    """Return the state of one that has crouched on level ground at a place (2,) [m]."""
-    R = heading(turned)
+def _standing_at(hopper: Hopper, ground: Ground, xz: Array, angle: float) -> HopState:
+    """Return a state crouching on level ground at a place (2,) [m]."""
+    R = heading(angle)
     base = float(ground.height(xz[0], xz[1]))
-    origin = np.array([xz[0], base + of.stand, xz[1]])
-    feet = of.rest @ R.T + [xz[0], 0.0, xz[1]]
-    feet[:, 1] = base + of.soles
-    return crouched_state(of, standing_state(of, R, origin, feet, 0.0))
+    origin = np.array([xz[0], base + hopper.standing_height, xz[1]])
+    feet = hopper.rest_feet @ R.T + [xz[0], 0.0, xz[1]]
+    feet[:, 1] = base + hopper.sole_radii
+    return crouched_state(hopper, standing_state(hopper, R, origin, feet, 0.0))
+
+
+def turn_towards(route: Route, spot: Array, near: float, radius: float) -> Route | None:
+    """Return a route with a turn towards a place appended; None if it needs none.
+
+    Args:
+        route: ends where the creature rests.
+        spot: (2,) the place [m].
+        near: distance below which the creature does not turn [m].
+        radius: of the feet around the middle of the body [m].
+    """
+    offset = spot - route.xz[-1]
+    bearing = math.atan2(-offset[1], offset[0]) - float(route.heading[-1])
+    angle = math.remainder(bearing, 2.0 * math.pi)
+    if abs(angle) <= TURN_TOLERANCE or np.linalg.norm(offset) <= near:
+        return None
+    return route.then(turn_in_place(route.xz[-1], float(route.heading[-1]), angle, radius))
+
+
+def route_to_landing(route: Route, place: Array, heading: float) -> Route:
+    """Return the straight route from the end of a route to a landing place."""
+    start, start_heading = route.xz[-1], float(route.heading[-1])
+    length = float(np.linalg.norm(place - start))
+    if length < 1e-6:
+        angle = math.remainder(heading - start_heading, 2.0 * math.pi)
+        return turn_in_place(start, start_heading, angle, 1.0)
+    return Route(
+        np.array([0.0, length]),
+        np.array([start, place]),
+        np.array([start_heading, heading]),
+        stops=True,
+    )

@@ -1,7 +1,6 @@
-"""Aloft: where walkers that jump are, and how that takes the place of where they would walk.
+"""Blending of walking and jumping poses.
 
-When a jump begins and when it has ended, both stand on the same feet: only their bodies are
-brought from one to the other, little by little.
+At the start and the end of a jump both poses stand on the same feet; only the bodies are blended.
 """
 
 from __future__ import annotations
@@ -18,19 +17,19 @@ from pipeline.simulation.spatial import Array, matrix, quaternion
 
 @dataclass(frozen=True, eq=False)
 class JumpingBody:
-    """One creature that jumps, at one moment.
+    """One jumping creature at one moment.
 
     Attributes:
-        part: how far it is where its jump has it rather than its walk, 0 to 1.
-        R: (3, 3) and
-        p: (3,) of its body [m].
-        tips: (n, 3) of its feet [m]; None when it has landed, and stands or steps as walkers do.
-        down: (n,) which are on the ground, or step so.
+        part: blend from its walking pose (0) to its jumping pose (1).
+        R: (3, 3) orientation of its body.
+        p: (3,) place of its body [m].
+        tips: (n, 3) feet [m]; None after landing, when it stands or steps like a walker.
+        down: (n,) which feet are on the ground, or step.
         speed: over the ground [m/s].
         limp: whether it has fallen.
     """
 
-    part: float
+    blend: float
     R: Array
     p: Array
     tips: Array | None
@@ -40,45 +39,45 @@ class JumpingBody:
 
 
 class JumpHandover:
-    """The creatures of a herd that jump, at n moments.
+    """The jumping creatures of a herd at n moments.
 
     Attributes:
-        herd: that they belong to.
-        entries: number of the moment, creature, and how it is.
-        down: (n, L) feet that are on the ground or walk.
-        limp: (n, C) who has fallen.
+        herd: the creatures.
+        entries: moment, creature, and its body.
+        down: (n, L) feet on the ground or walking.
+        limp: (n, C) fallen creatures.
     """
 
-    def __init__(self, herd: Herd, aloft: Sequence[Mapping[int, JumpingBody]]) -> None:
+    def __init__(self, herd: Herd, bodies: Sequence[Mapping[int, JumpingBody]]) -> None:
         self.herd = herd
-        self.entries = [(k, c, one) for k, row in enumerate(aloft) for c, one in row.items()]
-        self.down = np.ones((len(aloft), len(herd.owner)), dtype=bool)
-        self.limp = np.zeros((len(aloft), len(herd.names)), dtype=bool)
-        for k, c, one in self.entries:
-            self.down[k, herd.owner == c] = one.down
-            self.limp[k, c] = one.limp
+        self.entries = [(k, c, body) for k, row in enumerate(bodies) for c, body in row.items()]
+        self.down = np.ones((len(bodies), len(herd.owner)), dtype=bool)
+        self.limp = np.zeros((len(bodies), len(herd.names)), dtype=bool)
+        for k, c, body in self.entries:
+            self.down[k, herd.owner == c] = body.down
+            self.limp[k, c] = body.limp
 
     def bodies(self, R_WB: Array, p_WB: Array) -> None:
-        """Bring the bodies (n, C, 3, 3), (n, C, 3) to where their jumps have them [m]."""
-        for k, c, one in self.entries:
-            if one.part == 1.0:
-                R_WB[k, c], p_WB[k, c] = one.R, one.p
+        """Blend bodies (n, C, 3, 3), (n, C, 3) in place towards their jumping poses [m]."""
+        for k, c, body in self.entries:
+            if body.blend == 1.0:
+                R_WB[k, c], p_WB[k, c] = body.R, body.p
                 continue
-            p_WB[k, c] += one.part * (one.p - p_WB[k, c])
-            q, r = quaternion(np.stack([R_WB[k, c], one.R]))
+            p_WB[k, c] += body.blend * (body.p - p_WB[k, c])
+            q, r = quaternion(np.stack([R_WB[k, c], body.R]))
             r = r if (q * r).sum() >= 0.0 else -r
-            between = q + one.part * (r - q)
-            R_WB[k, c] = matrix((between / np.sqrt((between * between).sum()))[None])[0]
+            mean = q + body.blend * (r - q)
+            R_WB[k, c] = matrix((mean / np.sqrt((mean * mean).sum()))[None])[0]
 
     def feet(self, tips: Array) -> Array:
-        """Return tips (n, L, 3) with those of who jumps where they are then [m]."""
+        """Return feet (n, L, 3) with those of jumping creatures replaced [m]."""
         result = tips.copy()
-        for k, c, one in self.entries:
-            if one.tips is not None:
-                result[k, self.herd.owner == c] = one.tips
+        for k, c, body in self.entries:
+            if body.tips is not None:
+                result[k, self.herd.owner == c] = body.tips
         return result
 
     def speeds(self, speeds: Array) -> None:
-        """Put in the speeds (n, C) of who jumps [m/s]."""
-        for k, c, one in self.entries:
-            speeds[k, c] += one.part * (one.speed - speeds[k, c])
+        """Blend the speeds (n, C) of jumping creatures in place [m/s]."""
+        for k, c, body in self.entries:
+            speeds[k, c] += body.blend * (body.speed - speeds[k, c])

@@ -1,8 +1,8 @@
-"""Leaps: the jumps of a herd that walks.
+"""Jumps of a walking herd.
 
-Who is told to jump comes to rest where it jumps best, all feet down. From there its body and
-its feet are those of a pronker, from the crouch until it stands again; then it is set down on
-the footholds where it landed, and its way goes on.
+A creature that is told to jump comes to rest with all feet down where it jumps best. From crouch to
+stand its body and feet are those of a hopper. It is then set down on the footholds where it landed,
+and its route continues.
 
 Source: Sims 1987, 3.2.4 and ch. 11.
 """
@@ -24,10 +24,13 @@ from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.rest_ik import solve_near_rest
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
+from pipeline.simulation.locomotion.foot_state import place_foot
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.leaping.hurdle_approach import (
     plan_approach,
     route_onward,
+    route_to_landing,
+    turn_towards,
 )
 from pipeline.simulation.locomotion.leaping.jump_handover import JumpingBody
 from pipeline.simulation.locomotion.pronking.hop_events import HopEventRecorder
@@ -38,24 +41,24 @@ from pipeline.simulation.locomotion.pronking.hopper_fall import JointState, Rigi
 from pipeline.simulation.locomotion.pronking.initial_stance import standing_state
 from pipeline.simulation.locomotion.pronking.jump_orders import (
     HurdleJump,
-    JumpToPoint,
-    SingleJump,
     Solids,
+    jump_once,
     scripted_jump,
 )
-from pipeline.simulation.locomotion.routes.route import Route, straight_route, turn_in_place
+from pipeline.simulation.locomotion.routes.route import Route, straight_route
 from pipeline.simulation.locomotion.routes.route_progress import (
     CLOSING_CYCLES,
     RouteProgress,
+    is_blocked,
+    redirect,
 )
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
-from pipeline.simulation.locomotion.stepping import Feet
+from pipeline.simulation.locomotion.stepping import Stepping, is_astray, phase_before_lift
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import World
-from pipeline.spec.cast import Creature
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Creature, Pronk
 from pipeline.spec.script import (
     Do,
     GoTo,
@@ -67,13 +70,10 @@ from pipeline.spec.script import (
 )
 
 HANDOVER_TIME = 0.35
-"""Time in which a body comes from where it walks to where it jumps, and back [s]."""
+"""Blend time of a body from its walking pose to its jumping pose, and back [s]."""
 
 STANDING_TIME = 0.1
-"""How long it stands before it crouches [s]."""
-
-TURN_TOLERANCE = math.radians(8.0)
-"""How far aside a place is that is turned to before a jump to it."""
+"""Time that it stands before it crouches [s]."""
 
 Stage = Literal["coming", "leaping", "landed"]
 
@@ -83,60 +83,61 @@ class WalkerJump:
     """One jump of a walker, from the order until it walks again.
 
     Attributes:
-        order: what it is to do.
-        rest: its way before the order.
-        left: where on it that was [m].
-        stage: coming to where it jumps, leaping, or standing where it has landed.
-        ready: whether it stands there, and looks once more at what it jumps over.
-        since: when the last two began [s].
-        hopping: the jump, once it is made.
+        order: the scripted order.
+        rest: the route before the order.
+        left: distance along it at the order [m].
+        stage: approaching the take-off place, jumping, or standing where it landed.
+        ready: whether it stands there, and its hurdle is looked at once more.
+        since: start of the jump, then of the landed stage [s].
+        simulation: of the jump, once it is made.
         later: orders that wait for its end.
     """
 
     order: HopOver | JumpOnce
-    rest: Route
-    left: float
+    route_before: Route
+    route_distance: float
     stage: Stage = "coming"
-    ready: bool = False
-    since: float = 0.0
-    hopping: HopSimulation | None = None
-    later: list[Do] = field(default_factory=list)
+    is_ready: bool = False
+    stage_start: float = 0.0
+    simulation: HopSimulation | None = None
+    pending_orders: list[Do] = field(default_factory=list)
 
 
 class WalkerJumps:
-    """Who of a herd jumps, and how.
+    """The jumps of a herd.
 
     Attributes:
-        of: how creatures jump of whom a script asks it.
-        trips: of those who are about it.
+        hoppers: jump constants of the creatures that the script lets jump.
+        trips: jumps in progress.
         contacts, notes: of the last step.
-        arrived: who came to the end of its way by a jump in it.
+        arrived: creatures that reached the end of their route by a jump in the last step.
     """
 
     def __init__(
         self,
         cast: Sequence[tuple[int, Creature, Figure]],
         world: World,
-        going: RouteProgress,
-        feet: Feet,
+        progress: RouteProgress,
+        stepping: Stepping,
         materials: Sequence[str],
     ) -> None:
-        self.world, self.going, self.feet = world, going, feet
-        self.herd: Herd = going.herd
-        self.of: dict[int, Hopper] = {}
+        self.world, self.progress = world, progress
+        self.stepping, self.feet = stepping, stepping.feet
+        self.herd: Herd = progress.herd
+        self.hoppers: dict[int, Hopper] = {}
         self._cast = cast
         self.trips: dict[int, WalkerJump] = {}
         self.contacts: list[Contact] = []
         self.notes: list[Note] = []
         self.arrived: list[str] = []
-        self._told: list[Note] = []
+        self._pending_notes: list[Note] = []
         self._solids: Solids = {}
-        self._telling = HopEventRecorder(self.herd, world, materials)
+        self._recorder = HopEventRecorder(self.herd, world, materials)
         self._routes: tuple[Sequence[Route], tuple[int, ...], Sequence[Route]] | None = None
         problems = list[Problem]()
-        for i, one in enumerate(world.script):
+        for i, instruction in enumerate(world.script):
             try:
-                self.prepare(one, f"script[{i}]")
+                self.prepare(instruction, f"script[{i}]")
             except SceneError as error:
                 problems += error.problems
         if problems:
@@ -146,271 +147,260 @@ class WalkerJumps:
     def _folds(self) -> Array:
         return shortest_reaches(self.herd)
 
-    def prepare(self, one: Instruction, where: str) -> None:
-        """Find out how somebody jumps who is asked to.
+    def prepare(self, instruction: Instruction, where: str) -> None:
+        """Resolve how a creature jumps that an instruction asks to.
 
         Raises:
-            SceneError: it cannot.
+            SceneError: it cannot jump so.
         """
-        if one.who not in self.herd.names or not isinstance(one.do, HopOver | JumpOnce):
+        if instruction.who not in self.herd.names or not isinstance(
+            instruction.do, HopOver | JumpOnce
+        ):
             return
-        c = self.herd.names.index(one.who)
-        number, member, figure = self._cast[c]
+        c = self.herd.names.index(instruction.who)
+        cast_index, member, figure = self._cast[c]
         if not figure.skeleton.legs:
             message = f"figure '{figure.name}' has no legs to jump on"
             raise SceneError([Problem(f"{where}.do", message)])
-        if c not in self.of:
-            words = member.pronk or Pronk()
-            self.of[c] = build_hopper(self.herd, c, number, words, self._folds)
-        if isinstance(one.do, JumpOnce):
-            scripted_jump(self.of[c], one.do.jump, f"{where}.do.jump")
+        if c not in self.hoppers:
+            config = member.pronk or Pronk()
+            self.hoppers[c] = build_hopper(self.herd, c, cast_index, config, self._folds)
+        if isinstance(instruction.do, JumpOnce):
+            scripted_jump(self.hoppers[c], instruction.do.jump, f"{where}.do.jump")
 
     # --- orders -----------------------------------------------------------------
 
     def sought(self, orders: Orders) -> Collection[str]:
-        """Return over whom somebody is told to jump, or is about to."""
-        if not self.of:
+        """Return the performers whose solids are needed for jumps."""
+        if not self.hoppers:
             return ()
-        given = [one for c in self.of for one in orders.get(self.herd.names[c], ())]
-        given += [trip.order for trip in self.trips.values() if trip.ready]
+        orders_now = [order for c in self.hoppers for order in orders.get(self.herd.names[c], ())]
+        orders_now += [trip.order for trip in self.trips.values() if trip.is_ready]
         landed = [trip for trip in self.trips.values() if trip.stage == "landed"]
-        given += [one for trip in landed for one in trip.later]
-        return {one.hop_over for one in given if isinstance(one, HopOver)}
+        orders_now += [order for trip in landed for order in trip.pending_orders]
+        return {order.hop_over for order in orders_now if isinstance(order, HopOver)}
 
     def see(self, solids: Solids) -> None:
-        """Take in where the solids of others are."""
+        """Take in the solids of other performers."""
         self._solids = {**self._solids, **solids}
 
     def take(self, step: int, c: int, order: Do) -> bool:
         """Take an order; return whether it is for a jump, or waits for the end of one."""
         trip = self.trips.get(c)
+        jumps = isinstance(order, HopOver | JumpOnce)
         if trip is None:
             if isinstance(order, HopOver | JumpOnce):
                 self._begin(step, c, order)
-                return True
-            return False
-        jumps = isinstance(order, HopOver | JumpOnce)
+            return jumps
         leads = isinstance(order, GoTo | TurnBy | Wait) or order in ("stop", "walk")
         if trip.stage == "coming" and leads:
             del self.trips[c]
             return False
         if jumps or leads:
-            trip.later.append(order)
+            trip.pending_orders.append(order)
         return jumps or leads
 
     def _begin(self, step: int, c: int, order: HopOver | JumpOnce) -> None:
-        """Let a creature come to where it jumps."""
-        going, of = self.going, self.of[c]
-        rest, left = going.path.routes[c], float(going.way[c])
-        cause = self._unable(c)
-        if isinstance(order, HopOver) and not cause:
+        """Let a creature approach its take-off place."""
+        progress, hopper = self.progress, self.hoppers[c]
+        route, distance = progress.trajectory.routes[c], float(progress.distance[c])
+        reason = self._reason_against(c)
+        if isinstance(order, HopOver) and not reason:
             solids = self._solids.get(order.hop_over, ())
-            found = (
-                plan_approach(going, c, of, self.world.ground, solids)
+            approach = (
+                plan_approach(progress, c, hopper, self.world.ground, solids)
                 if solids
-                else "it is not seen"
+                else "it is not in sight"
             )
-            if isinstance(found, str):
-                cause = f"cannot jump over '{order.hop_over}': {found}"
+            if isinstance(approach, str):
+                reason = f"cannot jump over '{order.hop_over}': {approach}"
             else:
-                going.lead(c, found)
-        elif not cause:
-            apply_order(going, c, "stop")
+                redirect(progress, c, approach)
+        elif not reason:
+            apply_order(progress, c, "stop")
             spot = order.jump.land_at if isinstance(order, JumpOnce) else None
             if spot is not None:
-                self._face(c, np.array(spot))
-        if cause:
-            self._told.append(Note("stopped", step, self.herd.names[c], cause))
+                radius = float(np.hypot(*self.herd.footprint[c]))
+                turned = turn_towards(
+                    progress.trajectory.routes[c], np.array(spot), 0.1 * hopper.leg_length, radius
+                )
+                if turned is not None:
+                    redirect(progress, c, turned)
+        if reason:
+            self._pending_notes.append(Note("stopped", step, self.herd.names[c], reason))
         else:
-            self.trips[c] = WalkerJump(order, rest, left)
+            self.trips[c] = WalkerJump(order, route, distance)
 
-    def _unable(self, c: int) -> str:
-        """Return why a creature cannot jump, whatever over; empty if it can."""
-        if self.going.halted[c]:
+    def _reason_against(self, c: int) -> str:
+        """Return why a creature cannot jump at all; empty if it can."""
+        if self.progress.halted[c]:
             return "cannot jump where it has no foothold to go on"
-        if self.feet.tuck[1, self.herd.owner == c].any():
+        if self.feet.held_up[1, self.herd.owner == c].any():
             return "cannot jump with legs held up"
         return ""
-
-    def _face(self, c: int, spot: Array) -> None:
-        """Let who comes to rest turn to a place (2,) there [m]."""
-        route = self.going.path.routes[c]
-        way = spot - route.xz[-1]
-        towards = math.atan2(-way[1], way[0]) - float(route.heading[-1])
-        angle = math.remainder(towards, 2.0 * math.pi)
-        if abs(angle) > TURN_TOLERANCE and np.linalg.norm(way) > 0.1 * self.of[c].leg:
-            radius = float(np.hypot(*self.herd.footprint[c]))
-            spin = turn_in_place(route.xz[-1], float(route.heading[-1]), angle, radius)
-            self.going.lead(c, route.then(spin))
 
     # --- a step -------------------------------------------------------------------
 
     def advance(self, step: int) -> None:
-        """Go on to the end of a step that all have walked."""
+        """Advance to the end of a step, after all have walked."""
         self.contacts.clear()
         self.arrived.clear()
-        self.notes, self._told = self._told, []
+        self.notes, self._pending_notes = self._pending_notes, []
         time = (step + 1) * self.world.clock.dt
         for c, trip in sorted(self.trips.items()):
-            if trip.stage == "coming" and trip.ready:
-                self._leap(c, trip, time)
+            if trip.stage == "coming" and trip.is_ready:
+                self._start_jump(c, trip, time)
             elif trip.stage == "coming":
-                trip.ready = self._rests(c)
+                trip.is_ready = self._is_resting(c)
             elif trip.stage == "leaping":
-                self._fly(step, c, trip, time)
-            elif trip.stage == "landed" and time - trip.since >= HANDOVER_TIME and self._rests(c):
-                self._go_on(step, c, trip)
+                self._advance_jump(step, c, trip, time)
+            elif time - trip.stage_start >= HANDOVER_TIME and self._is_resting(c):
+                self._resume_walking(step, c, trip)
 
     def is_coming(self, name: str) -> bool:
-        """Tell whether somebody rests only to jump."""
+        """Return whether a creature rests only in order to jump."""
         return self.herd.names.index(name) in self.trips
 
-    def _rests(self, c: int) -> bool:
-        """Tell whether a creature stands at the end of its way, on closed feet."""
-        going, own = self.going, self.herd.owner == c
-        if not going.arrived[c]:
+    def _is_resting(self, c: int) -> bool:
+        """Return whether a creature stands at the end of its route, on closed feet."""
+        progress, own = self.progress, self.herd.owner == c
+        if not progress.arrived[c]:
             return False
-        closed = going.halted[c] or going.phase[c] >= going.closed[c]
-        return bool(closed and not self.feet.swinging[own].any() and going.vigour[c] == 0.0)
+        closed = progress.halted[c] or progress.phase[c] >= progress.closing_phase[c]
+        return bool(
+            closed and not self.feet.swinging[own].any() and progress.smoothed_fraction[c] == 0.0
+        )
 
-    def _leap(self, c: int, trip: WalkerJump, time: float) -> None:
-        """Hand a creature that stands over to its jump."""
-        of, own, trip.ready = self.of[c], self.herd.owner == c, False
-        if self.feet.is_barred(c):
+    def _start_jump(self, c: int, trip: WalkerJump, time: float) -> None:
+        """Hand a standing creature over to its jump."""
+        hopper, own, trip.is_ready = self.hoppers[c], self.herd.owner == c, False
+        if is_blocked(self.progress, c):
             text = "what bars its way keeps it from where it would jump"
-            self._told.append(Note("stopped", round(time / self.world.clock.dt), of.name, text))
+            self._pending_notes.append(
+                Note("stopped", round(time / self.world.clock.dt), hopper.name, text)
+            )
             del self.trips[c]
             return
-        R, p = self._stands(c)
-        state = standing_state(of, R, p, self.feet.end[own], time)
-        state.course.errands = [self._errand(of, trip.order)]
-        state.until = time + STANDING_TIME
+        R, p = self._standing_pose(c)
+        state = standing_state(hopper, R, p, self.feet.end[own], time)
+        state.queue.orders = [self._jump_order(hopper, trip.order)]
+        state.phase_end = time + STANDING_TIME
         fall = RigidFall(self.herd.figures[c])
-        trip.hopping = HopSimulation(
-            of, self.world.ground, None, fall, partial(self._limbs, c), state
+        trip.simulation = HopSimulation(
+            hopper, self.world.ground, None, fall, partial(self._joint_state, c), state
         )
-        trip.stage, trip.since = "leaping", time
+        trip.stage, trip.stage_start = "leaping", time
 
-    def _limbs(self, c: int, now: BodyState, tips: Array, _: NDArray[np.bool_]) -> JointState:
-        """Return the joints of a creature whose body and feet (n, 3) are somewhere [m]."""
+    def _joint_state(self, c: int, now: BodyState, tips: Array, _: NDArray[np.bool_]) -> JointState:
+        """Return the joints of a creature with a given body and feet (n, 3) [m]."""
         herd, skeleton = self.herd, self.herd.figures[c].skeleton
         own, goals = herd.owner == c, herd.legs.tips[None].copy()
         goals[0, own] = (tips - now.origin) @ now.R
         q = skeleton.preferred.copy()
         values = solve_near_rest(herd.legs, herd.chains, goals).q[0, own]
-        for limb, some in zip(skeleton.legs, values, strict=True):
-            q[list(limb.joints)] = some[: len(limb.joints)]
+        for limb, joint_values in zip(skeleton.legs, values, strict=True):
+            q[list(limb.joints)] = joint_values[: len(limb.joints)]
         return JointState(q, np.zeros_like(q))
 
-    def _errand(self, of: Hopper, order: HopOver | JumpOnce) -> JumpOrder:
+    def _jump_order(self, hopper: Hopper, order: HopOver | JumpOnce) -> JumpOrder:
         if isinstance(order, HopOver):
-            return HurdleJump(order.hop_over, self._solids[order.hop_over], comes=False)
-        jump, spot = scripted_jump(of, order.jump, "do.jump"), order.jump.land_at
-        return SingleJump(jump) if spot is None else JumpToPoint(spot, jump)
+            return HurdleJump(order.hop_over, self._solids[order.hop_over], can_approach=False)
+        return jump_once(hopper, order.jump)
 
-    def _stands(self, c: int) -> tuple[Array, Array]:
-        """Return the pose (3, 3), (3,) of a body that stands at the end of its way [m]."""
-        going = self.going
-        at = np.array([c]), going.way[c : c + 1], going.phase[c : c + 1]
-        R, p = going.path.pose(*at, going.vigour[c : c + 1])
-        low = (self.feet.stoop[1, self.herd.owner == c] ** 4).sum() ** 0.25
-        return R[0], p[0] - [0.0, low, 0.0]
+    def _standing_pose(self, c: int) -> tuple[Array, Array]:
+        """Return the body pose (3, 3), (3,) of a creature at the end of its route [m]."""
+        progress = self.progress
+        place = np.array([c]), progress.distance[c : c + 1], progress.phase[c : c + 1]
+        R, p = progress.trajectory.pose(*place, progress.smoothed_fraction[c : c + 1])
+        lowering = (self.feet.lowering[1, self.herd.owner == c] ** 4).sum() ** 0.25
+        return R[0], p[0] - [0.0, lowering, 0.0]
 
-    def _fly(self, step: int, c: int, trip: WalkerJump, time: float) -> None:
-        hopping = trip.hopping
-        assert hopping is not None
-        hopping.happened.clear()
-        hopping.advance(time)
-        contacts, notes = self._telling.of(step, c, hopping.happened)
+    def _advance_jump(self, step: int, c: int, trip: WalkerJump, time: float) -> None:
+        simulation = trip.simulation
+        assert simulation is not None
+        simulation.events.clear()
+        simulation.advance(time)
+        contacts, notes = self._recorder.records(step, c, simulation.events)
         self.contacts += contacts
         self.notes += notes
-        state = hopping.state
-        if state.phase == "standing" and not math.isfinite(state.until):
-            trip.stage, trip.since = "landed", time
-            if state.jumps:
-                self._set_down(c, hopping)
+        state = simulation.state
+        if state.phase == "standing" and not math.isfinite(state.phase_end):
+            trip.stage, trip.stage_start = "landed", time
+            if state.jump_count:
+                self._set_down(c, simulation)
 
-    def _set_down(self, c: int, hopping: HopSimulation) -> None:
-        """Let a creature stand, as a walker, where and as it has landed."""
-        feet, going = self.feet, self.going
-        moved, tips = hopping.pose()
+    def _set_down(self, c: int, simulation: HopSimulation) -> None:
+        """Let a creature stand, as a walker, where it has landed."""
+        stepping, progress = self.stepping, self.progress
+        body, tips = simulation.pose()
         for leg, tip in zip(np.flatnonzero(self.herd.owner == c).tolist(), tips, strict=True):
             normal = self.world.ground.normal(tip[0], tip[2])
-            feet.stand_at(leg, Foothold(tip - self.herd.sole[leg] * normal, normal, tip, 0.0))
-        route = going.path.routes[c].upto(float(going.way[c]))
-        place = moved.origin[[0, 2]]
-        route = route.then(_route_to_landing(route, place, moved.heading))
-        going.gone = going.gone.copy()
-        going.gone[0, c] = route.length
-        going.lead(c, route)
-        feet.scout.forget(c)
+            hold = Foothold(tip - self.herd.sole[leg] * normal, normal, tip, 0.0)
+            place_foot(self.feet, leg, hold)
+        route = progress.trajectory.routes[c].upto(float(progress.distance[c]))
+        place = body.origin[[0, 2]]
+        route = route.then(route_to_landing(route, place, body.heading))
+        progress.distance = progress.distance.copy()
+        progress.distance[c] = route.length
+        redirect(progress, c, route)
+        stepping.lookahead.forget(c)
         own = np.flatnonzero(self.herd.owner == c)
-        astray = any(feet.is_astray(leg) for leg in own.tolist())
-        going.closed[c] = feet.about_to_lift(
-            c, float(going.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
+        astray = any(is_astray(stepping, leg) for leg in own.tolist())
+        progress.closing_phase[c] = phase_before_lift(
+            stepping, c, float(progress.phase[c]) + (CLOSING_CYCLES if astray else 0.0)
         )
 
-    def _go_on(self, step: int, c: int, trip: WalkerJump) -> None:
-        """Let a creature that has landed walk on."""
-        going, hopping = self.going, trip.hopping
-        assert hopping is not None
+    def _resume_walking(self, step: int, c: int, trip: WalkerJump) -> None:
+        """Let a landed creature walk on."""
+        progress, simulation = self.progress, trip.simulation
+        assert simulation is not None
         del self.trips[c]
-        here = going.path.routes[c]
-        if hopping.state.jumps:
+        here = progress.trajectory.routes[c]
+        if simulation.state.jump_count:
             landed = here.xz[-1], float(here.heading[-1])
-            on = route_onward(trip.rest, trip.left, landed, float(going.full[c]))
-            if on is not None:
-                going.lead(c, here.then(on))
-            elif trip.rest.length > trip.left + 1e-9:
+            onward = route_onward(
+                trip.route_before, trip.route_distance, landed, float(progress.stride[c])
+            )
+            if onward is not None:
+                redirect(progress, c, here.then(onward))
+            elif trip.route_before.length > trip.route_distance + 1e-9:
                 self.arrived.append(self.herd.names[c])
-        for order in trip.later:
+        for order in trip.pending_orders:
             if not self.take(step, c, order):
-                apply_order(going, c, order)
+                apply_order(progress, c, order)
 
     # --- rows ---------------------------------------------------------------------
 
     def aloft(self, time: float) -> dict[int, JumpingBody]:
-        """Return where creatures are that jump."""
-        found = dict[int, JumpingBody]()
+        """Return the jumping creatures at a time."""
+        bodies = dict[int, JumpingBody]()
         for c, trip in self.trips.items():
-            if trip.hopping is None:
+            if trip.simulation is None:
                 continue
-            moved, tips = trip.hopping.pose()
-            state = trip.hopping.state
-            done = float(ease(np.array(min((time - trip.since) / HANDOVER_TIME, 1.0))))
-            found[c] = JumpingBody(
-                part=done if trip.stage == "leaping" else 1.0 - done,
-                R=moved.R,
-                p=moved.origin,
+            body, tips = trip.simulation.pose()
+            state = trip.simulation.state
+            blend = float(ease(np.array(min((time - trip.stage_start) / HANDOVER_TIME, 1.0))))
+            bodies[c] = JumpingBody(
+                blend=blend if trip.stage == "leaping" else 1.0 - blend,
+                R=body.R,
+                p=body.origin,
                 tips=tips if trip.stage == "leaping" else None,
                 down=state.down | (trip.stage == "landed"),
                 speed=float(np.hypot(*state.v[[0, 2]])),
                 limp=state.phase == "fallen",
             )
-        return found
+        return bodies
 
     def routes(self) -> Sequence[Route]:
-        """Return the ways that creatures look along; who jumps looks straight ahead."""
-        routes = self.going.path.routes
-        away = tuple(c for c, trip in self.trips.items() if trip.hopping is not None)
-        if not away:
+        """Return the routes that creatures look along; a jumping creature looks straight ahead."""
+        routes = self.progress.trajectory.routes
+        jumping = tuple(c for c, trip in self.trips.items() if trip.simulation is not None)
+        if not jumping:
             return routes
-        if self._routes is None or self._routes[0] is not routes or self._routes[1] != away:
+        if self._routes is None or self._routes[0] is not routes or self._routes[1] != jumping:
             seen = [
-                straight_route(route.xz[-1], float(route.heading[-1])) if c in away else route
+                straight_route(route.xz[-1], float(route.heading[-1])) if c in jumping else route
                 for c, route in enumerate(routes)
             ]
-            self._routes = routes, away, seen
+            self._routes = routes, jumping, seen
         return self._routes[2]
-
-
-def _route_to_landing(route: Route, place: Array, turned: float) -> Route:
-    """Return the straight way from the end of a route to where a jump has landed."""
-    start, before = route.xz[-1], float(route.heading[-1])
-    length = float(np.linalg.norm(place - start))
-    if length < 1e-6:
-        angle = math.remainder(turned - before, 2.0 * math.pi)
-        return turn_in_place(start, before, angle, 1.0)
-    return Route(
-        np.array([0.0, length]), np.array([start, place]), np.array([before, turned]), stops=True
-    )

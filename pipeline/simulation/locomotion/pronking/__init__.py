@@ -1,1 +1,1 @@
-"""Pronking: creatures that hop, by forces of their legs (Sims 1987, chapter 11)."""
+"""Creatures that hop by the forces of their legs (Sims 1987, chapter 11)."""

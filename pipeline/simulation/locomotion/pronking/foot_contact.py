@@ -1,4 +1,8 @@
-"""Touching: feet in flight, and how they come to the ground.
+"""Feet in flight and on the ground, and the margins until the next event of a phase.
+
+While the body falls, feet in the air are tested against the ground; while it rises they are
+lifted over obstacles. Legs of feet that are down are tested for their stretch and, while the body
+sinks, for their fold.
 
 Source: Sims 1987, 9.4 and 11.1.
 """
@@ -19,128 +23,147 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
 TUCK_HEIGHT = 0.3
-"""How high feet are drawn up in the middle of a flight, in leg lengths."""
+"""How high feet are drawn up in mid-flight, in leg lengths."""
 
 TRAIL_SPEED = 0.35
-"""Speed with which feet trail behind after a lift-off, in that of the body."""
+"""Speed with which feet trail after a lift-off, in body speeds."""
 
 WALL_HEIGHT = 0.06
-"""How high a foot would have to be lifted at once where it meets a wall, in leg lengths."""
+"""Sudden lift of a foot that counts as hitting a wall, in leg lengths."""
 
 
 def flight_swing(
-    of: Hopper, start: Array, ends: Array, begin: float, time: float, v: Array, folds: bool
+    hopper: Hopper,
+    start: Array,
+    landing_feet: Array,
+    begin: float,
+    time: float,
+    v: Array,
+    fold_legs: bool,
 ) -> SwingPath:
-    """Return the ways of feet that leave the ground and are held out for the landing.
+    """Return the paths of feet from lift-off to landing.
 
     Args:
-        of: whose feet.
-        start: (n, 3) where they leave it, and
-        ends: (n, 3) where they are held, in the frame of the body [m].
-        begin: when it leaves the ground [s].
-        time: how long the flight takes [s].
+        hopper: the creature.
+        start: (n, 3) feet at lift-off, in the frame of the body [m].
+        landing_feet: (n, 3) feet at the landing, in the frame of the body [m].
+        begin: time of lift-off [s].
+        time: duration of the flight [s].
         v: (3,) velocity of the body, in its frame [m/s].
-        folds: whether they are drawn up as far as legs fold.
+        fold_legs: whether feet are drawn up as far as the legs fold.
     """
     n = len(start)
-    middle = 0.5 * (start + ends)
-    low, room = np.maximum(start[:, 1], ends[:, 1]), of.hips[:, 1] - 1.15 * of.folds
-    top = room if folds else np.minimum(low + TUCK_HEIGHT * of.leg * min(1.0, time / 0.5), room)
+    middle = 0.5 * (start + landing_feet)
+    low, highest = (
+        np.maximum(start[:, 1], landing_feet[:, 1]),
+        hopper.hips[:, 1] - 1.15 * hopper.folded_lengths,
+    )
+    top = (
+        highest
+        if fold_legs
+        else np.minimum(low + TUCK_HEIGHT * hopper.leg_length * min(1.0, time / 0.5), highest)
+    )
     middle[:, 1] = np.maximum(top, low)
     trail = np.tile([-TRAIL_SPEED * v[0], 0.0, -TRAIL_SPEED * v[2]], (n, 1))
-    return SwingPath(np.full(n, begin), np.full(n, 0.97 * time), start, middle, ends, trail)
+    return SwingPath(np.full(n, begin), np.full(n, 0.97 * time), start, middle, landing_feet, trail)
 
 
 def touch(
-    of: Hopper,
+    hopper: Hopper,
     ground: Ground,
     state: HopState,
     legs: NDArray[np.int64],
     met: NDArray[np.bool_],
     events: HopEvents,
 ) -> None:
-    """Put feet down where they are: these are their footholds until the next lift-off.
+    """Plant feet where they are; these are their footholds until the next lift-off.
 
     Args:
-        of: whose feet.
-        ground: that they come to.
+        hopper: the creature.
+        ground: that they touch.
         state: in flight or landing.
-        legs: whose feet they are.
-        met: (n,) which came to it just now; the others were lifted over it.
-        events: to be added to.
+        legs: numbers of the feet.
+        met: (n,) feet that reached the ground in this step; the others were lifted over it.
+        events: collects what happens.
     """
-    now, own = state.now(of), state.swing.tips(state.time)
-    tips = now.points(own)
+    now, own = state.body(hopper), state.swing.tips(state.time)
+    tips = now.to_world(own)
     moves = now.R @ ((own - state.swing.tips(state.time - 1e-5)) / 1e-5).T
-    v = state.v + np.cross(state.turning[1], tips - state.p) + moves.T
+    v = state.v + np.cross(state.attitude[1], tips - state.p) + moves.T
     if not state.down.any():
-        state.first = float(state.p[1])
-    caught, floors = list[int](), lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles)
+        state.first_touch_height = float(state.p[1])
+    caught, floors = (
+        list[int](),
+        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.sole_radii),
+    )
     for leg in legs.tolist():
         (x, y, z), least = tips[leg].tolist(), float(floors[leg])
-        if met[leg] and least - y > WALL_HEIGHT * of.leg:
+        if met[leg] and least - y > WALL_HEIGHT * hopper.leg_length:
             caught.append(leg)
         else:
             y = max(least, y)
         state.tips[leg], state.down[leg] = (x, y, z), True
-        place, normal = np.array([x, y - of.soles[leg], z]), ground.normal(x, z)
+        place, normal = np.array([x, y - hopper.sole_radii[leg], z]), ground.normal(x, z)
         speed = max(-float(normal @ v[leg]), 0.0)
-        energy = 0.5 * of.mass.mass / len(of.hips) * speed * speed
+        energy = 0.5 * hopper.mass.mass / len(hopper.hips) * speed * speed
         events.append(HopEvent("touch", state.time, leg, place, normal, speed, energy))
         if not bool(ground.steppable(x, z)):
             text = f"a foot landed in a forbidden zone, at ({x:.2f}, {z:.2f})"
-            events.append(HopEvent("misplaced", state.time, leg, place, normal, 0.0, 0.0, text))
+            events.append(HopEvent.note("misplaced", state.time, text, leg))
     if caught:
-        _catch_feet(of, state, np.array(caught), tips, v, events)
+        _catch_feet(hopper, state, np.array(caught), tips, v, events)
 
 
 def trip_on_wall(
-    of: Hopper, state: HopState, legs: NDArray[np.int64], tips: Array, events: HopEvents
+    hopper: Hopper, state: HopState, legs: NDArray[np.int64], tips: Array, events: HopEvents
 ) -> None:
-    """Let feet (n, 3) that go with the body meet a wall."""
+    """Trip on a wall with feet (n, 3) that move with the body."""
     v = np.broadcast_to(state.v, tips.shape)
-    _catch_feet(of, state, legs, tips, v, events)
+    _catch_feet(hopper, state, legs, tips, v, events)
 
 
 def _catch_feet(
-    of: Hopper, state: HopState, legs: NDArray[np.int64], tips: Array, v: Array, events: HopEvents
+    hopper: Hopper,
+    state: HopState,
+    legs: NDArray[np.int64],
+    tips: Array,
+    v: Array,
+    events: HopEvents,
 ) -> None:
-    """Catch feet on a wall: what stops the legs pulls at the body.
+    """Apply the impulse of feet that a wall stops.
 
     Source: Sims 1987, 9.4.
     """
-    pull = -of.leg_mass[legs, None] * v[legs] * [1.0, 0.0, 1.0]
-    state.v = state.v + pull.sum(axis=0) / of.mass.mass
-    R = np.array(matrix_rows(state.turning[0]))
-    inverse = R @ np.array(of.inertia.inverse) @ R.T
-    twist = np.cross(tips[legs] - state.p, pull).sum(axis=0)
-    x, y, z = (state.turning[1] + inverse @ twist).tolist()
-    state.turning = state.turning[0], (x, y, z)
-    up = np.array([0.0, 1.0, 0.0])
+    impulse = -hopper.leg_masses[legs, None] * v[legs] * [1.0, 0.0, 1.0]
+    state.v = state.v + impulse.sum(axis=0) / hopper.mass.mass
+    R = np.array(matrix_rows(state.attitude[0]))
+    inverse = R @ np.array(hopper.inertia.inverse) @ R.T
+    angular_impulse = np.cross(tips[legs] - state.p, impulse).sum(axis=0)
+    x, y, z = (state.attitude[1] + inverse @ angular_impulse).tolist()
+    state.attitude = state.attitude[0], (x, y, z)
     for leg in legs.tolist():
-        text = "a foot caught on a wall"
-        events.append(HopEvent("tripped", state.time, leg, tips[leg], up, 0.0, 0.0, text))
+        events.append(HopEvent.note("tripped", state.time, "a foot caught on a wall", leg))
 
 
 SETTLE_DISTANCE = 0.16
-"""How far a body sinks after a first foot touched until its legs carry, in leg lengths."""
+"""How far a body sinks after the first touch until its legs carry, in leg lengths."""
 
 FOLD_LIMIT = 1.01
-"""How near to their hips legs draw feet at most, in what they can."""
+"""Nearest distance of a foot to its hip, in folded lengths."""
 
 RISING_SPEED = 1e-9
-"""Vertical speed at which a body is not falling yet [m/s]."""
+"""Vertical speed above which a body rises [m/s]."""
 
 
 @dataclass(frozen=True, eq=False)
 class EventMargins:
-    """What is left until something happens; infinite for what cannot [m].
+    """Distances until events; infinite for those that cannot happen [m].
 
     Attributes:
-        touch: (n,) feet above the ground.
-        stretch, fold: (n,) legs.
-        belly: (1,) the body above the ground.
-        grace: (1,) way that the body may sink.
+        touch: (n,) of feet above the ground.
+        stretch, fold: (n,) of legs to their limits.
+        belly: (1,) of the body above the ground.
+        grace: (1,) that the body may sink until its legs carry.
     """
 
     touch: Array
@@ -151,60 +174,64 @@ class EventMargins:
 
     @property
     def all(self) -> Array:
-        """All of them one after the other."""
+        """All margins in one array."""
         return np.concatenate([self.touch, self.stretch, self.fold, self.belly, self.grace])
 
 
 def event_margins(
-    of: Hopper, state: HopState, ground: Ground, at: BodyState, highest: float
+    hopper: Hopper, state: HopState, ground: Ground, body: BodyState, highest: float
 ) -> EventMargins:
-    """Return what is left at some time of the phase.
+    """Return the margins at a time of the phase.
 
     Args:
-        of: the creature.
-        state: at the begin of a sub-step.
+        hopper: the creature.
+        state: at the start of a sub-step.
         ground: below it.
-        at: where it is at the time.
-        highest: point of the ground [m].
+        body: at the time.
+        highest: greatest height of the ground [m].
     """
-    n = len(of.hips)
+    n = len(hopper.hips)
     touch, stretch, fold, belly, grace = (np.full(k, np.inf) for k in (n, n, n, 1, 1))
-    falls = at.v[1] <= RISING_SPEED
+    falls = body.v[1] <= RISING_SPEED
     if state.phase in ("flight", "landing") and falls and not state.down.all():
-        tips = at.points(state.swing.tips(at.time))
-        if float(tips[:, 1].min()) - float(of.soles.max()) < highest + 0.05:
+        tips = body.to_world(state.swing.tips(body.time))
+        if float(tips[:, 1].min()) - float(hopper.sole_radii.max()) < highest + 0.05:
             air = ~state.down & ~state.released
             touch[air] = (
-                tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles)
+                tips[:, 1] - lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.sole_radii)
             )[air]
     if state.down.any() and state.phase not in ("standing",):
-        way = at.points(of.hips) - state.tips
-        far = np.sqrt((way * way).sum(axis=-1))
+        legs = body.to_world(hopper.hips) - state.tips
+        distance = np.sqrt((legs * legs).sum(axis=-1))
         down = state.down
-        stretch[down] = (STANCE_STRETCH * of.lengths - far)[down]
+        stretch[down] = (STANCE_STRETCH * hopper.leg_lengths - distance)[down]
         if state.phase in ("flight", "landing"):
-            fold[down] = (far - FOLD_LIMIT * of.folds)[down]
-    if state.armed and state.phase != "standing":
-        belly[0] = body_clearance(of, ground, at, highest)
+            fold[down] = (distance - FOLD_LIMIT * hopper.folded_lengths)[down]
+    if state.body_armed and state.phase != "standing":
+        belly[0] = body_clearance(hopper, ground, body, highest)
     if state.phase == "flight" and state.down.any():
-        grace[0] = at.p[1] - (state.first - SETTLE_DISTANCE * of.leg)
+        grace[0] = body.p[1] - (state.first_touch_height - SETTLE_DISTANCE * hopper.leg_length)
     return EventMargins(touch, stretch, fold, belly, grace)
 
 
-def body_clearance(of: Hopper, ground: Ground, at: BodyState, highest: float = np.inf) -> float:
-    """Return how high the body is above the ground, at least [m]."""
-    points = at.points(of.belly)
+def body_clearance(
+    hopper: Hopper, ground: Ground, body: BodyState, highest: float = np.inf
+) -> float:
+    """Return the least height of the body above the ground [m]."""
+    points = body.to_world(hopper.belly_points)
     if float(points[:, 1].min()) > highest + 0.5:
         return float(points[:, 1].min()) - highest
     return float((points[:, 1] - ground.height(points[:, 0], points[:, 2])).min())
 
 
-def lift_above_ground(of: Hopper, ground: Ground, tips: Array, highest: float) -> Array:
+def lift_above_ground(hopper: Hopper, ground: Ground, tips: Array, highest: float) -> Array:
     """Return feet (n, 3) lifted out of the ground [m]."""
-    if float(tips[:, 1].min()) - float(of.soles.max()) > highest:
+    if float(tips[:, 1].min()) - float(hopper.sole_radii.max()) > highest:
         return tips
     result = tips.copy()
     np.maximum(
-        tips[:, 1], lowest_center_height(ground, tips[:, 0], tips[:, 2], of.soles), out=result[:, 1]
+        tips[:, 1],
+        lowest_center_height(ground, tips[:, 0], tips[:, 2], hopper.sole_radii),
+        out=result[:, 1],
     )
     return result

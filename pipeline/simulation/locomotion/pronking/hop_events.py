@@ -1,4 +1,4 @@
-"""Happening: what is known of an event of a pronker."""
+"""Events of hoppers, and how a take records them as contacts and notes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.inventory import foot_materials
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import UP, Array
 from pipeline.simulation.take import Contact, ContactKind, Note
 from pipeline.simulation.troupe import World
 
@@ -24,15 +24,15 @@ class HopEvent:
     """An event.
 
     Attributes:
-        kind: of it.
-        time: when [s].
-        leg: whose foot it is, -1 for the body.
-        place: (3,) where [m].
+        kind: of event.
+        time: [s].
+        leg: number of the leg, -1 for the body.
+        place: (3,) [m].
         normal: (3,) of the ground.
-        speed: with which it came or went [m/s].
-        energy: of what came or went at this speed [J].
-        text: what there is to say.
-        link: number of the link that it is about, if it is of the body.
+        speed: along the normal [m/s].
+        energy: kinetic energy of the moving mass at that speed [J].
+        text: of the note.
+        link: number of the link, for events of the body.
     """
 
     kind: HopEventKind
@@ -45,9 +45,14 @@ class HopEvent:
     text: str = ""
     link: int = 0
 
+    @staticmethod
+    def note(kind: HopEventKind, time: float, text: str, leg: int = -1) -> HopEvent:
+        """Return an event that a take records as a note."""
+        return HopEvent(kind, time, leg, np.zeros(3), UP, 0.0, 0.0, text)
+
 
 HopEvents = list[HopEvent]
-"""What has happened, in the order of time."""
+"""Events in the order of time."""
 
 
 CONTACT_KINDS: dict[str, ContactKind] = {"touch": "touch", "lift": "lift", "body": "hit"}
@@ -62,12 +67,12 @@ NOTE_KINDS = {
 
 
 class HopEventRecorder:
-    """What a herd's events are called in a take.
+    """Converts the events of a herd to the contacts and notes of a take.
 
     Attributes:
-        herd: to which they happen.
-        world: that it is in.
-        materials: of each creature, where its figure names none.
+        herd: the creatures.
+        world: of the simulation.
+        materials: of each creature's links that name none.
     """
 
     def __init__(self, herd: Herd, world: World, materials: Sequence[str]) -> None:
@@ -75,51 +80,50 @@ class HopEventRecorder:
         self._feet = foot_materials(herd, materials)
 
     def part(self, leg: int) -> str:
-        """Return what a leg is called."""
+        """Return the part name of a leg."""
         return f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
 
-    def of(
-        self, step: int, c: int, happened: Iterable[HopEvent]
+    def records(
+        self, step: int, c: int, events: Iterable[HopEvent]
     ) -> tuple[list[Contact], list[Note]]:
-        """Return the events of creature `c` in a step, as the take has them."""
+        """Return the contacts and notes of creature `c` in a step."""
         contacts, notes = list[Contact](), list[Note]()
-        for one in happened:
-            told = self._of(step, c, one)
-            if isinstance(told, Note):
-                notes.append(told)
+        for event in events:
+            record = self._record(step, c, event)
+            if isinstance(record, Note):
+                notes.append(record)
             else:
-                contacts.append(told)
+                contacts.append(record)
         return contacts, notes
 
-    def _of(self, step: int, c: int, one: HopEvent) -> Contact | Note:
+    def _record(self, step: int, c: int, event: HopEvent) -> Contact | Note:
         herd, name = self.herd, self.herd.names[c]
-        link = herd.figures[c].skeleton.links[one.link]
-        leg = int(herd.first_leg[c]) + one.leg
-        part = f"{name}.{link.name}" if one.leg < 0 else self.part(leg)
-        if one.kind in NOTE_KINDS:
-            return Note(NOTE_KINDS[one.kind], step, part, one.text)
+        link = herd.figures[c].skeleton.links[event.link]
+        leg = int(herd.first_leg[c]) + event.leg
+        part = f"{name}.{link.name}" if event.leg < 0 else self.part(leg)
+        if event.kind in NOTE_KINDS:
+            return Note(NOTE_KINDS[event.kind], step, part, event.text)
         dt = self.world.clock.dt
-        fraction = min(max(one.time / dt - step, 0.0), float(np.nextafter(1.0, 0.0)))
+        fraction = min(max(event.time / dt - step, 0.0), float(np.nextafter(1.0, 0.0)))
         body = link.material or self.materials[c]
-        length = self._length(c, one.link)
+        length = self._length(c, event.link)
         return Contact(
             step=step,
             fraction=fraction,
             performer=name,
             part=part,
             other="terrain",
-            place=_vector_tuple(one.place),
-            normal=_vector_tuple(one.normal),
-            speed=one.speed,
-            energy=one.energy,
-            material=body if one.leg < 0 else self._feet[leg],
+            place=_vector_tuple(event.place),
+            normal=_vector_tuple(event.normal),
+            speed=event.speed,
+            energy=event.energy,
+            material=body if event.leg < 0 else self._feet[leg],
             surface=self.world.ground.material,
-            size=length if one.leg < 0 else float(herd.legs.lengths[leg]),
-            kind=CONTACT_KINDS[one.kind],
+            size=length if event.leg < 0 else float(herd.legs.lengths[leg]),
+            kind=CONTACT_KINDS[event.kind],
         )
 
     def _length(self, c: int, link: int) -> float:
-        """Return the size of a link [m]."""
         figure = self.herd.figures[c]
         return next(piece.size for piece in figure.pieces if piece.link == link)
 

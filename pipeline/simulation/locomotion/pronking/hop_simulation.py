@@ -1,7 +1,7 @@
-"""Hopping: one pronker on its way, from event to event.
+"""Simulation of one hopper, from event to event.
 
-Phases of constant acceleration are advanced exactly, the attitude by Runge and Kutta; what
-ends a phase, or happens within it, is located inside the step.
+Phases of constant acceleration are advanced exactly, the attitude by Runge-Kutta. What ends a
+phase, or happens within it, is located inside the step.
 
 Source: Sims 1987, ch. 11.
 """
@@ -51,125 +51,129 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
 TIME_TOLERANCE = 1e-12
-"""What is left of a step when it is over [s]."""
+"""Remainder of a step that counts as zero [s]."""
 
 TOPPLE_TILT = math.radians(68.0)
-"""Tilt from which no leg brings a body back."""
+"""Tilt from which legs cannot right a body [rad]."""
 
 LYING_TILT = math.radians(38.0)
-"""Tilt with which a body that strikes the ground falls."""
+"""Tilt at which a body that strikes the ground falls over [rad]."""
 
 REARM_DEPTH = 0.01
-"""How far a body that lies on the ground is let into it until it strikes again, in leg lengths."""
+"""Penetration at which a body that lies on the ground strikes it again, in leg lengths."""
 
 MAX_EVENTS = 400
-"""Events of one step; more are a creature that is stuck."""
+"""Bound on the events of one step; more mean that the creature is stuck."""
 
 MAX_SUB_STEP = 1.0 / 90.0
-"""Longest sub-step: between two of them nothing comes and goes unseen [s]."""
+"""Longest sub-step: no contact begins and ends unnoticed within it [s]."""
 
 JointReader = Callable[[BodyState, Array, NDArray[np.bool_]], JointState]
-"""Body, feet (n, 3) [m] and which of them are down (n,) -> joints."""
+"""Body, feet (n, 3) [m] and which of them are down (n,) -> joint state."""
 
 
 class HopSimulation:
-    """One pronker and what happens to it.
+    """One hopper and what happens to it.
 
     Attributes:
-        of: its constants.
+        hopper: its constants.
         ground: that it hops over.
-        state: how it is.
-        fall: once it has toppled.
-        limbs: how its limbs are then, which it is told from outside.
-        happened: since that was taken away.
+        state: its state.
+        fall: how it falls once it has toppled.
+        limbs: reads its joints at that moment.
+        events: since they were last cleared.
     """
 
     def __init__(
         self,
-        of: Hopper,
+        hopper: Hopper,
         ground: Ground,
         above: float | None,
         fall: Fall,
-        limbs: JointReader,
+        read_joints: JointReader,
         state: HopState | None = None,
     ) -> None:
-        self.of, self.ground = of, ground
+        self.hopper, self.ground = hopper, ground
         self.highest = float(ground.field.heights.max())
-        self.fall, self.limbs = fall, limbs
-        self.happened: list[HopEvent] = []
-        self._known: EventMargins | None = None
-        # Which feet came to the ground within the last sub-step, and how high each has to be
-        # lifted out of it while the body rises.
-        self._met = np.zeros(len(of.hips), dtype=bool)
-        self._lifted = np.zeros(len(of.hips))
-        self.state = initial_state(of, ground, above) if state is None else state
+        self.fall, self.read_joints = fall, read_joints
+        self.events: list[HopEvent] = []
+        self._next_margins: EventMargins | None = None
+        # Which feet reached the ground within the last sub-step, and how high each is lifted out of
+        # it while the body rises.
+        self._touched = np.zeros(len(hopper.hips), dtype=bool)
+        self._lifted = np.zeros(len(hopper.hips))
+        self.state = initial_state(hopper, ground, above) if state is None else state
 
     def advance(self, end: float) -> None:
-        """Go on until `end` [s]."""
+        """Advance to time `end` [s]."""
         for _ in range(MAX_EVENTS):
             state = self.state
             left = end - state.time
             if left <= TIME_TOLERANCE:
                 break
             if state.phase == "fallen":
-                self._lie(left)
+                self._advance_fall(left)
                 break
-            known = self._margins(state.now(self.of)) if self._known is None else self._known
+            known = (
+                self._margins(state.body(self.hopper))
+                if self._next_margins is None
+                else self._next_margins
+            )
             due = bool((known.all <= 0.0).any())
             if due:
-                self._look(known)
-                known = self._margins(state.now(self.of))
+                self._handle_events(known)
+                known = self._margins(state.body(self.hopper))
             if self.state.phase != "fallen":
-                self._go(min(left, MAX_SUB_STEP), known)
+                self._advance_sub_step(min(left, MAX_SUB_STEP), known)
         self.state.time = end
-        self._let_go_of_what_is_missed()
-        if is_overloaded(self.of, self.state):
+        self._release_missed_feet()
+        if is_overloaded(self.hopper, self.state):
             self._topple("the legs that touch cannot carry it")
 
     def pose(self) -> tuple[BodyState, Array]:
         """Return the body, and its feet (n, 3) in the world [m]."""
-        state, now = self.state, self.state.now(self.of)
+        state, now = self.state, self.state.body(self.hopper)
         if state.down.all():
             return now, state.tips.copy()
-        tips = now.points(state.swing.tips(state.time))
+        tips = now.to_world(state.swing.tips(state.time))
         if state.phase != "fallen":
-            tips = lift_above_ground(self.of, self.ground, tips, self.highest)
+            tips = lift_above_ground(self.hopper, self.ground, tips, self.highest)
         tips[state.down] = state.tips[state.down]
         return now, tips
 
     def leg_forces(self) -> Array:
-        """Return the forces (n, 3) that legs give just now [N]."""
-        state, of = self.state, self.of
-        forces = np.zeros_like(of.hips)
+        """Return the current forces (n, 3) of the legs [N]."""
+        state, hopper = self.state, self.hopper
+        forces = np.zeros_like(hopper.hips)
         down = state.down
         if state.phase in ("flight", "fallen") or not down.any():
             return forces
-        now = state.now(of)
-        m = moment(state.turning, of.inertia, state.steering, state.time)
-        levers = (of.hips[down] - of.mass.centre) @ now.R.T
-        force = of.mass.mass * (state.a + np.array([0.0, GRAVITY, 0.0]))
-        forces[down] = distribute_force(force, np.array(m), levers, of.most)
+        now = state.body(hopper)
+        m = moment(state.attitude, hopper.inertia, state.control, state.time)
+        levers = (hopper.hips[down] - hopper.mass.centre) @ now.R.T
+        force = hopper.mass.mass * (state.a + np.array([0.0, GRAVITY, 0.0]))
+        forces[down] = distribute_force(force, np.array(m), levers, hopper.max_leg_force)
         return forces
 
     # --- within a step -----------------------------------------------------------
 
     def _margins(self, at: BodyState) -> EventMargins:
-        return event_margins(self.of, self.state, self.ground, at, self.highest)
+        return event_margins(self.hopper, self.state, self.ground, at, self.highest)
 
-    def _go(self, h: float, known: EventMargins) -> None:
-        """Go on to the end of a sub-step or of the phase, or to what happens first.
+    def _advance_sub_step(self, h: float, known: EventMargins) -> None:
+        """Advance to the end of a sub-step or of the phase, or to the first event.
 
         Args:
             h: the sub-step [s].
-            known: margins at its begin.
+            known: margins at its start.
         """
-        state, of = self.state, self.of
-        ends = state.until - state.time
+        state, hopper = self.state, self.hopper
+        ends = state.phase_end - state.time
         if state.phase == "flight" and state.v[1] > RISING_SPEED:
             ends = state.v[1] / GRAVITY
         ending = ends <= h
         h = max(min(h, ends), 0.0)
-        there = state.at(h, of)
+        there = state.predict(h, hopper)
         if state.phase == "flight" and ending:
             there.v[1] = 0.0
         found = self._margins(there)
@@ -177,111 +181,110 @@ class HopSimulation:
         if len(crossed):
 
             def gap(t: float) -> float:
-                return float(self._margins(state.at(t, of)).all[crossed].min())
+                return float(self._margins(state.predict(t, hopper)).all[crossed].min())
 
-            there = state.at(find_crossing(gap, 0.0, h), of)
+            there = state.predict(find_crossing(gap, 0.0, h), hopper)
             ending = False
-        # What holds at the end holds at the next begin, unless something happens between.
-        self._known = None if ending or len(crossed) else found
-        # While it rose nobody looked, and feet were lifted.
+        # Margins at the end hold at the next start, unless an event happens between.
+        self._next_margins = None if ending or len(crossed) else found
+        # While the body rose, feet were lifted and not tested.
         tested = np.isfinite(known.touch) & (known.touch > 0.0)
-        self._met = tested & (state.v[1] <= RISING_SPEED)
-        state.time, state.p, state.v, state.turning = there.time, there.p, there.v, there.turning
+        self._touched = tested & (state.v[1] <= RISING_SPEED)
+        state.time, state.p, state.v, state.attitude = there.time, there.p, there.v, there.attitude
         if there.tilt > TOPPLE_TILT:
             self._topple("it leaned too far")
         elif ending and state.phase != "flight":
-            finish_phase(of, self.ground, state, self.happened)
+            finish_phase(hopper, self.ground, state, self.events)
             self._lifted[:] = 0.0
         elif state.phase == "flight" and state.v[1] > RISING_SPEED:
-            self._stumble(there)
-        self._arm()
+            self._trip_while_rising(there)
+        self._rearm_body()
 
-    def _let_go_of_what_is_missed(self) -> None:
-        """Lift feet that legs do not come to: limits of joints are no sphere around hips."""
-        state, of = self.state, self.of
+    def _release_missed_feet(self) -> None:
+        """Lift feet that their legs do not reach: joint limits are not a sphere around the hip."""
+        state, hopper = self.state, self.hopper
         if not state.down.any() or state.phase == "fallen":
             return
-        now = state.now(of)
+        now = state.body(hopper)
         feet = (state.tips - now.origin) @ now.R
-        missed = state.down & of.legs.misses(feet)
+        missed = state.down & hopper.leg_reach.misses(feet)
         if missed.any():
-            self._known = None
-            release_feet(of, self.ground, state, missed, self.happened)
+            self._next_margins = None
+            release_feet(hopper, self.ground, state, missed, self.events)
 
-    def _stumble(self, at: BodyState) -> None:
-        """Let feet that meet a wall while the body rises pull at it; they are lifted over it."""
-        state, of = self.state, self.of
-        tips = at.points(state.swing.tips(at.time))
-        lift = lift_above_ground(of, self.ground, tips, self.highest)[:, 1] - tips[:, 1]
-        walls = np.flatnonzero(lift - self._lifted > WALL_HEIGHT * of.leg)
+    def _trip_while_rising(self, body: BodyState) -> None:
+        """Trip feet that meet a wall while the body rises; they are then lifted over it."""
+        state, hopper = self.state, self.hopper
+        tips = body.to_world(state.swing.tips(body.time))
+        lift = lift_above_ground(hopper, self.ground, tips, self.highest)[:, 1] - tips[:, 1]
+        walls = np.flatnonzero(lift - self._lifted > WALL_HEIGHT * hopper.leg_length)
         self._lifted = lift
         if len(walls):
-            trip_on_wall(of, state, walls, tips, self.happened)
+            trip_on_wall(hopper, state, walls, tips, self.events)
 
-    def _arm(self) -> None:
+    def _rearm_body(self) -> None:
         state = self.state
-        if not state.armed and state.phase != "fallen":
-            self._known = None
-            gap = body_clearance(self.of, self.ground, state.now(self.of))
-            state.armed = gap > 0.01 or gap < -REARM_DEPTH * self.of.leg
+        if not state.body_armed and state.phase != "fallen":
+            self._next_margins = None
+            gap = body_clearance(self.hopper, self.ground, state.body(self.hopper))
+            state.body_armed = gap > 0.01 or gap < -REARM_DEPTH * self.hopper.leg_length
 
-    def _look(self, at: EventMargins) -> None:
-        """Let happen what is due."""
-        of, state, ground = self.of, self.state, self.ground
-        if at.belly[0] <= 0.0 and self._struck():
+    def _handle_events(self, margins: EventMargins) -> None:
+        """Handle the events that are due."""
+        hopper, state, ground = self.hopper, self.state, self.ground
+        if margins.belly[0] <= 0.0 and self._strike_body():
             return
-        if (at.touch <= 0.0).any():
-            legs = np.flatnonzero(at.touch <= 0.0)
-            touch(of, ground, state, legs, self._met, self.happened)
+        if (margins.touch <= 0.0).any():
+            legs = np.flatnonzero(margins.touch <= 0.0)
+            touch(hopper, ground, state, legs, self._touched, self.events)
         if state.phase == "flight":
-            due = at.grace[0] <= 0.0 or (at.stretch <= 0.0).any() or (at.fold <= 0.0).any()
+            due = (
+                margins.grace[0] <= 0.0
+                or (margins.stretch <= 0.0).any()
+                or (margins.fold <= 0.0).any()
+            )
             if state.down.all() or (due and state.down.any()):
-                begin_landing(of, ground, state, self.happened)
-        elif state.phase == "landing" and (at.touch <= 0.0).any():
-            update_landing(of, ground, state, self.happened)
-        if state.phase in SUPPORT_PHASES and (at.stretch <= 0.0).any():
-            release_feet(of, ground, state, at.stretch <= 0.0, self.happened)
-        if state.phase == "landing" and (at.fold[state.down] <= 0.0).any():
-            hit_folded_legs(of, ground, state, self.happened)
+                begin_landing(hopper, ground, state, self.events)
+        elif state.phase == "landing" and (margins.touch <= 0.0).any():
+            update_landing(hopper, ground, state, self.events)
+        if state.phase in SUPPORT_PHASES and (margins.stretch <= 0.0).any():
+            release_feet(hopper, ground, state, margins.stretch <= 0.0, self.events)
+        if state.phase == "landing" and (margins.fold[state.down] <= 0.0).any():
+            hit_folded_legs(hopper, ground, state, self.events)
 
-    def _struck(self) -> bool:
-        """Let the body strike the ground; tell whether it falls."""
-        of, state = self.of, self.state
-        now = state.now(of)
-        points = now.points(of.belly)
+    def _strike_body(self) -> bool:
+        """Let the body strike the ground; return whether it topples."""
+        hopper, state = self.hopper, self.state
+        now = state.body(hopper)
+        points = now.to_world(hopper.belly_points)
         gaps = points[:, 1] - self.ground.height(points[:, 0], points[:, 2])
         place = points[int(gaps.argmin())]
         normal = self.ground.normal(place[0], place[2])
         speed = -float(normal @ state.v)
-        state.armed = False
-        state.hits += 1
+        state.body_armed = False
+        state.body_hits += 1
         if speed <= 0.0:
             return False
-        energy = 0.5 * of.mass.mass * speed * speed
-        self.happened.append(HopEvent("body", state.time, -1, place, normal, speed, energy))
-        lies = now.tilt > LYING_TILT or state.hits > 3
+        energy = 0.5 * hopper.mass.mass * speed * speed
+        self.events.append(HopEvent("body", state.time, -1, place, normal, speed, energy))
+        lies = now.tilt > LYING_TILT or state.body_hits > 3
         if lies or not state.down.any():
             self._topple("its body struck the ground" + ("" if lies else " before its feet"))
             return True
         state.v = state.v + speed * normal
         if state.phase == "landing":
-            end_landing(of, self.ground, state, self.happened)
+            end_landing(hopper, self.ground, state, self.events)
         elif state.phase == "pushing":
-            begin_push(of, self.ground, state, self.happened)
+            begin_push(hopper, self.ground, state, self.events)
         return False
 
-    def _topple(self, why: str) -> None:
+    def _topple(self, reason: str) -> None:
         state = self.state
-        self.happened.append(
-            HopEvent("toppled", state.time, -1, state.p, np.array(UP), 0.0, 0.0, why)
-        )
+        self.events.append(HopEvent.note("toppled", state.time, reason))
         now, tips = self.pose()
-        limbs = self.limbs(now, tips, state.down)
+        joints = self.read_joints(now, tips, state.down)
         begin_fall(state, (tips - now.origin) @ now.R)
-        self.fall.begin(self.of, self.ground, state, limbs)
+        self.fall.begin(self.hopper, self.ground, state, joints)
 
-    def _lie(self, h: float) -> None:
-        self.happened += self.fall.advance(self.state, h)
-
-
-UP = (0.0, 1.0, 0.0)
+    def _advance_fall(self, h: float) -> None:
+        self.events += self.fall.advance(self.state, h)

@@ -1,4 +1,7 @@
-"""State: how one pronker is just now."""
+"""The state of one hopper: phase, motion, feet, and the queue of its jumps.
+
+Source: Sims 1987, ch. 11; 11.1 for the paths of feet in flight.
+"""
 
 from __future__ import annotations
 
@@ -18,154 +21,196 @@ from pipeline.simulation.locomotion.pronking.leg_forces import (
     AttitudeState,
     integrate_attitude,
 )
-from pipeline.simulation.scalar_rotation import Quaternion, from_rotation_vector, matrix_rows
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.scalar_rotation import (
+    Quaternion,
+    from_rotation_vector,
+    matrix_rows,
+    quaternion_product,
+)
+from pipeline.simulation.spatial import Array, heading
 from pipeline.simulation.terrain import Ground
 
 Phase = Literal[
     "standing", "crouching", "flight", "landing", "pushing", "rising", "straightening", "fallen"
 ]
-"""Those of Sims 1987, ch. 11, and what comes before the first jump and after the last: a body
-that stands, sinks for half the way into its crouch, rises and comes to a stop."""
+"""The phases of Sims 1987, ch. 11, and those around them: before the first jump a body stands and
+sinks into its crouch, after the last it rises and straightens."""
 
 SUPPORT_PHASES = ("landing", "pushing")
 
 FREE_FALL = np.array([0.0, -GRAVITY, 0.0])
-"""Acceleration of what nothing carries [m/s²]."""
+"""Acceleration in flight [m/s²]."""
 
 
 @dataclass(eq=False)
 class HopState:
-    """One pronker.
+    """The state of one hopper.
 
     Attributes:
-        phase: that it is in.
+        phase: the current phase.
         time: since the start of the film [s].
         p: (3,) centre of mass [m].
         v: (3,) its velocity [m/s].
-        a: (3,) its acceleration, constant within the phase [m/s²].
-        turning: attitude and angular velocity.
-        steering: what turns it.
-        until: when the phase ends, unless something happens before [s].
+        a: (3,) its acceleration, constant within a phase [m/s²].
+        attitude: quaternion and angular velocity.
+        control: forces and goals that turn the body.
+        phase_end: time at which the phase ends if no event ends it before [s].
         tips: (n, 3) feet that are down [m].
-        down: (n,) which are.
-        released: (n,) which came off the ground before the others, and no longer carry.
-        swing: how the others move.
-        floor: height of the ground that it lands on or stands on [m].
-        goal: height of the body above that, at which the landing is to end [m].
-        first: height of the centre of mass at which the first foot touched [m].
-        facing, going: where it is to look and to jump next [rad].
-        course: which jumps it is to make.
-        jumps: how often it has left the ground.
-        hits: how often its body struck the ground in this phase.
-        armed: whether its body was clear of the ground in this phase.
-        saturated: whether its legs gave all they have since the last lift-off.
-        flight: how long the jump that it pushes off for will take [s].
-        ends: (n, 3) where its feet will be held for the landing, in the frame of the body [m].
-        lift: (p, v) of the last lift-off.
+        down: (n,) which feet are on the ground.
+        released: (n,) which feet left the ground before the others and no longer carry.
+        swing: paths of the feet in the air.
+        floor_height: of the ground that it lands or stands on [m].
+        landing_height: of the body above that, at which the landing ends [m].
+        first_touch_height: of the centre of mass when the first foot touched [m].
+        next_heading: of the body after the next jump [rad].
+        travel_heading: direction of the next jump [rad].
+        queue: the jumps to make.
+        jump_count: number of lift-offs.
+        body_hits: number of body impacts in this phase.
+        body_armed: whether the body was clear of the ground since its last impact.
+        saturated: whether the legs reached their greatest force since the last lift-off.
+        flight_time: of the jump that it pushes off for [s].
+        landing_feet: (n, 3) feet as held for the landing, in the frame of the body [m].
+        lift_off: (p, v) of the last lift-off.
     """
 
     phase: Phase
     time: float
     p: Array
     v: Array
-    turning: AttitudeState
+    attitude: AttitudeState
     tips: Array
     down: NDArray[np.bool_]
     released: NDArray[np.bool_]
     swing: SwingPath
-    facing: float
-    going: float
-    course: JumpQueue
-    floor: float = 0.0
-    goal: float = 0.0
-    first: float = math.inf
+    next_heading: float
+    travel_heading: float
+    queue: JumpQueue
+    floor_height: float = 0.0
+    landing_height: float = 0.0
+    first_touch_height: float = math.inf
     a: Array = field(default_factory=lambda: np.zeros(3))
-    steering: AttitudeControl = NO_CONTROL
-    until: float = math.inf
-    jumps: int = 0
-    hits: int = 0
-    armed: bool = True
+    control: AttitudeControl = NO_CONTROL
+    phase_end: float = math.inf
+    jump_count: int = 0
+    body_hits: int = 0
+    body_armed: bool = True
     saturated: bool = False
-    flight: float = 0.5
-    ends: Array = field(default_factory=lambda: np.zeros((0, 3)))
-    lift: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
+    flight_time: float = 0.5
+    landing_feet: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    lift_off: tuple[Array, Array] = field(default_factory=lambda: (np.zeros(3), np.zeros(3)))
 
-    def at(self, h: float, of: Hopper) -> BodyState:
-        """Return where it is a time `h` later, if the phase goes on so long [s]."""
-        turning = integrate_attitude(self.turning, of.inertia, self.steering, self.time, h)
+    def predict(self, h: float, hopper: Hopper) -> BodyState:
+        """Return the body a time `h` later, if the phase lasts that long [s]."""
+        turning = integrate_attitude(self.attitude, hopper.inertia, self.control, self.time, h)
         return BodyState(
             self.time + h,
             self.p + h * (self.v + 0.5 * h * self.a),
             self.v + h * self.a,
             turning,
-            of,
+            hopper,
         )
 
-    def elsewhere(self, way: Array) -> HopState:
-        """Return the state of one that is so elsewhere, by (3,) [m]."""
-        return replace(self, p=self.p + way, tips=self.tips + way, floor=self.floor + way[1])
+    def shifted(self, offset: Array) -> HopState:
+        """Return the same state displaced by `offset` (3,) [m]."""
+        return replace(
+            self,
+            p=self.p + offset,
+            tips=self.tips + offset,
+            floor_height=self.floor_height + offset[1],
+        )
 
-    def now(self, of: Hopper) -> BodyState:
-        """Return where it is."""
-        return BodyState(self.time, self.p, self.v, self.turning, of)
+    def body(self, hopper: Hopper) -> BodyState:
+        """Return the body now."""
+        return BodyState(self.time, self.p, self.v, self.attitude, hopper)
 
 
 @dataclass(eq=False)
 class BodyState:
-    """A body at some time; see `HopState`."""
+    """A body at one time; see `HopState`."""
 
     time: float
     p: Array
     v: Array
-    turning: AttitudeState
-    of: Hopper
+    attitude: AttitudeState
+    hopper: Hopper
     R: Array = field(init=False)
     origin: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        self.R = np.array(matrix_rows(self.turning[0]))
-        self.origin = self.p - self.R @ self.of.mass.centre
+        self.R = np.array(matrix_rows(self.attitude[0]))
+        self.origin = self.p - self.R @ self.hopper.mass.centre
 
-    def points(self, own: Array) -> Array:
+    def to_world(self, points: Array) -> Array:
         """Return points (n, 3) of the body in the world [m]."""
-        result: Array = self.origin + own @ self.R.T
+        result: Array = self.origin + points @ self.R.T
         return result
 
     @property
     def tilt(self) -> float:
-        """Angle between the body's up and the world's [rad]."""
+        """Angle between the body's vertical and the world's [rad]."""
         return math.acos(min(max(float(self.R[1, 1]), -1.0), 1.0))
 
     @property
     def heading(self) -> float:
-        """Where it looks [rad]."""
+        """Heading [rad]."""
         return math.atan2(-self.R[2, 0], self.R[0, 0])
 
 
-def level_height(of: Hopper, p: Array) -> float:
-    """Return the height of the body's frame if it were level [m]."""
-    return float(p[1] - of.mass.centre[1])
+def level_height(hopper: Hopper, p: Array) -> float:
+    """Return the height of the body frame for a centre of mass `p`, if the body were level [m]."""
+    return float(p[1] - hopper.mass.centre[1])
 
 
 def yaw_quaternion(angle: float) -> Quaternion:
-    """Return the attitude of a level body that looks along a heading [rad]."""
+    """Return the attitude of a level body with a heading [rad]."""
     return from_rotation_vector((0.0, angle, 0.0))
 
 
+LEAN_FRACTION, MAX_LEAN = 0.6, 0.35
+"""How much of the ground's slope a body leans with, as a fraction, and at most [rad]."""
+
+
+def leaning_attitude(
+    hopper: Hopper, ground: Ground, x: float, z: float, heading_angle: float
+) -> Quaternion:
+    """Return the attitude of a body with a heading that leans with the ground below it."""
+    (c, _, s), (_, _, _), (_, _, _) = heading(heading_angle).tolist()
+    a, b = (float(w) for w in hopper.half_extents)
+    # In (x, z), forward is (c, -s) and right is (s, c).
+    around = ground.height(
+        x + np.array([a * c, -a * c, b * s, -b * s]), z + np.array([-a * s, a * s, b * c, -b * c])
+    )
+    ahead, back, right, left = (float(h) for h in around)
+    pitch, roll = (
+        LEAN_FRACTION * (ahead - back) / (2.0 * a),
+        LEAN_FRACTION * (right - left) / (2.0 * b),
+    )
+    size = math.hypot(pitch, roll)
+    k = math.tanh(size / MAX_LEAN) * MAX_LEAN / size if size > 1e-12 else 0.0
+    q = quaternion_product(
+        from_rotation_vector((0.0, heading_angle, 0.0)),
+        from_rotation_vector((-k * roll, 0.0, k * pitch)),
+    )
+    return q
+
+
 APEX_FRACTION = 0.46
-"""When feet are at the middle point, as a part of the flight."""
+"""Time of the middle point, as a fraction of the flight."""
 
 
 @dataclass(frozen=True, eq=False)
 class SwingPath:
-    """The ways of n feet.
+    """Paths of n feet in the air, relative to the body.
+
+    Each has three points: where the foot left the ground, a middle one above both others, so that
+    the leg folds while the body rises, and the foot stretched forward for the landing.
 
     Attributes:
-        begin: (n,) [s].
-        time: (n,) how long they take [s].
+        begin: (n,) start times [s].
+        time: (n,) durations [s].
         start, middle, end: (n, 3) in the frame of the body [m].
-        trail: (n, 3) speed with which they begin [m/s].
+        trail: (n, 3) initial velocities [m/s].
     """
 
     begin: Array
@@ -177,7 +222,7 @@ class SwingPath:
 
     @staticmethod
     def still(feet: Array) -> SwingPath:
-        """Return feet (n, 3) that do not move."""
+        """Return paths of feet (n, 3) at rest."""
         n, zero = len(feet), np.zeros_like(feet)
         return SwingPath(np.zeros(n), np.ones(n), feet, feet, feet, zero)
 
@@ -195,22 +240,24 @@ class SwingPath:
         m_b = np.where(late, 0.0, span * through)
         return _hermite(u, a, b, m_a, m_b)
 
-    def again(self, which: NDArray[np.bool_], time: float, start: Array, takes: float) -> SwingPath:
-        """Return the ways where some feet begin another one, straight to their ends."""
-        one = which[:, None]
+    def restarted(
+        self, restarting: NDArray[np.bool_], time: float, start: Array, duration: float
+    ) -> SwingPath:
+        """Return paths in which some feet start again, straight to their ends."""
+        mask = restarting[:, None]
         middle = 0.5 * (start + self.end)
         return replace(
             self,
-            begin=np.where(which, time, self.begin),
-            time=np.where(which, takes, self.time),
-            start=np.where(one, start, self.start),
-            middle=np.where(one, middle, self.middle),
-            trail=np.where(one, 0.0, self.trail),
+            begin=np.where(restarting, time, self.begin),
+            time=np.where(restarting, duration, self.time),
+            start=np.where(mask, start, self.start),
+            middle=np.where(mask, middle, self.middle),
+            trail=np.where(mask, 0.0, self.trail),
         )
 
 
 def _hermite(u: Array, a: Array, b: Array, m_a: Array, m_b: Array) -> Array:
-    """Return the cubic from a to b whose slopes there are m_a and m_b."""
+    """Return the cubic from a to b with slopes m_a and m_b."""
     v = 1.0 - u
     result: Array = v * v * ((1.0 + 2.0 * u) * a + u * m_a) + u * u * (
         (1.0 + 2.0 * v) * b - v * m_b
@@ -220,84 +267,84 @@ def _hermite(u: Array, a: Array, b: Array, m_a: Array, m_b: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class PlannedJump:
-    """The next jump of an errand.
+    """The next jump of an order.
 
     Attributes:
         up: speed at lift-off [m/s].
-        facing: where it is to look when it has landed [rad].
-        spot: (x, z) where the middle of its feet is to land [m]; straight on if None.
-        forward: horizontal speed, if it goes straight on [m/s].
-        last: whether the errand ends with it.
-        folds: whether it draws its feet up as far as its legs fold.
+        heading: of the body after landing [rad].
+        spot: (x, z) target of the middle of the feet [m]; None for straight on.
+        forward: horizontal speed of a jump straight on [m/s].
+        is_last: whether it completes the order.
+        fold_legs: whether the feet are drawn up as far as the legs fold.
     """
 
     up: float
-    facing: float
+    heading: float
     spot: tuple[float, float] | None = None
     forward: float = 0.0
-    last: bool = True
-    folds: bool = False
+    is_last: bool = True
+    fold_legs: bool = False
 
 
 class JumpOrder(Protocol):
-    """What a script asks a pronker to do."""
+    """A scripted order: a sequence of jumps."""
 
-    def leap(self, of: Hopper, state: HopState, ground: Ground) -> PlannedJump | str:
-        """Return the next jump of one that is about to push off; else why there is none.
+    def next_jump(self, hopper: Hopper, state: HopState, ground: Ground) -> PlannedJump | str:
+        """Return the next jump of a hopper about to push off, or the reason why there is none.
 
-        The reason is empty if there is nothing left to do.
+        The reason is empty if the order is complete.
         """
 
 
 @dataclass(eq=False)
 class JumpQueue:
-    """The jumps that one pronker is to make.
+    """The jumps that one hopper is to make: those of scripted orders, else its configured ones.
 
     Attributes:
-        jump: that it makes by its words.
-        onward: whether it hops as its words say when it has no errand.
-        errands: one after the other.
-        leap: jump of the first errand that is pushed for or in the air; None for one by its words.
-        made: jumps made by its words.
+        jump: the configured jump.
+        keep_hopping: whether it makes configured jumps when it has no order.
+        orders: scripted orders, the current one first.
+        planned: the jump of the current order that is being made; None for a configured one.
+        jumps_made: number of configured jumps made.
     """
 
     jump: Jump
-    onward: bool = True
-    errands: list[JumpOrder] = field(default_factory=list)
-    leap: PlannedJump | None = None
-    made: int = 0
+    keep_hopping: bool = True
+    orders: list[JumpOrder] = field(default_factory=list)
+    planned: PlannedJump | None = None
+    jumps_made: int = 0
 
-    def choose(self, of: Hopper, state: HopState, ground: Ground) -> list[str]:
-        """Decide on the jump that is pushed for next; return what cannot be done."""
-        self.leap, causes = None, list[str]()
-        while self.errands:
-            found = self.errands[0].leap(of, state, ground)
-            if isinstance(found, PlannedJump):
-                self.leap = found
+    def plan_next(self, hopper: Hopper, state: HopState, ground: Ground) -> list[str]:
+        """Choose the next jump; return why orders were dropped."""
+        self.planned, reasons = None, list[str]()
+        while self.orders:
+            jump = self.orders[0].next_jump(hopper, state, ground)
+            if isinstance(jump, PlannedJump):
+                self.planned = jump
                 break
-            self.errands.pop(0)
-            if found:
-                causes.append(found)
-        return causes
+            self.orders.pop(0)
+            if jump:
+                reasons.append(jump)
+        return reasons
 
-    def took_off(self) -> None:
-        """Take down that the jump is being made."""
-        if self.leap is None:
-            self.made += 1
-        elif self.leap.last and self.errands:
-            self.errands.pop(0)
+    def record_take_off(self) -> None:
+        """Advance the queue at a lift-off."""
+        if self.planned is None:
+            self.jumps_made += 1
+        elif self.planned.is_last and self.orders:
+            self.orders.pop(0)
 
 
-def is_overloaded(of: Hopper, state: HopState) -> bool:
-    """Tell whether it stands, or sinks and rises slowly, on fewer legs than can carry it."""
+def is_overloaded(hopper: Hopper, state: HopState) -> bool:
+    """Return whether it stands, or slowly sinks or rises, on too few legs to carry it."""
     if state.phase not in ("standing", "crouching", "rising", "straightening"):
         return False
-    force = of.mass.mass * float(state.a[1] + GRAVITY)
-    return force > available_force(of, state) * (1.0 + 1e-9)
+    force = hopper.mass.mass * float(state.a[1] + GRAVITY)
+    return force > available_force(hopper, state) * (1.0 + 1e-9)
 
 
 def standing_height(
-    of: Hopper,
+    hopper: Hopper,
     R: Array,
     feet: Array,
     height: float,
@@ -305,31 +352,33 @@ def standing_height(
     z: float,
     down: NDArray[np.bool_] | None = None,
 ) -> float:
-    """Return the height of a body at which all feet that are down reach the ground [m].
+    """Return the body height at which all feet that are down reach the ground [m].
 
     Args:
-        of: whose body.
-        R: (3, 3) its attitude.
-        feet: (n, 3) of those that are down [m].
-        height: at most [m].
+        hopper: the creature.
+        R: (3, 3) attitude of the body.
+        feet: (n, 3) the feet that are down [m].
+        height: upper bound [m].
         x: place of the body [m].
-        z: likewise.
-        down: (n,) which feet they are, all if left out.
+        z: place of the body [m].
+        down: (n,) which feet are down; None for all.
     """
     own = slice(None) if down is None else down
-    hips = of.hips[own] @ R.T + [x, 0.0, z]
+    hips = hopper.hips[own] @ R.T + [x, 0.0, z]
     across = ((hips - feet)[:, [0, 2]] ** 2).sum(axis=-1)
-    room = np.sqrt(np.maximum((STANCE_STRETCH * 0.995 * of.lengths[own]) ** 2 - across, 0.0))
+    room = np.sqrt(
+        np.maximum((STANCE_STRETCH * 0.995 * hopper.leg_lengths[own]) ** 2 - across, 0.0)
+    )
     return min(height, float((feet[:, 1] + room - hips[:, 1]).min()))
 
 
-def floor_height(of: Hopper, state: HopState) -> float:
-    """Return the mean height of the footholds, of the ground without them [m]."""
+def floor_height(hopper: Hopper, state: HopState) -> float:
+    """Return the mean height of the footholds; 0 without any [m]."""
     if not state.down.any():
         return 0.0
-    return float((state.tips[:, 1] - of.soles)[state.down].mean())
+    return float((state.tips[:, 1] - hopper.sole_radii)[state.down].mean())
 
 
-def available_force(of: Hopper, state: HopState) -> float:
-    """Return the greatest force that the legs on the ground give together [N]."""
-    return of.most * int(state.down.sum())
+def available_force(hopper: Hopper, state: HopState) -> float:
+    """Return the greatest total force of the legs on the ground [N]."""
+    return hopper.max_leg_force * int(state.down.sum())

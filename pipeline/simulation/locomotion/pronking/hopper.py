@@ -1,4 +1,4 @@
-"""Pronker: the constants of one creature that hops."""
+"""The constants of one hopping creature: mass, legs, outline and limits of force."""
 
 from __future__ import annotations
 
@@ -32,27 +32,25 @@ from pipeline.simulation.locomotion.pronking.jump_parameters import (
 from pipeline.simulation.locomotion.pronking.leg_forces import BodyInertia
 from pipeline.simulation.scalar_rotation import Rows
 from pipeline.simulation.spatial import Array, turn
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 LIFT_OFF_STRETCH, TOUCH_DOWN_STRETCH, STANCE_STRETCH = 0.955, 0.93, 0.975
-"""How far a leg is stretched where it leaves the ground and where it comes down, and at most
-while it is down, as parts of its length."""
+"""Leg stretch at lift-off, at touch-down, and at most while the foot is down, in leg lengths."""
 
 CROUCH_FRACTION = 0.36
-"""Of a crouch that nobody asked for, between the lowest and standing."""
+"""Default crouch, as a fraction of the way from the lowest height to standing."""
 
 BELLY_CLEARANCE = 1.08
-"""Lowest height of a body, in the depth of its belly."""
+"""Lowest height of a body, in depths of its belly."""
 
 FORCE_RESERVE = 1.7
-"""Greatest force of legs, in what an ordinary jump takes, if nobody says."""
+"""Default leg force, in what the requested jump takes."""
 
 MIN_LIFT_FORCE, MAX_CROUCH = 1.0001, 0.9999
-"""Force of all legs that lifts a body, in its weight, and height of the highest crouch, in that
-of standing: what is said to who asks for less or more."""
+"""Values suggested in error messages: leg force in body weights, crouch in standing heights."""
 
 BALANCE_RESERVE = 1.0
-"""Moment that is left for bumps, in body weights times leg length, if nobody says."""
+"""Default balance moment beyond the static one, in body weights times leg length."""
 
 MAX_TWIST = 2.0
 """Greatest moment about the vertical, in body weights times leg length."""
@@ -60,96 +58,107 @@ MAX_TWIST = 2.0
 BELLY_DIRECTIONS = np.array(
     [(x, y, z) for x in (-1.0, -0.4, 0.0, 0.4, 1.0) for y in (-1.0, -0.4) for z in (-1.0, 0.0, 1.0)]
 )
-"""In which the points of a body are looked for that meet the ground first."""
+"""Directions in which a body meets the ground first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Hopper:
-    """A creature that hops.
+    """A hopping creature; it does not change during a simulation.
 
     Attributes:
-        name: of it.
-        number: its place in the scene's cast.
-        words: how it was asked to hop.
-        mass: of all of it, in its preferred pose, in the frame of the body.
-        inertia: the same, as numbers.
+        name: of the performer.
+        cast_index: its place in the scene's cast.
+        config: its `pronk` block.
+        mass: of the whole figure in its preferred pose, in the frame of the body.
+        inertia: the inertia of `mass` as plain floats.
         hips: (n, 3) in the frame of the body [m].
-        rest: (n, 3) feet at rest likewise, whose heights do not count [m].
-        lengths: (n,) of the legs [m].
-        folds: (n,) least distances from hips to feet [m].
-        soles: (n,) radii of the feet [m].
-        leg_mass: (n,) [kg].
-        belly: (k, 3) points of the body that meet the ground first [m].
-        stand, crouch, low: heights of the body above the ground: standing, where landings end,
-            and the lowest there is [m].
-        jump: that it was asked for.
-        most: force of one leg [N].
-        balance, twist: greatest moments [N m].
-        heading: where it looks at the begin [rad].
-        start: (x, z) where it begins [m].
-        wide: (2,) half extents of its feet along and across [m].
-        legs: how far they come.
-        silhouette: by which it passes over things.
+        rest_feet: (n, 3) feet at rest, in the frame of the body, at height 0 [m].
+        leg_lengths: (n,) [m].
+        folded_lengths: (n,) least distances from hip to foot [m].
+        sole_radii: (n,) [m].
+        leg_masses: (n,) [kg].
+        belly_points: (k, 3) points of the body that meet the ground first [m].
+        standing_height: of the body above the ground [m].
+        crouch_height: at which landings end [m].
+        lowest_height: that belly and folded legs allow [m].
+        jump: the requested jump.
+        max_leg_force: of one leg [N].
+        max_balance_moment: about horizontal axes [N m].
+        max_twist_moment: about the vertical [N m].
+        heading: at the start [rad].
+        start: (x, z) at the start [m].
+        half_extents: (2,) of the feet, along and across [m].
+        leg_reach: which places its feet reach.
+        outline: its outermost points, for clearing hurdles.
     """
 
     name: str
-    number: int
-    words: Pronk
+    cast_index: int
+    config: Pronk
     mass: MassProperties
     inertia: BodyInertia
     hips: Array
-    rest: Array
-    lengths: Array
-    folds: Array
-    soles: Array
-    leg_mass: Array
-    belly: Array
-    stand: float
-    crouch: float
-    low: float
+    rest_feet: Array
+    leg_lengths: Array
+    folded_lengths: Array
+    sole_radii: Array
+    leg_masses: Array
+    belly_points: Array
+    standing_height: float
+    crouch_height: float
+    lowest_height: float
     jump: Jump
-    most: float
-    balance: float
-    twist: float
+    max_leg_force: float
+    max_balance_moment: float
+    max_twist_moment: float
     heading: float
     start: Array
-    wide: Array
-    legs: LegReach
-    silhouette: Outline
+    half_extents: Array
+    leg_reach: LegReach
+    outline: Outline
 
     @property
-    def leg(self) -> float:
-        """Mean length of the legs [m]."""
-        return float(self.lengths.mean())
+    def leg_length(self) -> float:
+        """Mean leg length [m]."""
+        return float(self.leg_lengths.mean())
 
     @property
     def weight(self) -> float:
-        """[N]."""
+        """Weight [N]."""
         return self.mass.mass * GRAVITY
 
-    def tallest(self, stretch: float, ahead: float, aside: float = 0.0) -> float:
-        """Return the greatest height at which all feet reach level ground [m].
+    def greatest_height(self, stretch: float, ahead: float, aside: float = 0.0) -> float:
+        """Return the greatest body height at which all feet reach level ground [m].
 
         Args:
-            stretch: of the legs, as a part of their lengths.
-            ahead: how far feet are before their places at rest [m].
-            aside: how far to the right of them [m].
+            stretch: of the legs, in their lengths.
+            ahead: of the feet before their rest places [m].
+            aside: of the feet to the right of them [m].
         """
-        rest = self.rest + np.array([ahead, 0.0, aside])
-        return float(_reach_heights(stretch * self.lengths, self.hips, rest, self.soles).min())
+        rest = self.rest_feet + np.array([ahead, 0.0, aside])
+        return float(
+            _reach_heights(stretch * self.leg_lengths, self.hips, rest, self.sole_radii).min()
+        )
 
 
-def build_hoppers(herd: Herd, numbers: Sequence[int], words: Sequence[Pronk]) -> list[Hopper]:
-    """Return the creatures of a herd as they hop.
+def build_hoppers(
+    herd: Herd, cast_indices: Sequence[int], configs: Sequence[Pronk]
+) -> list[Hopper]:
+    """Return the hoppers of a herd.
+
+    Args:
+        herd: the creatures.
+        cast_indices: their places in the scene's cast.
+        configs: their `pronk` blocks.
 
     Raises:
-        SceneError: one cannot hop as it is asked to.
+        SceneError: a creature cannot hop as configured; lists all of them.
     """
     folds = shortest_reaches(herd)
     problems, found = list[Problem](), list[Hopper]()
-    for c, (number, one) in enumerate(zip(numbers, words, strict=True)):
+    for c, (cast_index, config) in enumerate(zip(cast_indices, configs, strict=True)):
         try:
-            found.append(build_hopper(herd, c, number, one, folds))
+            found.append(build_hopper(herd, c, cast_index, config, folds))
         except SceneError as error:
             problems += error.problems
     if problems:
@@ -157,20 +166,20 @@ def build_hoppers(herd: Herd, numbers: Sequence[int], words: Sequence[Pronk]) ->
     return found
 
 
-def build_hopper(herd: Herd, c: int, number: int, words: Pronk, folds: Array) -> Hopper:
-    """Return one creature of a herd as it hops.
+def build_hopper(herd: Herd, c: int, cast_index: int, config: Pronk, folds: Array) -> Hopper:
+    """Return one creature of a herd as a hopper.
 
     Args:
-        herd: that it belongs to.
-        c: its number there.
-        number: its place in the scene's cast.
-        words: how it was asked to hop.
-        folds: least distances from hips to feet of all legs of the herd (L,) [m].
+        herd: the creatures.
+        c: number of the creature in the herd.
+        cast_index: its place in the scene's cast.
+        config: its `pronk` block.
+        folds: (L,) least distances from hip to foot of all legs of the herd [m].
 
     Raises:
-        SceneError: it cannot hop so.
+        SceneError: it cannot hop as configured.
     """
-    where, figure = f"cast[{number}].pronk", herd.figures[c]
+    where, figure = f"cast[{cast_index}].pronk", herd.figures[c]
     own = np.flatnonzero(herd.owner == c)
     if not len(own):
         message = f"figure '{figure.name}' has no legs to hop on; take `pronk` away"
@@ -181,95 +190,95 @@ def build_hopper(herd: Herd, c: int, number: int, words: Pronk, folds: Array) ->
     rest = np.stack([herd.rest[own, 0], np.zeros(len(own)), herd.rest[own, 1]], axis=-1)
     leg = float(lengths.mean())
     jump = resolve_jump(
-        where, words, float(_reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, soles).min())
+        where, config, float(_reach_heights(LIFT_OFF_STRETCH * lengths, hips, rest, soles).min())
     )
     low = _lowest_height(figure.belly, hips, rest, folds[own], soles)
     stand = float(herd.body_height[c])
-    crouch = _crouch_height(where, words, low, stand)
+    crouch = _crouch_height(where, config, low, stand)
     weight = mass.mass * GRAVITY
     # Uneven ground may leave half of the rise.
-    most = _leg_force(where, words, jump, max(0.5 * (stand - crouch), 0.06 * leg), len(own))
+    most = _leg_force(where, config, jump, max(0.5 * (stand - crouch), 0.06 * leg), len(own))
     aside = float(np.hypot(mass.centre[0], mass.centre[2])) / leg
     enough = BALANCE_RESERVE + aside * (most * len(own))
-    balance = enough if words.balance is None else words.balance
+    balance = enough if config.balance is None else config.balance
     return Hopper(
         name=herd.names[c],
-        number=number,
-        words=words,
+        cast_index=cast_index,
+        config=config,
         mass=mass,
         inertia=BodyInertia(_tensor_rows(mass.inertia), _tensor_rows(np.linalg.inv(mass.inertia))),
         hips=hips,
-        rest=rest,
-        lengths=lengths,
-        folds=folds[own],
-        soles=soles,
-        leg_mass=np.array([masses.mass_of(limb.links) for limb in figure.skeleton.legs]),
-        belly=_extremes(figure.body.vertices),
-        stand=stand,
-        crouch=crouch,
-        low=low,
+        rest_feet=rest,
+        leg_lengths=lengths,
+        folded_lengths=folds[own],
+        sole_radii=soles,
+        leg_masses=np.array([masses.mass_of(limb.links) for limb in figure.skeleton.legs]),
+        belly_points=extreme_points(figure.body.vertices, BELLY_DIRECTIONS),
+        standing_height=stand,
+        crouch_height=crouch,
+        lowest_height=low,
         jump=jump,
-        most=most * weight,
-        balance=balance * weight * leg,
-        twist=MAX_TWIST * weight * leg,
+        max_leg_force=most * weight,
+        max_balance_moment=balance * weight * leg,
+        max_twist_moment=MAX_TWIST * weight * leg,
         heading=float(herd.headings[c]),
         start=herd.starts[c],
-        wide=np.maximum(herd.footprint[c], 0.2 * leg),
-        legs=LegReach(herd, own, folds[own]),
-        silhouette=Outline(herd, own),
+        half_extents=np.maximum(herd.footprint[c], 0.2 * leg),
+        leg_reach=LegReach(herd, own, folds[own]),
+        outline=Outline(herd, own),
     )
 
 
-def _leg_force(where: str, words: Pronk, jump: Jump, rise: float, legs: int) -> float:
-    """Return the greatest force of each of so many legs [body weights]."""
+def _leg_force(where: str, config: Pronk, jump: Jump, rise: float, legs: int) -> float:
+    """Return the greatest force of one of `legs` legs [body weights]."""
     # A push takes h / rise + 1 body weights.
     pushes = (
         FORCE_RESERVE * (jump.height / rise + 1.0) * math.hypot(1.0, 0.5 * jump.forward / jump.up)
     )
-    most = pushes / legs if words.max_force is None else words.max_force
-    if most * legs <= 1.0:
+    force = pushes / legs if config.max_force is None else config.max_force
+    if force * legs <= 1.0:
         message = (
-            f"{legs} legs of {most:g} body weights give {most * legs:.3g} together, and "
+            f"{legs} legs of {force:g} body weights give {force * legs:.3g} together, and "
             f"it takes more than 1 to leave the ground; take "
             f"{round_up(MIN_LIFT_FORCE / legs)} or more"
         )
         raise SceneError([Problem(f"{where}.max_force", message)])
-    return most
+    return force
 
 
-def _crouch_height(where: str, words: Pronk, low: float, stand: float) -> float:
-    if words.crouch is None:
+def _crouch_height(where: str, config: Pronk, low: float, stand: float) -> float:
+    if config.crouch is None:
         return low + CROUCH_FRACTION * (stand - low)
-    if not low <= words.crouch < stand:
+    if not low <= config.crouch < stand:
         deep, high = round_up(low), round_down(MAX_CROUCH * stand)
-        nearest = deep if words.crouch < low else high
+        nearest = deep if config.crouch < low else high
         message = (
-            f"from a crouch of {words.crouch:g} it cannot land or push: its body stands "
+            f"from a crouch of {config.crouch:g} it cannot land or push: its body stands "
             f"{stand:.3g} above the ground and comes down to {low:.3g} at this scale; take "
             f"{nearest}, or another one from {deep} to {high}"
         )
         raise SceneError([Problem(f"{where}.crouch", message)])
-    return words.crouch
+    return config.crouch
 
 
 def _reach_heights(lengths: Array, hips: Array, rest: Array, soles: Array) -> Array:
-    """Return the heights (n,) from which legs of such lengths just reach the ground [m]."""
+    """Return the heights (n,) from which legs of given lengths just reach the ground [m]."""
     across = ((rest - hips)[:, [0, 2]] ** 2).sum(axis=-1)
     result: Array = np.sqrt(np.maximum(lengths**2 - across, 0.0)) - hips[:, 1] + soles
     return result
 
 
 def _lowest_height(belly: float, hips: Array, rest: Array, folds: Array, soles: Array) -> float:
-    """Return the least height of a body whose belly and knees have room [m]."""
+    """Return the least body height with room for belly and knees [m]."""
     across = ((rest - hips)[:, [0, 2]] ** 2).sum(axis=-1)
     folded = np.sqrt(np.maximum(folds**2 - across, 0.0)) - hips[:, 1] + soles
     return max(BELLY_CLEARANCE * belly, 1.03 * float(folded.max()))
 
 
-def _extremes(vertices: Array) -> Array:
-    """Return the points of a body farthest out in some directions (k, 3)."""
-    found = np.unique((vertices @ BELLY_DIRECTIONS.T).argmax(axis=0))
-    result: Array = np.asarray(vertices[found], dtype=float)
+def extreme_points(vertices: Array, directions: Array) -> Array:
+    """Return the vertices (k, 3) farthest out in any of some directions."""
+    farthest = np.unique((vertices @ directions.T).argmax(axis=0))
+    result: Array = np.asarray(vertices[farthest], dtype=float)
     return result
 
 
@@ -279,20 +288,24 @@ def _tensor_rows(m: NDArray[np.floating[Any]]) -> Rows:
 
 
 MISS_DISTANCE = 2e-4
-"""Distance of a foot from its foothold that is a miss [m]."""
+"""Distance of a foot from its foothold that counts as a miss [m]."""
 
 FOLD_CHECK_RATIO, DIRECTION_CHECK_COSINE = 1.25, 0.85
-"""Distance in what a leg can fold to, and cosine of the angle from where it points at rest, from
-which on it is looked for."""
+"""Places that inverse kinematics checks: nearer than this, in folded lengths, or farther from the
+rest direction than this cosine."""
 
 
 class LegReach:
-    """The legs of one creature.
+    """Tests whether the legs of one creature reach given places.
+
+    The distance from hip to foot decides for most places. Only where a leg points far from its
+    rest direction, or is nearly folded or stretched, joint limits can prevent it: there inverse
+    kinematics decides.
 
     Attributes:
-        herd: that it belongs to.
-        own: (n,) numbers of its legs there.
-        folds: (n,) least distances from hips to feet [m].
+        herd: the creatures.
+        own: (n,) numbers of the creature's legs in the herd.
+        folds: (n,) least distances from hip to foot [m].
     """
 
     def __init__(self, herd: Herd, own: NDArray[np.int64], folds: Array) -> None:
@@ -304,7 +317,7 @@ class LegReach:
         self._rest = rest / np.linalg.norm(rest, axis=-1, keepdims=True)
 
     def misses(self, feet: Array) -> NDArray[np.bool_]:
-        """Tell which legs (n,) do not come to feet (n, 3) in the frame of the body."""
+        """Return which legs (n,) do not reach feet (n, 3) in the frame of the body."""
         way = feet - self._hips
         far = np.sqrt((way * way).sum(axis=-1))
         odd = (way * self._rest).sum(axis=-1) < DIRECTION_CHECK_COSINE * far
@@ -322,18 +335,18 @@ class LegReach:
 OUTLINE_DIRECTIONS = np.array(
     [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
 )
-"""In which points are looked for."""
+"""Directions in which the outermost points are looked for."""
 
 
 LIMB_SAG = 0.12
-"""How far limbs that carry nothing hang lower than at rest [rad]."""
+"""How far heads, tails and feelers trail below their rest pose [rad]."""
 
 
 class Outline:
-    """The points of one creature.
+    """The outermost points of a creature, which have to clear a hurdle.
 
     Attributes:
-        body: (k, 3) of all that does not belong to its legs, in its frame [m].
+        body: (k, 3) points that do not belong to legs, in the frame of the body [m].
     """
 
     def __init__(self, herd: Herd, own: NDArray[np.int64]) -> None:
@@ -341,11 +354,11 @@ class Outline:
         self.body = _body_outline(figure)
         self._legs = herd.legs.rows(own)
         self._chains = group_chains(self._legs, np.zeros(len(own), dtype=np.int64))
-        # Leg and joint that each of these points hangs on, and where they are from that.
+        # Leg and joint that each leg point hangs on, and its offset from that joint.
         self._at, self._arms = _leg_outline(figure, self._legs.places)
 
     def legs(self, feet: Array) -> Array:
-        """Return the points (m, k, 3) of legs with their tips at (m, n, 3), in its frame [m]."""
+        """Return the leg points (m, k, 3) for feet (m, n, 3), in the frame of the body [m]."""
         X = solve_near_rest(self._legs, self._chains, feet).X_BJ[:, self._at[:, 0], self._at[:, 1]]
         result: Array = X[..., :3, 3] + turn(X[..., :3, :3], self._arms)
         return result
@@ -361,7 +374,7 @@ def _body_outline(figure: Figure) -> Array:
             continue
         joint, points = (
             figure.skeleton.links[piece.link].joint,
-            _extreme_points(piece.solid.vertices),
+            extreme_points(piece.solid.vertices, OUTLINE_DIRECTIONS),
         )
         if joint != BODY:
             X = displacement_at(tree, X_BJ, joint)
@@ -380,12 +393,7 @@ def _leg_outline(figure: Figure, places: Array) -> tuple[NDArray[np.int64], Arra
             if piece.link not in limb.links:
                 continue
             column = limb.joints.index(figure.skeleton.links[piece.link].joint)
-            own = _extreme_points(piece.solid.vertices) - places[leg, column]
+            own = extreme_points(piece.solid.vertices, OUTLINE_DIRECTIONS) - places[leg, column]
             at += [(leg, column)] * len(own)
             arms.append(own)
     return np.array(at), np.concatenate(arms)
-
-
-def _extreme_points(vertices: Array) -> Array:
-    result: Array = vertices[np.unique((vertices @ OUTLINE_DIRECTIONS.T).argmax(axis=0))]
-    return result

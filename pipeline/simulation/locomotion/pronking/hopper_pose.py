@@ -1,7 +1,7 @@
-"""Posing: from where bodies and feet of pronkers are to where all their parts are.
+"""Poses of hoppers: from bodies and feet to all nodes, many rows at a time.
 
-Inverse kinematics joins feet to bodies, for dozens of moments at once; heads, tails and arms
-do what they do on any creature.
+Inverse kinematics joins feet to bodies; heads, tails and arms move as on any creature. The buffer
+solves snapshots in batches, and earlier when a creature falls and its joint state is needed.
 
 Source: Sims 1987, 7.4.
 """
@@ -35,14 +35,15 @@ class HopperSnapshot:
 
     Attributes:
         step: its number.
-        R: (C, 3, 3) and
-        p: (C, 3) of the bodies [m].
+        R: (C, 3, 3) orientations of the bodies.
+        p: (C, 3) places of the bodies [m].
         tips: (L, 3) feet [m].
-        down: (L,) which are on the ground.
-        phase, speed: (C,) of the jump, and over the ground [m/s].
-        looks: what somebody is told to look at, by creature.
-        limp: (C,) which have fallen.
-        hanging: (J,) values of the joints of those whose limbs then hang, by creature.
+        down: (L,) which feet are on the ground.
+        phase: (C,) of the jump cycle, 0 to 1.
+        speed: (C,) over the ground [m/s].
+        looks: look targets by creature.
+        limp: (C,) which creatures have fallen.
+        hanging: (J,) joint values of fallen creatures with limp joints, by creature.
     """
 
     step: int
@@ -59,7 +60,14 @@ class HopperSnapshot:
 
 @dataclass(frozen=True, eq=False)
 class HopperPoses:
-    """Where everything is at n moments: (n, J, 3), (n, J, 3, 3), (n, K) and (n, L) misses [m]."""
+    """Nodes at n moments.
+
+    Attributes:
+        positions: (n, J, 3) [m].
+        rotations: (n, J, 3, 3).
+        values: (n, K) channels.
+        residual: (n, L) distances of planted feet from their footholds [m].
+    """
 
     positions: Array
     rotations: Array
@@ -68,183 +76,185 @@ class HopperPoses:
 
 
 class HopperPoser:
-    """Works out the poses of one herd."""
+    """Computes the poses of one herd."""
 
     def __init__(
         self,
         herd: Herd,
         ground: Ground,
-        idlers: FreeJoints,
+        free_joints: FreeJoints,
         table: NodeTable,
         folds: Array,
         row_dt: float,
     ) -> None:
-        self.herd, self.idlers, self.table = herd, idlers, table
-        self.reaching = LegSolver(herd, ground, folds)
+        self.herd, self.free_joints, self.table = herd, free_joints, table
+        self.leg_solver = LegSolver(herd, ground, folds)
         self.row_dt = row_dt
-        self.carriage = FreeLimbMotion(herd, idlers, ground, row_dt)
-        self.bearing = MotionStyle.neutral(len(herd.names))
+        self.free_limb_motion = FreeLimbMotion(herd, free_joints, ground, row_dt)
+        self.style = MotionStyle.neutral(len(herd.names))
         self._routes = [
             straight_route(start, float(angle))
             for start, angle in zip(herd.starts, herd.headings, strict=True)
         ]
-        self._limp: Array | None = None
+        self._last_values: Array | None = None
 
-    def poses(self, moments: Sequence[HopperSnapshot], time: Array) -> HopperPoses:
-        """Return where everything is at `moments`, which are at times (n,) [s]."""
+    def poses(self, snapshots: Sequence[HopperSnapshot], time: Array) -> HopperPoses:
+        """Return the nodes of snapshots taken at times (n,) [s]."""
         herd = self.herd
         R, p, tips, phase, speed = (
-            np.stack([getattr(moment, name) for moment in moments])
+            np.stack([getattr(snapshot, name) for snapshot in snapshots])
             for name in ("R", "p", "tips", "phase", "speed")
         )
-        down = np.stack([moment.down for moment in moments])
-        limp = np.stack([moment.limp for moment in moments])
+        down = np.stack([snapshot.down for snapshot in snapshots])
+        limp = np.stack([snapshot.limp for snapshot in snapshots])
         goals = unturn(R[:, herd.owner], tips - p[:, herd.owner])
-        solution = self.reaching.settled(goals, R, p, down, limp[:, herd.owner])
-        n, still = len(moments), np.zeros_like(phase)
-        q = self.carriage.values(
+        solution = self.leg_solver.solve(goals, R, p, down, limp[:, herd.owner])
+        n, zeros = len(snapshots), np.zeros_like(phase)
+        q = self.free_limb_motion.values(
             BodyMotion(
                 time,
-                still,
-                still,
-                still,
-                MotionStyle.stacked([self.bearing] * n),
+                zeros,
+                zeros,
+                zeros,
+                MotionStyle.stacked([self.style] * n),
                 [self._routes] * n,
-                [moment.looks for moment in moments],
+                [snapshot.looks for snapshot in snapshots],
                 R,
                 p,
             )
         )
-        q = self._held(q, limp)
-        for row, moment in enumerate(moments):
-            for c, values in moment.hanging.items():
-                self._let_hang(solution, q, row, c, values)
-        X_BN = self.table.poses(solution.X_BJ.reshape(n, -1, 4, 4), self.idlers.tree.pose(q))
-        own = R[:, self.table.owner]
+        q = self._hold_fallen(q, limp)
+        for row, snapshot in enumerate(snapshots):
+            for c, values in snapshot.hanging.items():
+                self._set_joints(solution, q, row, c, values)
+        X_BN = self.table.poses(solution.X_BJ.reshape(n, -1, 4, 4), self.free_joints.tree.pose(q))
+        R_node = R[:, self.table.owner]
         return HopperPoses(
-            p[:, self.table.owner] + turn(own, X_BN[..., :3, 3]),
-            own @ X_BN[..., :3, :3],
+            p[:, self.table.owner] + turn(R_node, X_BN[..., :3, 3]),
+            R_node @ X_BN[..., :3, :3],
             np.concatenate([phase, speed, solution.q[:, herd.legs.is_joint], q], axis=1),
             np.where(down, solution.residual, 0.0),
         )
 
-    def legs(self, moment: HopperSnapshot) -> Array:
-        """Return the joint values (L, n) of legs at a moment [rad or m]."""
-        R, p, owner = moment.R[None], moment.p[None], self.herd.owner
-        goals = unturn(R[:, owner], moment.tips[None] - p[:, owner])
-        limp = moment.limp[None][:, owner]
-        result: Array = self.reaching.settled(goals, R, p, moment.down[None], limp).q[0]
+    def legs(self, snapshot: HopperSnapshot) -> Array:
+        """Return the joint values (L, n) of the legs in a snapshot [rad or m]."""
+        R, p, owner = snapshot.R[None], snapshot.p[None], self.herd.owner
+        goals = unturn(R[:, owner], snapshot.tips[None] - p[:, owner])
+        limp = snapshot.limp[None][:, owner]
+        result: Array = self.leg_solver.solve(goals, R, p, snapshot.down[None], limp).q[0]
         return result
 
-    def _let_hang(self, legs: RestSolution, q: Array, row: int, c: int, values: Array) -> None:
-        """Put the joints of a creature to values (J,) [rad or m]."""
-        herd, idle = self.herd, self.idlers.owner == c
-        q[row, idle] = values[self.idlers.number[idle]]
+    def _set_joints(self, legs: RestSolution, q: Array, row: int, c: int, values: Array) -> None:
+        """Set all joints of a creature to values (J,) [rad or m]."""
+        herd, free = self.herd, self.free_joints.owner == c
+        q[row, free] = values[self.free_joints.number[free]]
         own = np.flatnonzero(herd.owner == c)
         joints = [j for limb in herd.figures[c].skeleton.legs for j in limb.joints]
-        # Of legs that are shorter than others the rest is padding.
-        settled = legs.q[row, own]
-        settled[herd.legs.is_joint[own]] = values[joints]
-        legs.q[row, own] = settled
-        legs.X_BJ[row, own] = herd.legs.rows(own).pose(settled).X_BJ
+        # Shorter legs are padded.
+        leg_values = legs.q[row, own]
+        leg_values[herd.legs.is_joint[own]] = values[joints]
+        legs.q[row, own] = leg_values
+        legs.X_BJ[row, own] = herd.legs.rows(own).pose(leg_values).X_BJ
 
-    def _held(self, q: Array, limp: NDArray[np.bool_]) -> Array:
-        """Return joint values (n, M) that stay what they were on those who have fallen."""
-        fallen = limp[:, self.idlers.owner]
+    def _hold_fallen(self, q: Array, limp: NDArray[np.bool_]) -> Array:
+        """Return joint values (n, M) in which fallen creatures keep theirs."""
+        fallen = limp[:, self.free_joints.owner]
         if fallen.any():
             for row in range(len(q)):
-                before = q[row - 1] if row else self._limp
+                before = q[row - 1] if row else self._last_values
                 if before is not None:
                     q[row, fallen[row]] = before[fallen[row]]
-        self._limp = q[-1].copy()
+        self._last_values = q[-1].copy()
         return q
 
 
 MIN_ROW_FRACTION = 0.3
-"""Part of a row that is too short a time to tell speeds from."""
+"""Shortest time over which speeds are measured, in rows."""
 
 
 class HopperPoseBuffer:
-    """What is kept of one herd.
+    """Snapshots of one herd that wait for the take, and the poses computed from them.
 
     Attributes:
-        posing: works out the poses.
-        dt: time of a step [s].
+        poser: computes the poses.
+        dt: duration of a step [s].
     """
 
-    def __init__(self, posing: HopperPoser, dt: float) -> None:
-        self.posing, self.dt = posing, dt
+    def __init__(self, poser: HopperPoser, dt: float) -> None:
+        self.poser, self.dt = poser, dt
         self._waiting: list[HopperSnapshot] = []
         self._posed: list[tuple[list[HopperSnapshot], HopperPoses]] = []
-        # The last two moments, and all values that were written of them.
+        # The last two snapshots with their channel values.
         self._last: list[tuple[HopperSnapshot, Array]] = []
 
-    def keep(self, moment: HopperSnapshot) -> None:
-        """Keep a moment as the next row."""
-        self._waiting.append(moment)
+    def keep(self, snapshot: HopperSnapshot) -> None:
+        """Append a snapshot as the next row."""
+        self._waiting.append(snapshot)
 
-    def taken(self) -> list[tuple[list[HopperSnapshot], HopperPoses]]:
-        """Return what was kept since this was asked, in its order, with its poses."""
+    def take(self) -> list[tuple[list[HopperSnapshot], HopperPoses]]:
+        """Return all rows since the last call, with their poses."""
         self._pose()
-        found, self._posed = self._posed, []
-        return found
+        batches, self._posed = self._posed, []
+        return batches
 
-    def limbs(self, c: int, now: BodyState, tips: Array, down: NDArray[np.bool_]) -> JointState:
-        """Return the joints of one creature, between two rows.
+    def joint_state(
+        self, c: int, now: BodyState, tips: Array, down: NDArray[np.bool_]
+    ) -> JointState:
+        """Return the joints of one creature between two rows.
 
         Args:
-            c: its number.
+            c: number of the creature.
             now: its body.
             tips: (n, 3) its feet [m].
             down: (n,) which of them are on the ground.
         """
         self._pose()
-        herd, columns = self.posing.herd, self._columns(c)
+        herd, columns = self.poser.herd, self._columns(c)
         skeleton = herd.figures[c].skeleton
-        (before, earlier), (moment, last) = self._last[0], self._last[-1]
+        (before, earlier), (snapshot, last) = self._last[0], self._last[-1]
         q, speeds = last[columns], np.zeros(len(columns))
-        row = (moment.step - before.step) * self.dt
-        since = now.time - moment.step * self.dt
-        if row > 0.0:
-            speeds = (q - earlier[columns]) / row
-        # Heads and tails go on; legs follow their feet.
+        elapsed = (snapshot.step - before.step) * self.dt
+        since = now.time - snapshot.step * self.dt
+        if elapsed > 0.0:
+            speeds = (q - earlier[columns]) / elapsed
+        # Heads and tails continue their motion; legs follow their feet.
         ahead = np.clip(q + since * speeds, skeleton.lower, skeleton.upper)
         joints = [j for limb in skeleton.legs for j in limb.joints]
-        ahead[joints] = self._legs(c, moment, now, tips, down)
-        if since > MIN_ROW_FRACTION * row > 0.0:
+        ahead[joints] = self._legs(c, snapshot, now, tips, down)
+        if since > MIN_ROW_FRACTION * elapsed > 0.0:
             speeds[joints] = ((ahead - q) / since)[joints]
         return JointState(ahead, speeds)
 
     def _legs(
-        self, c: int, moment: HopperSnapshot, now: BodyState, tips: Array, down: NDArray[np.bool_]
+        self, c: int, snapshot: HopperSnapshot, now: BodyState, tips: Array, down: NDArray[np.bool_]
     ) -> Array:
-        """Return the values of the leg joints of one creature, one after the other [rad or m]."""
-        herd = self.posing.herd
+        """Return the leg joint values of one creature [rad or m]."""
+        herd = self.poser.herd
         own = herd.owner == c
-        R, p, feet = moment.R.copy(), moment.p.copy(), moment.tips.copy()
-        on = moment.down.copy()
-        R[c], p[c], feet[own], on[own] = now.R, now.origin, tips, down
-        q = self.posing.legs(replace(moment, R=R, p=p, tips=feet, down=on))
+        R, p, feet = snapshot.R.copy(), snapshot.p.copy(), snapshot.tips.copy()
+        planted = snapshot.down.copy()
+        R[c], p[c], feet[own], planted[own] = now.R, now.origin, tips, down
+        q = self.poser.legs(replace(snapshot, R=R, p=p, tips=feet, down=planted))
         result: Array = q[own][herd.legs.is_joint[own]]
         return result
 
     def _columns(self, c: int) -> NDArray[np.int64]:
-        """Return where the joints (J,) of a creature are among all values of a row."""
-        herd, idlers = self.posing.herd, self.posing.idlers
+        """Return the columns (J,) of a creature's joints among the channel values."""
+        herd, free_joints = self.poser.herd, self.poser.free_joints
         skeleton, is_joint = herd.figures[c].skeleton, herd.legs.is_joint
         columns = np.empty(len(skeleton.joint_names), dtype=np.int64)
         legs = [j for limb in skeleton.legs for j in limb.joints]
         first = 2 * len(herd.names) + int(is_joint[herd.owner < c].sum())
         columns[legs] = np.arange(first, first + len(legs))
-        idle = np.flatnonzero(idlers.owner == c)
-        columns[idlers.number[idle]] = 2 * len(herd.names) + int(is_joint.sum()) + idle
+        free = np.flatnonzero(free_joints.owner == c)
+        columns[free_joints.number[free]] = 2 * len(herd.names) + int(is_joint.sum()) + free
         return columns
 
     def _pose(self) -> None:
         if not self._waiting:
             return
-        times = np.array([moment.step for moment in self._waiting]) * self.dt
-        poses = self.posing.poses(self._waiting, times)
+        times = np.array([snapshot.step for snapshot in self._waiting]) * self.dt
+        poses = self.poser.poses(self._waiting, times)
         self._posed.append((self._waiting, poses))
         self._last += zip(self._waiting, poses.values, strict=True)
         self._last, self._waiting = self._last[-2:], []

@@ -1,9 +1,7 @@
-"""Vaulting: the jump that takes a pronker over a hurdle, and from where it is best made.
+"""Jumps over hurdles: the side profile of a hurdle, and the easiest jump that clears it.
 
-Jumps that land in some places behind the hurdle are worked out as they will be made, each as
-low as leaves a margin between the hurdle and all that passes over it: the silhouette of the
-body, and the feet on their ways from the ground to the ground. Of those the one is taken that
-leaves the ground the most slowly.
+Candidate jumps land at several distances behind the hurdle. Each is as low as the clearance of
+body outline and feet allows, from push-off to landing; the one with the lowest speed is taken.
 
 Source: Sims 1987, 3.2.4 and 11.1 to 11.3.
 """
@@ -32,23 +30,22 @@ from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
 CLEARANCE = 0.08
-"""Between a hurdle and what passes over it, in leg lengths."""
+"""Distance between a hurdle and all that passes over it, in leg lengths."""
 
 STANDOFFS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2)
-"""How far before a hurdle jumps are made from, and how far behind it they land, beside what is
-needed, in leg lengths."""
+"""Extra distances before and behind a hurdle tried for take-off and landing, in leg lengths."""
 
 HEIGHT_HALVINGS, VAULT_ITERATIONS = 6, 4
-"""In which the lowest jump is found, and each comes about to where it is aimed."""
+"""Halvings that find the lowest jump, and planning iterations of each."""
 
 MIN_HEIGHT, MAX_HEIGHT = 0.04, 3.0
-"""Heights of jumps that are looked at, in leg lengths."""
+"""Range of jump heights that is searched, in leg lengths."""
 
 MAX_OVERRUN = 0.12
-"""How far a body may end up beside its feet, in leg lengths."""
+"""How far a body may end up beyond its feet after a landing, in leg lengths."""
 
 PHASE_SAMPLES = np.linspace(0.0, 1.0, 17)
-"""Of each phase of a jump, at which it is looked at."""
+"""Fractions of each phase at which the clearance is checked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,130 +53,132 @@ class Vault:
     """A jump over a hurdle.
 
     Attributes:
-        leap: how it is to be made.
+        planned: how it is made.
         speed: at lift-off [m/s].
     """
 
-    leap: PlannedJump
+    planned: PlannedJump
     speed: float
 
 
-def clearance_half_width(of: Hopper) -> float:
-    """Return half the width of what passes over a hurdle [m]."""
-    widest = float(np.abs(_crouched_outline(of)[:, 2]).max())
-    return widest + CLEARANCE * of.leg
+def clearance_half_width(hopper: Hopper) -> float:
+    """Return half the width of the strip that a hopper sweeps over a hurdle [m]."""
+    widest = float(np.abs(_crouched_outline(hopper)[:, 2]).max())
+    return widest + CLEARANCE * hopper.leg_length
 
 
-def front_reach(of: Hopper) -> float:
-    """Return how far before a body that stands the creature reaches at the height of legs [m]."""
-    return _reach(of, 1.0)
+def front_reach(hopper: Hopper) -> float:
+    """Return how far a crouching creature extends ahead of its middle at leg height [m]."""
+    return _reach(hopper, 1.0)
 
 
 def plan_vault(
-    of: Hopper,
+    hopper: Hopper,
     state: HopState,
     ground: Ground,
     hurdle: HurdleProfile,
     heading: float,
     landings: Sequence[float] = STANDOFFS,
 ) -> Vault | str:
-    """Return the easiest jump over a hurdle, or why there is none.
+    """Return the easiest jump over a hurdle, or the reason why there is none.
 
     Args:
-        of: who jumps.
-        state: at the begin of its push.
+        hopper: the creature.
+        state: at the start of the push.
         ground: that it jumps from and to.
-        hurdle: as it is seen from the middle of its body.
-        heading: in which it jumps [rad].
-        landings: how far behind the hurdle, see `STANDOFFS`.
+        hurdle: seen from the middle of the body.
+        heading: of the jump [rad].
+        landings: extra distances behind the hurdle, see `STANDOFFS`.
     """
-    middle = state.now(of).origin[[0, 2]]
-    behind = hurdle.far + CLEARANCE * of.leg + _reach(of, -1.0)
-    found, cause = list[Vault](), "it is too long for its legs"
+    middle = state.body(hopper).origin[[0, 2]]
+    behind = hurdle.far + CLEARANCE * hopper.leg_length + _reach(hopper, -1.0)
+    vaults, reason = list[Vault](), "it is too long for its legs"
     for extra in landings:
-        way = behind + extra * of.leg
-        x, z = (middle + way * heading_vector(heading)).tolist()
-        best = _lowest_vault(of, state, ground, hurdle, (x, z), heading)
-        if isinstance(best, Vault):
-            found.append(best)
-        elif not found:
-            cause = best
-    return min(found, key=lambda one: one.speed) if found else cause
+        distance = behind + extra * hopper.leg_length
+        x, z = (middle + distance * heading_vector(heading)).tolist()
+        vault = _lowest_vault(hopper, state, ground, hurdle, (x, z), heading)
+        if isinstance(vault, Vault):
+            vaults.append(vault)
+        elif not vaults:
+            reason = vault
+    return min(vaults, key=lambda vault: vault.speed) if vaults else reason
 
 
 def plan_take_off(
-    of: Hopper, state: HopState, ground: Ground, hurdle: HurdleProfile, heading: float
+    hopper: Hopper, state: HopState, ground: Ground, hurdle: HurdleProfile, heading: float
 ) -> tuple[float, Vault] | str:
-    """Return from how far before a hurdle it is jumped over most easily [m], and how.
+    """Return the easiest distance before a hurdle to jump from [m], and the jump; or a reason.
 
     Args:
-        of: who jumps.
+        hopper: the creature.
         state: crouched, with the hurdle somewhere ahead.
         ground: that it jumps from and to.
-        hurdle: as it is seen from the middle of its body.
+        hurdle: seen from the middle of the body.
         heading: to the hurdle [rad].
     """
-    nearest = CLEARANCE * of.leg + front_reach(of)
-    found, cause = list[tuple[float, Vault]](), "it is too high for its legs"
+    nearest = CLEARANCE * hopper.leg_length + front_reach(hopper)
+    candidates, reason = list[tuple[float, Vault]](), "it is too high for its legs"
     for extra in STANDOFFS:
-        way = nearest + extra * of.leg
-        there = shifted_state(of, state, ground, (hurdle.near - way) * heading_vector(heading))
-        seen = hurdle.from_here(hurdle.near - way)
-        # What is easiest is about as far on either side.
-        one = plan_vault(of, there, ground, seen, heading, (extra,))
-        if isinstance(one, Vault):
-            found.append((way, one))
-        elif not found:
-            cause = one
-    return min(found, key=lambda one: one[1].speed) if found else cause
+        distance = nearest + extra * hopper.leg_length
+        state_there = shifted_state(
+            hopper, state, ground, (hurdle.near - distance) * heading_vector(heading)
+        )
+        seen = hurdle.seen_from(hurdle.near - distance)
+        # The easiest jump is nearly symmetric about the hurdle.
+        vault = plan_vault(hopper, state_there, ground, seen, heading, (extra,))
+        if isinstance(vault, Vault):
+            candidates.append((distance, vault))
+        elif not candidates:
+            reason = vault
+    return min(candidates, key=lambda candidate: candidate[1].speed) if candidates else reason
 
 
-def shifted_state(of: Hopper, state: HopState, ground: Ground, by: Array) -> HopState:
-    """Return the state of who is so elsewhere, by (2,) [m]."""
+def shifted_state(hopper: Hopper, state: HopState, ground: Ground, offset: Array) -> HopState:
+    """Return the state moved by (x, z) over the ground [m]."""
     raised = float(
-        ground.height(state.p[0] + by[0], state.p[2] + by[1])
+        ground.height(state.p[0] + offset[0], state.p[2] + offset[1])
         - ground.height(state.p[0], state.p[2])
     )
-    way = np.array([by[0], raised, by[1]])
-    return state.elsewhere(way)
+    shift = np.array([offset[0], raised, offset[1]])
+    return state.shifted(shift)
 
 
-def _reach(of: Hopper, side: float) -> float:
-    """Return how far ahead (1) or back (-1) a creature reaches that crouches [m]."""
-    points = _crouched_outline(of)
-    low = points[:, 1] < of.stand - of.crouch
+def _reach(hopper: Hopper, side: float) -> float:
+    """Return how far a crouching creature extends ahead (1) or back (-1) at leg height [m]."""
+    points = _crouched_outline(hopper)
+    low = points[:, 1] < hopper.standing_height - hopper.crouch_height
     return float((side * points[low, 0]).max())
 
 
-def _crouched_outline(of: Hopper) -> Array:
-    """Return the points (k, 3) of one that crouches, in its frame [m]."""
-    feet = of.rest.copy()
-    feet[:, 1] = of.soles - of.crouch
-    return np.concatenate([of.silhouette.body, of.silhouette.legs(feet[None])[0]])
+def _crouched_outline(hopper: Hopper) -> Array:
+    """Return the outline points (k, 3) of the crouching creature, in its frame [m]."""
+    feet = hopper.rest_feet.copy()
+    feet[:, 1] = hopper.sole_radii - hopper.crouch_height
+    return np.concatenate([hopper.outline.body, hopper.outline.legs(feet[None])[0]])
 
 
 def _lowest_vault(
-    of: Hopper,
+    hopper: Hopper,
     state: HopState,
     ground: Ground,
     hurdle: HurdleProfile,
     spot: tuple[float, float],
     heading: float,
 ) -> Vault | str:
-    """Return the lowest jump to a spot that clears a hurdle, or why there is none."""
+    """Return the lowest jump to a spot that clears a hurdle, or the reason why there is none."""
 
     def jump(height: float) -> tuple[JumpPlan, PlannedJump]:
         up = math.sqrt(2.0 * GRAVITY * height)
-        leap = PlannedJump(up, heading, spot, folds=True)
-        return plan_requested_jump(of, state, ground, leap, VAULT_ITERATIONS), leap
+        planned = PlannedJump(up, heading, spot, fold_legs=True)
+        return plan_requested_jump(hopper, state, ground, planned, VAULT_ITERATIONS), planned
 
-    def clears(one: JumpPlan) -> bool:
-        spare = _clearance(of, state, hurdle, one, heading)
-        return spare >= 0.0 and not _is_overrunning(of, one)
+    def clears(candidate: JumpPlan) -> bool:
+        spare = _clearance(hopper, state, hurdle, candidate, heading)
+        return spare >= 0.0 and not _is_overrunning(hopper, candidate)
 
-    low, high = MIN_HEIGHT * of.leg, MAX_HEIGHT * of.leg
-    aim, leap = jump(high)
-    if not clears(aim):
+    low, high = MIN_HEIGHT * hopper.leg_length, MAX_HEIGHT * hopper.leg_length
+    plan, planned = jump(high)
+    if not clears(plan):
         return "it is too high or too long for its legs"
     for _ in range(HEIGHT_HALVINGS):
         middle = math.sqrt(low * high)
@@ -187,80 +186,92 @@ def _lowest_vault(
         if not clears(found[0]):
             low = middle
         else:
-            high, (aim, leap) = middle, found
-    if _saturates(of, state, aim):
-        most = of.most / of.weight
-        return f"it is too high or too long for legs that give {most:.3g} body weights each"
-    return Vault(leap, float(np.linalg.norm(aim.velocity)))
+            high, (plan, planned) = middle, found
+    if _saturates(hopper, state, plan):
+        force = hopper.max_leg_force / hopper.weight
+        return f"it is too high or too long for legs that give {force:.3g} body weights each"
+    return Vault(planned, float(np.linalg.norm(plan.velocity)))
 
 
-def _saturates(of: Hopper, state: HopState, one: JumpPlan) -> bool:
-    v0, v1 = (tuple(v.tolist()) for v in (state.v, one.velocity))
-    most = of.most * int(state.down.sum())
-    return phase_force(of.mass.mass, most, v0, v1, one.rise).saturated
+def _saturates(hopper: Hopper, state: HopState, plan: JumpPlan) -> bool:
+    v0, v1 = (tuple(v.tolist()) for v in (state.v, plan.velocity))
+    max_force = hopper.max_leg_force * int(state.down.sum())
+    return phase_force(hopper.mass.mass, max_force, v0, v1, plan.rise).saturated
 
 
 def _clearance(
-    of: Hopper, state: HopState, hurdle: HurdleProfile, one: JumpPlan, heading: float
+    hopper: Hopper, state: HopState, hurdle: HurdleProfile, plan: JumpPlan, heading: float
 ) -> float:
-    """Return how far all that passes over a hurdle stays above it, less the margin [m]."""
-    now, R = state.now(of), np.array(matrix_rows(one.attitude))
-    _, _, p1 = lift_off_point(of, state, one.velocity)
-    start, lift = now.origin, p1 - R @ of.mass.centre
-    t = PHASE_SAMPLES[:, None] * one.flight
-    flight = lift + t * one.velocity
+    """Return the least height of all outline points above a hurdle, less the margin [m]."""
+    now, R = state.body(hopper), np.array(matrix_rows(plan.attitude))
+    _, _, p1 = lift_off_point(hopper, state, plan.velocity)
+    start, lift = now.origin, p1 - R @ hopper.mass.centre
+    t = PHASE_SAMPLES[:, None] * plan.flight_time
+    flight = lift + t * plan.velocity
     flight[:, 1] -= 0.5 * GRAVITY * t[:, 0] ** 2
-    falls = one.velocity - [0.0, GRAVITY * one.flight, 0.0]
-    # Both constant accelerations begin or end at rest.
+    falls = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
+    # The constant accelerations of push and landing start and end at rest.
     rises = start + PHASE_SAMPLES[:, None] ** 2 * (lift - start)
-    way = _landing_time(of, one, falls) * falls
+    way = _landing_time(hopper, plan, falls) * falls
     lands = flight[-1] + (2.0 * PHASE_SAMPLES - PHASE_SAMPLES**2)[:, None] * 0.5 * way
     origins = np.concatenate([rises, flight, lands])
-    stood = np.where(state.down[:, None], state.tips, now.points(of.rest))
-    swing = flight_swing(of, (stood - lift) @ R, one.ends, 0.0, one.flight, one.velocity @ R, True)
+    stood = np.where(state.down[:, None], state.tips, now.to_world(hopper.rest_feet))
+    swing = flight_swing(
+        hopper,
+        (stood - lift) @ R,
+        plan.landing_feet,
+        0.0,
+        plan.flight_time,
+        plan.velocity @ R,
+        True,
+    )
     aloft = np.array([swing.tips(float(time)) for time in t[:, 0]])
-    landed = flight[-1] + one.ends @ R.T
+    landed = flight[-1] + plan.landing_feet @ R.T
     feet = np.concatenate(
         [(stood - rises[:, None]) @ R, aloft, (landed - lands[:, None]) @ R], axis=0
     )
-    body = np.broadcast_to(of.silhouette.body, (len(feet), *of.silhouette.body.shape))
-    points = origins[:, None] + np.concatenate([body, of.silhouette.legs(feet)], axis=1) @ R.T
+    body = np.broadcast_to(hopper.outline.body, (len(feet), *hopper.outline.body.shape))
+    points = origins[:, None] + np.concatenate([body, hopper.outline.legs(feet)], axis=1) @ R.T
     along = ((points - start)[..., [0, 2]] * heading_vector(heading)).sum(axis=-1)
-    return float(hurdle.spare(along, points[..., 1], CLEARANCE * of.leg).min())
+    return float(hurdle.spare(along, points[..., 1], CLEARANCE * hopper.leg_length).min())
 
 
-def _landing_time(of: Hopper, one: JumpPlan, falls: Array) -> float:
-    """Return how long a landing takes [s]."""
-    height = float((of.soles - one.ends[:, 1]).mean())
-    return 2.0 * max(height - of.crouch, 0.05 * of.leg) / max(-float(falls[1]), 1e-3)
+def _landing_time(hopper: Hopper, plan: JumpPlan, velocity: Array) -> float:
+    """Return the duration of a landing [s]."""
+    height = float((hopper.sole_radii - plan.landing_feet[:, 1]).mean())
+    return (
+        2.0
+        * max(height - hopper.crouch_height, 0.05 * hopper.leg_length)
+        / max(-float(velocity[1]), 1e-3)
+    )
 
 
-def _is_overrunning(of: Hopper, one: JumpPlan) -> bool:
-    """Tell whether a body goes farther while it lands than feet are held out before it."""
-    falls = one.velocity - [0.0, GRAVITY * one.flight, 0.0]
-    v = one.velocity[[0, 2]]
-    ahead = np.linalg.norm((one.ends - of.rest)[:, [0, 2]].mean(axis=0))
-    way = 0.5 * _landing_time(of, one, falls) * float(np.hypot(*v))
-    return bool(way - ahead > MAX_OVERRUN * of.leg)
+def _is_overrunning(hopper: Hopper, plan: JumpPlan) -> bool:
+    """Return whether the body travels farther during the landing than its feet are held ahead."""
+    falls = plan.velocity - [0.0, GRAVITY * plan.flight_time, 0.0]
+    v = plan.velocity[[0, 2]]
+    ahead = np.linalg.norm((plan.landing_feet - hopper.rest_feet)[:, [0, 2]].mean(axis=0))
+    travel = 0.5 * _landing_time(hopper, plan, falls) * float(np.hypot(*v))
+    return bool(travel - ahead > MAX_OVERRUN * hopper.leg_length)
 
 
 PROFILE_SAMPLES = 49
-"""Places along the way at which its height is known."""
+"""Number of samples along a profile."""
 
 PROFILE_DECIMALS = 10
-"""Decimals of ways along it."""
+"""Decimals of the distances along a profile: they keep upright sides upright."""
 
 EMPTY_HEIGHT = -1e6
-"""Height of what is not there [m]."""
+"""Height outside of a solid [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class HurdleProfile:
-    """The outline of solids in the strip over which a body comes.
+    """The side profile of solids within the strip that a body sweeps.
 
     Attributes:
-        along: (k,) ways from where it is looked at, ascending [m].
-        top: (k,) the greatest heights there, in the world [m].
+        along: (k,) ascending distances ahead of the viewpoint [m].
+        top: (k,) greatest heights at these, in the world [m].
     """
 
     along: Array
@@ -268,30 +279,25 @@ class HurdleProfile:
 
     @property
     def near(self) -> float:
-        """Way to where it begins [m]."""
+        """Distance to the near end [m]."""
         return float(self.along[0])
 
     @property
     def far(self) -> float:
-        """Way to where it ends [m]."""
+        """Distance to the far end [m]."""
         return float(self.along[-1])
 
-    @property
-    def highest(self) -> float:
-        """[m]."""
-        return float(self.top.max())
-
-    def from_here(self, way: float) -> HurdleProfile:
-        """Return it as it is seen from farther along the way [m]."""
+    def seen_from(self, way: float) -> HurdleProfile:
+        """Return the profile as seen from `distance` farther ahead [m]."""
         return HurdleProfile(self.along - way, self.top)
 
     def spare(self, along: Array, height: Array, margin: float) -> Array:
-        """Return how far points are above it, infinite where they are neither over it nor near.
+        """Return the height of points above the profile, infinite beside it [m].
 
         Args:
-            along: of any shape, ways of the points [m].
-            height: of the same shape [m].
-            margin: how far before and behind it counts, and above it [m].
+            along: distances of the points, any shape [m].
+            height: heights of the points, same shape [m].
+            margin: added before, behind and above the profile [m].
         """
         over = (along >= self.near - margin) & (along <= self.far + margin)
         top = np.interp(along, self.along, self.top)
@@ -301,35 +307,35 @@ class HurdleProfile:
 def hurdle_profile(
     solids: Sequence[Array], place: Array, heading: float, half_width: float
 ) -> HurdleProfile | None:
-    """Return what of convex solids is in a strip, None if nothing is.
+    """Return the profile of convex solids in a strip; None if none is in it.
 
     Args:
         solids: their corners (n, 3) in the world [m].
-        place: (x, z) in the middle of the strip, from which ways count [m].
+        place: (x, z) viewpoint, in the middle of the strip [m].
         heading: of the strip [rad].
         half_width: of the strip [m].
     """
     ahead = heading_vector(heading)
-    # Forward is (c, -s) and to the right (s, c) in x and z.
+    # In (x, z), forward is (c, -s) and right is (s, c).
     right = np.array([-ahead[1], ahead[0]])
     outlines = [_clip_to_strip(corners, place, ahead, right, half_width) for corners in solids]
-    outlines = [one for one in outlines if len(one) > 1 and np.ptp(one[:, 0]) > 0.0]
+    outlines = [points for points in outlines if len(points) > 1 and np.ptp(points[:, 0]) > 0.0]
     if not outlines:
         return None
-    first = min(float(one[:, 0].min()) for one in outlines)
-    last = max(float(one[:, 0].max()) for one in outlines)
+    first = min(float(points[:, 0].min()) for points in outlines)
+    last = max(float(points[:, 0].max()) for points in outlines)
     along = np.linspace(first, last, PROFILE_SAMPLES)
-    tops = [_upper_hull(one, along) for one in outlines]
+    tops = [_upper_hull(points, along) for points in outlines]
     return HurdleProfile(along, np.max(tops, axis=0))
 
 
 def _clip_to_strip(corners: Array, place: Array, ahead: Array, right: Array, half: float) -> Array:
-    """Return points (m, 2), way and height, whose hull is the side view of what is in a strip."""
+    """Return points (m, 2), distance and height, whose hull is the side view within a strip."""
     over = corners[:, [0, 2]] - place
     s, w, y = (over * ahead).sum(axis=-1), (over * right).sum(axis=-1), corners[:, 1]
     inside = np.abs(w) <= half
     found = [np.stack([s[inside], y[inside]], axis=-1)]
-    # A convex solid has all lines between its corners: those that leave the strip are cut.
+    # A convex solid contains all lines between its corners; those leaving the strip are cut.
     i, j = np.triu_indices(len(corners), 1)
     for edge in (-half, half):
         cuts = (w[i] - edge) * (w[j] - edge) < 0.0
@@ -337,13 +343,13 @@ def _clip_to_strip(corners: Array, place: Array, ahead: Array, right: Array, hal
         u = (edge - w[a]) / (w[b] - w[a])
         found.append(np.stack([s[a] + u * (s[b] - s[a]), y[a] + u * (y[b] - y[a])], axis=-1))
     result = np.concatenate(found)
-    # Upright sides are so in spite of rounding.
+    # Rounding must not tilt upright sides.
     result[:, 0] = np.round(result[:, 0], PROFILE_DECIMALS)
     return result
 
 
 def _upper_hull(points: Array, along: Array) -> Array:
-    """Return the upper side (k,) of the hull of points (m, 2) at ways (k,) [m]."""
+    """Return the heights (k,) of the upper hull of points (m, 2) at distances (k,) [m]."""
     order = np.lexsort((points[:, 1], points[:, 0]))
     upper = list[Array]()
     for point in points[order]:

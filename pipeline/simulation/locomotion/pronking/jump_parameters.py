@@ -1,10 +1,11 @@
-"""Parameters of a jump: distance, height and speed, of which two say the third.
+"""Distance, height and speed of a jump: two of them determine the third.
 
-A mass that leaves the ground at speed v, rises by h and is back at its height after a way d has
+A mass that leaves the ground at speed v, rises by h and returns to its height after a distance d
+has
 
-    v_y² = 2 g h,   d = v_x · 2 √(2 h / g),   so   v² = g d² / (8 h) + 2 g h,
+    v_y² = 2 g h,   d = v_x · 2 √(2 h / g),   so   v² = g d² / (8 h) + 2 g h.
 
-which for h is 2 g h² - v² h + g d² / 8 = 0 and has an answer only if v² ≥ g d.
+In h this is 2 g h² - v² h + g d² / 8 = 0, which has a solution only if v² ≥ g d.
 
 Source: Sims 1987, 9.1; (11.13) to (11.15) with |g| for g, and Δt_{f/2} for Δt in (11.15).
 """
@@ -16,16 +17,16 @@ from dataclasses import dataclass
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.spec.pronk import Pronk
+from pipeline.spec.creature import Pronk
 
 SPEED_TOLERANCE = 1e-3
-"""Relative difference between a speed and that of the formula that is rounding."""
+"""Relative difference between a given speed and the formula's that counts as rounding."""
 
 DEFAULT_DISTANCE, DEFAULT_HEIGHT = 1.15, 0.4
-"""Of a jump that nobody describes, in heights of the stretched creature."""
+"""Default distance and height of a jump, in heights of the creature on stretched legs."""
 
 DEFAULT_ELEVATION = math.radians(52.0)
-"""At which it leaves the ground if only its speed is known."""
+"""Take-off angle where only the speed is given [rad]."""
 
 FORMULA = "speed² = g distance² / (8 height) + 2 g height"
 
@@ -35,8 +36,8 @@ class Jump:
     """A jump over level ground.
 
     Attributes:
-        distance: from lift-off until back at that height [m].
-        height: above the lift-off [m].
+        distance: from lift-off until the body is back at that height [m].
+        height: of the apex above the lift-off [m].
     """
 
     distance: float
@@ -58,22 +59,21 @@ class Jump:
         return math.hypot(self.up, self.forward)
 
 
-def resolve_jump(where: str, words: Pronk, leg: float) -> Jump:
-    """Choose what the author left open.
+def resolve_jump(where: str, config: Pronk, leg_height: float) -> Jump:
+    """Return the jump of a `pronk` block; defaults and the formula supply what it leaves open.
 
     Args:
-        where: path of the words in the scene.
-        words: what was asked.
-        leg: height of the creature on stretched legs [m].
+        where: path of the block in the scene.
+        config: the block.
+        leg_height: height of the creature on stretched legs [m].
 
     Raises:
-        SceneError: no jump is so.
+        SceneError: the values contradict each other.
     """
-    d, h, v = words.distance, words.height, words.speed
+    d, h, v = config.distance, config.height, config.speed
     if v is None:
-        return Jump(
-            DEFAULT_DISTANCE * leg if d is None else d, DEFAULT_HEIGHT * leg if h is None else h
-        )
+        distance = DEFAULT_DISTANCE * leg_height if d is None else d
+        return Jump(distance, DEFAULT_HEIGHT * leg_height if h is None else h)
     if d is not None and h is not None:
         right = Jump(d, h).speed
         if abs(right - v) > SPEED_TOLERANCE * right:
@@ -91,17 +91,17 @@ def resolve_jump(where: str, words: Pronk, leg: float) -> Jump:
 
 
 def jump_heights(distance: float, speed: float) -> tuple[float, float]:
-    """Return the lower and the higher jump of a distance and speed [m].
+    """Return the lower and the higher jump with a distance and a speed [m].
 
     Raises:
-        ValueError: there is none.
+        ValueError: the speed is too low for the distance.
     """
     square = speed * speed
     room = square * square - (GRAVITY * distance) ** 2
     if room < 0.0:
         raise ValueError("too slow for the distance")
     high = (square + math.sqrt(room)) / (4.0 * GRAVITY)
-    # The product of both roots is d² / 16: the difference would lose digits.
+    # The product of both roots is d² / 16; their difference would lose digits.
     return distance * distance / (16.0 * high), high
 
 
@@ -133,28 +133,28 @@ def _resolve_distance(where: str, h: float, v: float) -> float:
 
 
 def _contradiction_problem(where: str, d: float, h: float, v: float) -> Problem:
-    ways, spare = [f"speed: {Jump(d, h).speed:.6g}"], ["speed"]
+    values, removable = [f"speed: {Jump(d, h).speed:.6g}"], ["speed"]
     room = v * v - 2.0 * GRAVITY * h
     if room >= 0.0:
-        ways.append(f"distance: {math.sqrt(8.0 * h * room / GRAVITY):.6g}")
-        spare.append("distance")
+        values.append(f"distance: {math.sqrt(8.0 * h * room / GRAVITY):.6g}")
+        removable.append("distance")
     if v * v >= GRAVITY * d:
-        ways += [f"height: {one:.6g}" for one in jump_heights(d, v) if one > 0.0]
-        spare.append("height")
+        values += [f"height: {height:.6g}" for height in jump_heights(d, v) if height > 0.0]
+        removable.append("height")
     message = (
         f"{FORMULA}, but with distance {d:g} and height {h:g} that is {Jump(d, h).speed:.6g}², not "
-        f"{v:g}²; leave out {' or '.join(spare)}, or take {', or '.join(ways)}"
+        f"{v:g}²; leave out {' or '.join(removable)}, or take {', or '.join(values)}"
     )
     return Problem(f"{where}.speed", message)
 
 
 def round_up(value: float) -> str:
-    """Return `value` in four digits, never less than it is."""
+    """Return `value` rounded up to four digits."""
     step = 10.0 ** (math.floor(math.log10(value)) - 3)
     return f"{math.ceil(value / step - 1e-9) * step:.4g}"
 
 
 def round_down(value: float) -> str:
-    """Return `value` in four digits, never more than it is."""
+    """Return `value` rounded down to four digits."""
     step = 10.0 ** (math.floor(math.log10(value)) - 3)
     return f"{math.floor(value / step + 1e-9) * step:.4g}"

@@ -1,4 +1,4 @@
-"""Aiming: with which velocity to leave the ground, and how feet are held out for the landing.
+"""Planning of jumps: lift-off velocity, push, flight, and the feet for the landing.
 
 Source: Sims 1987, 11.1 and 11.3; (11.3) is -2 v_y0 / g, (11.13) to (11.15) are with |g|.
 """
@@ -15,6 +15,7 @@ from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.pronking.hop_state import (
     HopState,
     PlannedJump,
+    leaning_attitude,
     level_height,
     yaw_quaternion,
 )
@@ -25,106 +26,112 @@ from pipeline.simulation.locomotion.pronking.hopper import (
 )
 from pipeline.simulation.scalar_rotation import (
     Quaternion,
-    from_rotation_vector,
     matrix_rows,
-    quaternion_product,
 )
-from pipeline.simulation.spatial import Array, heading
+from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
 MAX_FOOT_ADVANCE = 0.5
-"""How far ahead feet are held for a landing at most, in leg lengths."""
+"""Greatest distance that feet are held ahead for a landing, in leg lengths."""
 
 FALL_SAMPLES = 48
-"""Moments of a fall at which the ground is looked at."""
+"""Samples of a fall at which the ground height is read."""
 
 AIM_ITERATIONS = 14
-"""In which a jump comes to where it is aimed."""
-
-LEAN_FRACTION, MAX_LEAN = 0.6, 0.35
-"""Part of a slope that bodies lean with, and how far at most [rad]."""
+"""Iterations that bring a jump to its target."""
 
 LANDING_MARGIN, LANDING_OFFSETS = (
     0.09,
     np.array([[0.0, 1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0, -1.0]]),
 )
-"""How far around the place of a foot the ground is to be good as well, in leg lengths, and where:
-a foot that comes down askew touches a little beside."""
+"""Half size of the patch around a foothold that must be steppable, in leg lengths, and its sample
+offsets: a foot that comes down askew lands a little beside its foothold."""
 
 MIN_PUSH = 0.04
-"""Way of a push at least, in leg lengths."""
+"""Shortest push, in leg lengths."""
 
 SPEED_SCALES = (1.0, 0.85, 1.15, 0.65, 0.4, 0.2)
+"""Speed scales and turns [rad] of the alternative jumps tried to avoid forbidden zones."""
 TURN_ANGLES = tuple(math.radians(a) for a in (0, 12, -12, 30, -30, 55, -55))
 """Jumps that are tried where landings are chosen, by the one that is asked for."""
 
 
 @dataclass(frozen=True, eq=False)
 class JumpPlan:
-    """A jump that is about to be made.
+    """A planned jump.
 
     Attributes:
         velocity: (3,) at lift-off [m/s].
-        rise: of the centre of mass until then [m].
-        flight: how long it will be in the air [s].
-        ends: (n, 3) where feet are held for the landing, in the frame of the body [m].
-        attitude: of the body when it lands.
-        spot: (x, z) middle of the feet then [m].
+        rise: of the centre of mass until lift-off [m].
+        flight_time: [s].
+        landing_feet: (n, 3) feet as held for the landing, in the frame of the body [m].
+        attitude: of the body at the landing.
+        spot: (x, z) mean of the feet at the landing [m].
     """
 
     velocity: Array
     rise: float
-    flight: float
-    ends: Array
+    flight_time: float
+    landing_feet: Array
     attitude: Quaternion
     spot: Array
 
 
-def plan_jump(of: Hopper, state: HopState, ground: Ground) -> tuple[JumpPlan, bool]:
-    """Return the next jump, and whether its landing is where it may be."""
-    words, course = of.words, state.course
-    if course.leap is not None:
-        return plan_requested_jump(of, state, ground, course.leap), True
-    if words.land_at:
-        k = min(course.made, len(words.land_at) - 1)
-        spot = np.array(words.land_at[k], dtype=float)
-        up = _upward_speed(of, state, ground, spot)
-        return _jump_to_spot(of, state, ground, spot, up, _landing_heading(of, state, spot)), True
-    way = course.jump.forward
-    first = _jump_straight(of, state, ground, way, state.going)
-    if not words.avoid or _is_steppable(of, ground, first):
-        return first, True
+def plan_jump(hopper: Hopper, state: HopState, ground: Ground) -> tuple[JumpPlan, bool]:
+    """Return the next jump, and whether its landing is on allowed ground."""
+    config, queue = hopper.config, state.queue
+    if queue.planned is not None:
+        return plan_requested_jump(hopper, state, ground, queue.planned), True
+    if config.land_at:
+        k = min(queue.jumps_made, len(config.land_at) - 1)
+        spot = np.array(config.land_at[k], dtype=float)
+        up = _upward_speed(hopper, state, ground, spot)
+        return _jump_to_spot(
+            hopper, state, ground, spot, up, _landing_heading(hopper, state, spot)
+        ), True
+    speed = queue.jump.forward
+    plan = _jump_straight(hopper, state, ground, speed, state.travel_heading)
+    if not config.avoid or _is_steppable(hopper, ground, plan):
+        return plan, True
     for scale, turn in _alternatives():
-        other = _jump_straight(of, state, ground, scale * way, state.going + turn)
-        if _is_steppable(of, ground, other):
-            return other, True
-    return _jump_straight(of, state, ground, 0.0, state.going), False
+        alternative = _jump_straight(
+            hopper, state, ground, scale * speed, state.travel_heading + turn
+        )
+        if _is_steppable(hopper, ground, alternative):
+            return alternative, True
+    return _jump_straight(hopper, state, ground, 0.0, state.travel_heading), False
 
 
 def plan_requested_jump(
-    of: Hopper, state: HopState, ground: Ground, leap: PlannedJump, rounds: int = AIM_ITERATIONS
+    hopper: Hopper,
+    state: HopState,
+    ground: Ground,
+    planned: PlannedJump,
+    iterations: int = AIM_ITERATIONS,
 ) -> JumpPlan:
-    """Return how to make a jump that was asked for, in fewer rounds only about."""
-    if leap.spot is not None:
-        spot = np.array(leap.spot)
-        return _jump_to_spot(of, state, ground, spot, leap.up, leap.facing, rounds)
-    x, z = leap.forward * np.array([math.cos(state.going), -math.sin(state.going)])
-    return _jump_with_velocity(of, state, ground, np.array([x, leap.up, z]), leap.facing)
+    """Return the plan of a scripted jump; few iterations give it approximately."""
+    if planned.spot is not None:
+        spot = np.array(planned.spot)
+        return _jump_to_spot(hopper, state, ground, spot, planned.up, planned.heading, iterations)
+    x, z = planned.forward * np.array(
+        [math.cos(state.travel_heading), -math.sin(state.travel_heading)]
+    )
+    return _jump_with_velocity(hopper, state, ground, np.array([x, planned.up, z]), planned.heading)
 
 
-def has_next_jump(of: Hopper, state: HopState) -> bool:
-    """Tell whether it is to jump again."""
-    return bool(state.course.errands) or _has_own_jump(of, state, state.course.made)
+def has_next_jump(hopper: Hopper, state: HopState) -> bool:
+    """Return whether the hopper is to jump again."""
+    return bool(state.queue.orders) or _has_own_jump(hopper, state, state.queue.jumps_made)
 
 
-def _has_own_jump(of: Hopper, state: HopState, made: int) -> bool:
-    """Tell whether it jumps by its words when it has made so many such jumps."""
-    words = of.words
-    if not state.course.onward:
+def _has_own_jump(hopper: Hopper, state: HopState, jumps_made: int) -> bool:
+    """Return whether the configuration asks for another jump after `jumps_made` configured ones."""
+    config = hopper.config
+    if not state.queue.keep_hopping:
         return False
-    if words.land_at:
-        return made < len(words.land_at)
-    return words.jumps is None or made < words.jumps
+    if config.land_at:
+        return jumps_made < len(config.land_at)
+    return config.jumps is None or jumps_made < config.jumps
 
 
 def _alternatives() -> Iterator[tuple[float, float]]:
@@ -132,111 +139,118 @@ def _alternatives() -> Iterator[tuple[float, float]]:
     yield from sorted(pairs, key=lambda one: 2.0 * abs(one[0] - 1.0) + abs(one[1]))[1:]
 
 
-def _is_steppable(of: Hopper, ground: Ground, one: JumpPlan) -> bool:
-    """Tell whether all feet land where they may be put."""
-    R = np.array(matrix_rows(one.attitude))
-    feet = (one.ends - one.ends.mean(axis=0)) @ R.T
-    x, z = one.spot[0] + feet[:, 0], one.spot[1] + feet[:, 2]
-    around = LANDING_MARGIN * of.leg * LANDING_OFFSETS
+def _is_steppable(hopper: Hopper, ground: Ground, plan: JumpPlan) -> bool:
+    """Return whether all feet land on steppable ground."""
+    R = np.array(matrix_rows(plan.attitude))
+    feet = (plan.landing_feet - plan.landing_feet.mean(axis=0)) @ R.T
+    x, z = plan.spot[0] + feet[:, 0], plan.spot[1] + feet[:, 2]
+    around = LANDING_MARGIN * hopper.leg_length * LANDING_OFFSETS
     return bool(ground.steppable(x[:, None] + around[0], z[:, None] + around[1]).all())
 
 
 def _jump_straight(
-    of: Hopper, state: HopState, ground: Ground, way: float, going: float
+    hopper: Hopper, state: HopState, ground: Ground, speed: float, heading: float
 ) -> JumpPlan:
-    up = state.course.jump.up
-    v = np.array([way * math.cos(going), up, -way * math.sin(going)])
-    return _jump_with_velocity(of, state, ground, v, state.facing)
+    up = state.queue.jump.up
+    v = np.array([speed * math.cos(heading), up, -speed * math.sin(heading)])
+    return _jump_with_velocity(hopper, state, ground, v, state.next_heading)
 
 
-def _upward_speed(of: Hopper, state: HopState, ground: Ground, spot: Array) -> float:
-    """Return with which upward speed to jump to a spot (x, z) [m/s]."""
+def _upward_speed(hopper: Hopper, state: HopState, ground: Ground, spot: Array) -> float:
+    """Return the upward speed of a jump to a spot (x, z) [m/s]."""
     height = float(ground.height(spot[0], spot[1]))
-    stands = state.p[1] - of.mass.centre[1] - of.crouch
-    # The top of the way is to be above the spot by half the height of a jump at least.
-    return math.sqrt(2.0 * GRAVITY * (state.course.jump.height + max(height - stands, 0.0)))
+    stands = state.p[1] - hopper.mass.centre[1] - hopper.crouch_height
+    # The apex is to be above the spot by the height of a jump.
+    return math.sqrt(2.0 * GRAVITY * (state.queue.jump.height + max(height - stands, 0.0)))
 
 
 def _jump_to_spot(
-    of: Hopper,
+    hopper: Hopper,
     state: HopState,
     ground: Ground,
     spot: Array,
     up: float,
-    facing: float,
-    rounds: int = AIM_ITERATIONS,
+    heading: float,
+    iterations: int = AIM_ITERATIONS,
 ) -> JumpPlan:
     """Return the jump that lands at a spot (x, z)."""
     height = float(ground.height(spot[0], spot[1]))
     v = np.array([0.0, up, 0.0])
-    lean = leaning_attitude(of, ground, spot[0], spot[1], facing)
+    lean = leaning_attitude(hopper, ground, spot[0], spot[1], heading)
     R = np.array(matrix_rows(lean))
-    for _ in range(rounds):
-        rise, _, p1 = lift_off_point(of, state, v)
-        ends = landing_feet(
-            of, R, v, up, _is_last_jump(of, state), _lift_off_height(of, state, rise)
+    for _ in range(iterations):
+        rise, _, p1 = lift_off_point(hopper, state, v)
+        feet = landing_feet(
+            hopper, R, v, up, _is_last_jump(hopper, state), _lift_off_height(hopper, state, rise)
         )
-        middle = R @ (ends - [0.0, 1.0, 0.0] * of.soles[:, None]).mean(axis=0) - (
-            R @ of.mass.centre
+        middle = R @ (feet - [0.0, 1.0, 0.0] * hopper.sole_radii[:, None]).mean(axis=0) - (
+            R @ hopper.mass.centre
         )
-        fall = up * up - 2.0 * GRAVITY * (height - middle[1] - p1[1])
-        time = (up + math.sqrt(max(fall, 0.0))) / GRAVITY
-        # A faster jump leaves later and lands farther ahead, which asks for a slower one: the
-        # middle between both is nearer than either.
+        discriminant = up * up - 2.0 * GRAVITY * (height - middle[1] - p1[1])
+        time = (up + math.sqrt(max(discriminant, 0.0))) / GRAVITY
+        # A faster jump leaves later and lands farther ahead, which asks for a slower one: their
+        # mean is closer than either.
         x, z = (spot[0] - middle[0] - p1[0]) / time, (spot[1] - middle[2] - p1[2]) / time
         v = 0.5 * (v + np.array([x, up, z]))
-    return JumpPlan(v, rise, time, ends, lean, spot)
+    return JumpPlan(v, rise, time, feet, lean, spot)
 
 
-def _landing_heading(of: Hopper, state: HopState, spot: Array) -> float:
-    """Return where to look when it has landed: to the next spot, or as it came."""
-    spots, k = of.words.land_at, state.course.made
+def _landing_heading(hopper: Hopper, state: HopState, spot: Array) -> float:
+    """Return the heading after a landing: towards the next spot, or along the jump."""
+    spots, k = hopper.config.land_at, state.queue.jumps_made
     here = spot if k + 1 < len(spots) else np.array([state.p[0], state.p[2]])
     there = np.array(spots[k + 1], dtype=float) if k + 1 < len(spots) else spot
-    way = there - here
-    return math.atan2(-way[1], way[0]) if math.hypot(*way) > 0.1 * of.leg else state.facing
+    step = there - here
+    return (
+        math.atan2(-step[1], step[0])
+        if math.hypot(*step) > 0.1 * hopper.leg_length
+        else state.next_heading
+    )
 
 
-def _is_last_jump(of: Hopper, state: HopState) -> bool:
-    """Tell whether the jump that is about to be made is the last one."""
-    course = state.course
-    if course.leap is None:
-        return not course.errands and not _has_own_jump(of, state, course.made + 1)
-    more = len(course.errands) > 1 or not course.leap.last
-    return not more and not _has_own_jump(of, state, course.made)
+def _is_last_jump(hopper: Hopper, state: HopState) -> bool:
+    """Return whether the hopper stops after the jump that is being planned."""
+    queue = state.queue
+    if queue.planned is None:
+        return not queue.orders and not _has_own_jump(hopper, state, queue.jumps_made + 1)
+    has_more = len(queue.orders) > 1 or not queue.planned.is_last
+    return not has_more and not _has_own_jump(hopper, state, queue.jumps_made)
 
 
 def _jump_with_velocity(
-    of: Hopper, state: HopState, ground: Ground, v: Array, facing: float
+    hopper: Hopper, state: HopState, ground: Ground, v: Array, heading: float
 ) -> JumpPlan:
-    """Return how a jump will land that leaves the ground with a velocity (3,)."""
-    rise, _, p1 = lift_off_point(of, state, v)
+    """Return the jump that leaves the ground with a velocity (3,)."""
+    rise, _, p1 = lift_off_point(hopper, state, v)
     time = 2.0 * v[1] / GRAVITY
-    attitude = yaw_quaternion(facing)
+    attitude = yaw_quaternion(heading)
     for last in (False, False, True):
         R = np.array(matrix_rows(attitude))
-        falls, above = max(GRAVITY * time - v[1], 0.3 * v[1]), _lift_off_height(of, state, rise)
-        ends = landing_feet(of, R, v, falls, _is_last_jump(of, state), above)
-        time, spot = _find_landing(of, ground, p1, v, R, ends)
-        # Feet land where they do with the attitude that they are held out for.
-        attitude = attitude if last else leaning_attitude(of, ground, spot[0], spot[1], facing)
-    return JumpPlan(v, rise, time, ends, attitude, spot)
+        fall_speed, lift_height = (
+            max(GRAVITY * time - v[1], 0.3 * v[1]),
+            _lift_off_height(hopper, state, rise),
+        )
+        feet = landing_feet(hopper, R, v, fall_speed, _is_last_jump(hopper, state), lift_height)
+        time, spot = _find_landing(hopper, ground, p1, v, R, feet)
+        # The last landing is computed with the attitude that its feet are held out for.
+        attitude = attitude if last else leaning_attitude(hopper, ground, spot[0], spot[1], heading)
+    return JumpPlan(v, rise, time, feet, attitude, spot)
 
 
 def _find_landing(
-    of: Hopper, ground: Ground, p1: Array, v: Array, R: Array, ends: Array
+    hopper: Hopper, ground: Ground, p1: Array, v: Array, R: Array, feet: Array
 ) -> tuple[float, Array]:
-    """Return when feet (n, 3) that are held so are on the ground, and (x, z) of their middle."""
-    feet = (ends - of.mass.centre) @ R.T + p1
+    """Return the time at which feet (n, 3) are on the ground, and their mean (x, z) [s, m]."""
+    tips = (feet - hopper.mass.centre) @ R.T + p1
     low = float(ground.field.heights.min()) - 1.0
     top = v[1] / GRAVITY
-    last = top + math.sqrt(2.0 * max(float(feet[:, 1].max()) + 0.5 * v[1] * top - low, 0.1) / 9.0)
+    last = top + math.sqrt(2.0 * max(float(tips[:, 1].max()) + 0.5 * v[1] * top - low, 0.1) / 9.0)
 
     def gaps(times: Array) -> Array:
         t = times[:, None]
-        x, z = feet[:, 0] + v[0] * t, feet[:, 2] + v[2] * t
-        y = feet[:, 1] + v[1] * t - 0.5 * GRAVITY * t * t
-        result: Array = (y - of.soles - ground.height(x, z)).mean(axis=-1)
+        x, z = tips[:, 0] + v[0] * t, tips[:, 2] + v[2] * t
+        y = tips[:, 1] + v[1] * t - 0.5 * GRAVITY * t * t
+        result: Array = (y - hopper.sole_radii - ground.height(x, z)).mean(axis=-1)
         return result
 
     times = np.linspace(top, last, FALL_SAMPLES)
@@ -245,118 +259,101 @@ def _find_landing(
     time = float(times[k])
     if 0 < k and below[k]:
         time = find_crossing(lambda t: float(gaps(np.array([t]))[0]), float(times[k - 1]), time)
-    middle = feet.mean(axis=0) + time * v
+    middle = tips.mean(axis=0) + time * v
     return time, middle[[0, 2]]
 
 
 def landing_feet(
-    of: Hopper, R: Array, v: Array, falls: float, stops: bool, highest: float = math.inf
+    hopper: Hopper, R: Array, v: Array, fall_speed: float, stops: bool, max_height: float = math.inf
 ) -> Array:
-    """Return where feet (n, 3) are held for a landing, in the frame of the body [m].
+    """Return the feet (n, 3) as held for a landing, in the frame of the body [m].
 
     They are so far ahead that the body is above them when the landing ends.
 
     Args:
-        of: whose.
-        R: (3, 3) attitude with which it lands.
-        v: (3,) velocity, of which the horizontal counts [m/s].
-        falls: speed of the fall [m/s].
-        stops: whether it stops there.
-        highest: height of the body above the ground at most, that of its lift-off [m].
+        hopper: the creature.
+        R: (3, 3) attitude at the landing.
+        v: (3,) velocity; its horizontal part counts [m/s].
+        fall_speed: at the landing [m/s].
+        stops: whether the body stops there.
+        max_height: bound on the body height above the ground: that of its lift-off [m].
     """
     x, _, z = (R.T @ np.array([v[0], 0.0, v[2]])).tolist()
-    least, share = of.crouch + 0.05 * of.leg, 0.5 if stops else 1.0
+    min_height, share = hopper.crouch_height + 0.05 * hopper.leg_length, 0.5 if stops else 1.0
 
-    def height(time: float) -> float:
-        return max(min(of.tallest(TOUCH_DOWN_STRETCH, time * x, time * z), highest), least)
+    def height_at(time: float) -> float:
+        return max(
+            min(hopper.greatest_height(TOUCH_DOWN_STRETCH, time * x, time * z), max_height),
+            min_height,
+        )
 
-    def takes(tall: float) -> float:
-        return 2.0 * share * (tall - of.crouch) / falls
+    def duration_at(height: float) -> float:
+        return 2.0 * share * (height - hopper.crouch_height) / fall_speed
 
-    # The farther ahead feet are, the lower the body, and the sooner the landing ends.
-    time = takes(height(0.0))
-    if takes(height(time)) < time:
-        time = find_crossing(lambda t: takes(height(t)) - t, 0.0, time)
+    # Feet farther ahead lower the body, which shortens the landing.
+    time = duration_at(height_at(0.0))
+    if duration_at(height_at(time)) < time:
+        time = find_crossing(lambda t: duration_at(height_at(t)) - t, 0.0, time)
     size = math.hypot(x, z)
-    far = MAX_FOOT_ADVANCE * of.leg
-    if time * size > far:
-        time = far / size
-    tall = max(min(height(time), of.crouch + 0.5 * time * falls / share), least)
+    max_advance = MAX_FOOT_ADVANCE * hopper.leg_length
+    if time * size > max_advance:
+        time = max_advance / size
+    height = max(
+        min(height_at(time), hopper.crouch_height + 0.5 * time * fall_speed / share), min_height
+    )
     ahead, aside = time * x, time * z
-    ends: Array = of.rest + np.array([ahead, -tall, aside])
-    ends[:, 1] += of.soles
+    ends: Array = hopper.rest_feet + np.array([ahead, -height, aside])
+    ends[:, 1] += hopper.sole_radii
     return ends
 
 
-def lift_off_point(of: Hopper, state: HopState, v: Array) -> tuple[float, float, Array]:
-    """Return how far to push before lift-off, how long that takes, and where (3,) that is.
+def lift_off_point(hopper: Hopper, state: HopState, v: Array) -> tuple[float, float, Array]:
+    """Return rise and duration of a push, and the centre of mass (3,) at lift-off [m, s, m].
 
-    It is the longest way at whose end all feet that are down still reach the ground.
+    The push is the longest at whose end all feet that are down still reach the ground.
 
     Args:
-        of: who pushes.
-        state: at the begin of the push.
+        hopper: the creature.
+        state: at the start of the push.
         v: (3,) velocity at lift-off [m/s].
     """
-    R = np.array(matrix_rows(state.turning[0]))
-    own = state.down
-    arms = (of.hips[own] - of.mass.centre) @ R.T - state.tips[own]
-    reach = (LIFT_OFF_STRETCH * of.lengths[own]) ** 2
+    R = np.array(matrix_rows(state.attitude[0]))
+    down = state.down
+    levers = (hopper.hips[down] - hopper.mass.centre) @ R.T - state.tips[down]
+    reach = (LIFT_OFF_STRETCH * hopper.leg_lengths[down]) ** 2
     mean = 0.5 * (state.v + v)
 
-    def there(rise: float) -> Array:
+    def place_at(rise: float) -> Array:
         place: Array = state.p + (rise / mean[1]) * mean
         return place
 
-    def spare(rise: float) -> float:
-        way = arms + there(rise)
-        return float((reach - (way * way).sum(axis=-1)).min())
+    def spare_reach(rise: float) -> float:
+        span = levers + place_at(rise)
+        return float((reach - (span * span).sum(axis=-1)).min())
 
-    least, most = MIN_PUSH * of.leg, 2.0 * of.leg
-    rise = least
-    if spare(least) > 0.0:
-        rise = find_crossing(spare, least, most) - 1e-12
-    return rise, rise / float(mean[1]), there(rise)
-
-
-def _lift_off_height(of: Hopper, state: HopState, rise: float) -> float:
-    """Return the height of the body above its footholds at lift-off [m]."""
-    return level_height(of, state.p) + rise - state.floor
+    min_rise, max_rise = MIN_PUSH * hopper.leg_length, 2.0 * hopper.leg_length
+    rise = min_rise
+    if spare_reach(min_rise) > 0.0:
+        rise = find_crossing(spare_reach, min_rise, max_rise) - 1e-12
+    return rise, rise / float(mean[1]), place_at(rise)
 
 
-def leaning_attitude(of: Hopper, ground: Ground, x: float, z: float, facing: float) -> Quaternion:
-    """Return the attitude of a body that looks along a heading and leans with its ground."""
-    (c, _, s), (_, _, _), (_, _, _) = heading(facing).tolist()
-    a, b = (float(w) for w in of.wide)
-    # Forward is (c, -s) and to the right (s, c) in x and z.
-    around = ground.height(
-        x + np.array([a * c, -a * c, b * s, -b * s]), z + np.array([-a * s, a * s, b * c, -b * c])
-    )
-    ahead, back, right, left = (float(h) for h in around)
-    pitch, roll = (
-        LEAN_FRACTION * (ahead - back) / (2.0 * a),
-        LEAN_FRACTION * (right - left) / (2.0 * b),
-    )
-    size = math.hypot(pitch, roll)
-    k = math.tanh(size / MAX_LEAN) * MAX_LEAN / size if size > 1e-12 else 0.0
-    q = quaternion_product(
-        from_rotation_vector((0.0, facing, 0.0)),
-        from_rotation_vector((-k * roll, 0.0, k * pitch)),
-    )
-    return q
+def _lift_off_height(hopper: Hopper, state: HopState, rise: float) -> float:
+    """Return the body height above the footholds at lift-off [m]."""
+    return level_height(hopper, state.p) + rise - state.floor_height
 
 
 TIME_TOLERANCE = 1e-13
-"""Time within which an event is located [s]."""
+"""Precision of event times [s]."""
 
 MAX_ITERATIONS = 60
 
 
 def find_crossing(gap: Callable[[float], float], left: float, right: float) -> float:
-    """Return the time at which `gap` has just come to 0 or less, by regula falsi and halving.
+    """Return the time at which `gap` first becomes 0 or less, by regula falsi and bisection.
 
     Args:
-        gap: of the time; positive at `left`, 0 or less at `right`.
+        gap: function of time; positive at `left`, 0 or less at `right`.
         left: [s].
         right: [s].
     """
@@ -365,7 +362,7 @@ def find_crossing(gap: Callable[[float], float], left: float, right: float) -> f
         if right - left <= TIME_TOLERANCE or at_right == 0.0:
             break
         middle = 0.5 * (left + right)
-        # Every third time in the middle: a jump of the gap would hold one end for ever.
+        # Every third step bisects: at a jump of the gap, regula falsi would keep one end forever.
         if k % 3 != 2 and at_left < math.inf and at_right > -math.inf:
             between = left + (right - left) * at_left / (at_left - at_right)
             middle = between if left < between < right else middle

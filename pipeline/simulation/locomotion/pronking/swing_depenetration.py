@@ -1,7 +1,8 @@
-"""Reaching: from where bodies and feet are to how the legs between them bend.
+"""Inverse kinematics of a herd's legs, with feet in the air kept out of the ground.
 
-Feet on the ground are where they stand; those in the air come as near to where they are to be
-as legs allow, and not into the ground.
+Feet on the ground stay where they stand. Feet in the air come as near to their goals as the legs
+allow, and are lifted out of the ground. Where that fails, because a low body cannot fold its knees
+or a wall leaves no room above, the nearest free place that the leg reaches is searched.
 
 Source: Sims 1987, 7.4.
 """
@@ -24,100 +25,104 @@ from pipeline.simulation.spatial import Array, turn, unturn
 from pipeline.simulation.terrain import Ground
 
 MAX_STRETCH, MIN_FOLD = 0.985, 1.01
-"""How far legs stretch at most in the air, in their lengths, and how far they fold, in what
-they can."""
+"""Greatest stretch of a leg in the air, in its length, and least fold, in its folded length."""
 
 
 UNREACHED_DISTANCE, MAX_LIFTS = 1e-4, 8
-"""Distance of a foot in the air from where it is to be from which the ground is looked at [m],
-and how often it is lifted out of that."""
+"""Distance of a foot in the air from its goal that triggers the ground test [m], and the number of
+attempts to lift it."""
 
 LIFT_DEPTH = 2e-4
-"""Depth of a foot in the ground from which it is lifted [m]."""
+"""Depth in the ground from which a foot is lifted [m]."""
 
 
 class LegSolver:
-    """The legs of one herd.
+    """Solves the legs of one herd.
 
     Attributes:
-        herd: whose they are.
-        ground: that feet are kept above.
-        folds: (L,) least distances from hips to feet [m].
+        herd: the creatures.
+        ground: that feet stay above.
+        folds: (L,) least distances from hip to foot [m].
     """
 
     def __init__(self, herd: Herd, ground: Ground, folds: Array) -> None:
         self.herd, self.ground, self.folds = herd, ground, folds
 
-    def settled(
+    def solve(
         self, goals: Array, R: Array, p: Array, down: NDArray[np.bool_], limp: NDArray[np.bool_]
     ) -> RestSolution:
-        """Return legs at goals (n, L, 3), or as near to them as they come.
+        """Return legs at goals (n, L, 3), or as near as they come.
 
         Args:
             goals: relative to the bodies [m].
-            R: (n, C, 3, 3) and
-            p: (n, C, 3) of the bodies [m].
-            down: (n, L) feet that are where they are.
-            limp: (n, L) those of who has fallen.
+            R: (n, C, 3, 3) orientations of the bodies.
+            p: (n, C, 3) places of the bodies [m].
+            down: (n, L) feet on the ground.
+            limp: (n, L) feet of fallen creatures.
         """
-        reined = self._reined(goals, down)
-        moved = np.abs(reined - goals).max(axis=-1) > UNREACHED_DISTANCE
-        return self._above(reined, R, p, down | limp, moved)
+        clamped = self._clamp_reach(goals, down)
+        moved = np.abs(clamped - goals).max(axis=-1) > UNREACHED_DISTANCE
+        return self._lift_feet(clamped, R, p, down | limp, moved)
 
-    def _above(
+    def _lift_feet(
         self,
         goals: Array,
         R: Array,
         p: Array,
-        leave: NDArray[np.bool_],
-        reined: NDArray[np.bool_],
+        fixed: NDArray[np.bool_],
+        clamped: NDArray[np.bool_],
     ) -> RestSolution:
-        """Return legs at their goals (n, L, 3); those that miss them are kept above the ground.
+        """Return legs at goals (n, L, 3), with feet that miss them lifted out of the ground.
 
         Args:
             goals: relative to the bodies [m].
-            R: (n, C, 3, 3) and
-            p: (n, C, 3) of the bodies [m].
-            leave: (n, L) whose feet are where they are.
-            reined: (n, L) whose feet are not where they were to be.
+            R: (n, C, 3, 3) orientations of the bodies.
+            p: (n, C, 3) places of the bodies [m].
+            fixed: (n, L) feet that are not moved.
+            clamped: (n, L) feet whose goals were changed.
         """
         herd = self.herd
-        found = solve_near_rest(herd.legs, herd.chains, goals)
+        solution = solve_near_rest(herd.legs, herd.chains, goals)
         for _ in range(MAX_LIFTS):
-            rows, legs = np.nonzero(~leave & (reined | (found.residual > UNREACHED_DISTANCE)))
-            rows, legs, deep = self._in_the_ground(found, R, p, rows, legs)
+            rows, legs = np.nonzero(~fixed & (clamped | (solution.residual > UNREACHED_DISTANCE)))
+            rows, legs, depth = self._buried_feet(solution, R, p, rows, legs)
             if not len(rows):
                 break
             c = herd.owner[legs]
             up = np.zeros((len(rows), 3))
-            up[:, 1] = 1.3 * deep + 0.01 * herd.legs.lengths[legs]
+            up[:, 1] = 1.3 * depth + 0.01 * herd.legs.lengths[legs]
             goals[rows, legs] += unturn(R[rows, c], up)
-            self._again(found, goals, rows)
+            self._resolve(solution, goals, rows)
         else:
-            self._in_refuges(
-                found, goals, R, p, ~leave & (reined | (found.residual > UNREACHED_DISTANCE))
+            self._relocate_feet(
+                solution, goals, R, p, ~fixed & (clamped | (solution.residual > UNREACHED_DISTANCE))
             )
-        return found
+        return solution
 
-    def _in_refuges(
-        self, found: RestSolution, goals: Array, R: Array, p: Array, which: NDArray[np.bool_]
+    def _relocate_feet(
+        self,
+        solution: RestSolution,
+        goals: Array,
+        R: Array,
+        p: Array,
+        candidates: NDArray[np.bool_],
     ) -> None:
-        """Bring feet (n, L) that are in the ground yet to where they are out of it."""
+        """Move feet (n, L) that are still in the ground to free places."""
         herd = self.herd
-        rows, legs = self._in_the_ground(found, R, p, *np.nonzero(which))[:2]
+        rows, legs = self._buried_feet(solution, R, p, *np.nonzero(candidates))[:2]
         for row, leg in zip(rows.tolist(), legs.tolist(), strict=True):
-            c, fold = herd.owner[leg], float(self.folds[leg])
+            c, folded_length = herd.owner[leg], float(self.folds[leg])
             place = free_foot_place(
-                herd, self.ground, R[row, c], p[row, c], leg, goals[row, leg], fold
+                herd, self.ground, R[row, c], p[row, c], leg, goals[row, leg], folded_length
             )
             if place is not None:
                 goals[row, leg] = place
         if len(rows):
-            self._again(found, goals, rows)
+            self._resolve(solution, goals, rows)
 
-    def _in_the_ground(
+    def _buried_feet(
         self,
-        found: RestSolution,
+        solution: RestSolution,
         R: Array,
         p: Array,
         rows: NDArray[np.int64],
@@ -125,89 +130,93 @@ class LegSolver:
     ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
         """Return which of some feet are in the ground, and how deep [m]."""
         c = self.herd.owner[legs]
-        tips = p[rows, c] + turn(R[rows, c], self._tips(found, rows, legs))
-        deep = (
+        tips = p[rows, c] + turn(R[rows, c], self._foot_places(solution, rows, legs))
+        depth = (
             lowest_center_height(self.ground, tips[:, 0], tips[:, 2], self.herd.sole[legs])
             - tips[:, 1]
         )
-        low = deep > LIFT_DEPTH
-        return rows[low], legs[low], deep[low]
+        is_buried = depth > LIFT_DEPTH
+        return rows[is_buried], legs[is_buried], depth[is_buried]
 
-    def _again(self, found: RestSolution, goals: Array, rows: NDArray[np.int64]) -> None:
-        """Bring the legs of some rows to their goals (n, L, 3) anew."""
-        some = np.unique(rows)
-        again = solve_near_rest(self.herd.legs, self.herd.chains, goals[some])
+    def _resolve(self, solution: RestSolution, goals: Array, rows: NDArray[np.int64]) -> None:
+        """Solve the legs of some rows again for goals (n, L, 3)."""
+        chosen = np.unique(rows)
+        result = solve_near_rest(self.herd.legs, self.herd.chains, goals[chosen])
         for name in ("q", "X_BJ", "residual"):
-            getattr(found, name)[some] = getattr(again, name)
+            getattr(solution, name)[chosen] = getattr(result, name)
 
-    def _tips(self, found: RestSolution, rows: NDArray[np.int64], legs: NDArray[np.int64]) -> Array:
-        """Return where some tips (k, 3) came to, in the frames of their bodies [m]."""
+    def _foot_places(
+        self, solution: RestSolution, rows: NDArray[np.int64], legs: NDArray[np.int64]
+    ) -> Array:
+        """Return the tips (k, 3) of some legs, in the frames of their bodies [m]."""
         batch = self.herd.legs
         last = batch.is_joint[legs].sum(axis=-1) - 1
-        X = found.X_BJ[rows, legs, last]
+        X = solution.X_BJ[rows, legs, last]
         arm = batch.tips[legs] - batch.places[legs, last]
         result: Array = X[:, :3, 3] + turn(X[:, :3, :3], arm)
         return result
 
-    def _reined(self, goals: Array, down: NDArray[np.bool_]) -> Array:
-        """Return feet (n, L, 3) in the air so that no leg stretches or folds too far [m]."""
+    def _clamp_reach(self, goals: Array, down: NDArray[np.bool_]) -> Array:
+        """Return goals (n, L, 3) in the air, limited to what legs can stretch and fold [m]."""
         herd = self.herd
-        way = goals - herd.hips
-        far = np.maximum(np.sqrt((way * way).sum(axis=-1)), 1e-9)
-        most, least = MAX_STRETCH * herd.legs.lengths, MIN_FOLD * self.folds
-        near = ~down & (far < least)
-        k = np.where(down, 1.0, np.minimum(far, most) / far)
-        way = k[..., None] * way
+        offset = goals - herd.hips
+        distance = np.maximum(np.sqrt((offset * offset).sum(axis=-1)), 1e-9)
+        longest, shortest = MAX_STRETCH * herd.legs.lengths, MIN_FOLD * self.folds
+        near = ~down & (distance < shortest)
+        k = np.where(down, 1.0, np.minimum(distance, longest) / distance)
+        offset = k[..., None] * offset
         if near.any():
-            # Out to the side, for below a low body is the ground.
+            # To the side: the ground is below a low body.
             side = (herd.legs.tips - herd.hips)[:, [0, 2]] + 1e-6
-            side = np.broadcast_to(side, (*near.shape, 2))[near] + 4.0 * way[near][:, [0, 2]]
+            side = np.broadcast_to(side, (*near.shape, 2))[near] + 4.0 * offset[near][:, [0, 2]]
             side /= np.maximum(np.sqrt((side * side).sum(axis=-1)), 1e-9)[:, None]
-            room = np.broadcast_to(least, near.shape)[near] ** 2 - way[near][:, 1] ** 2
+            room = np.broadcast_to(shortest, near.shape)[near] ** 2 - offset[near][:, 1] ** 2
             out = np.sqrt(np.maximum(room, 0.0))[:, None] * side
-            way[near] = np.stack([out[:, 0], way[near][:, 1], out[:, 1]], axis=-1)
-        # Feet that are down stay where they are to the last bit, whoever is beside them.
-        return np.where(down[..., None], goals, herd.hips + way)
+            offset[near] = np.stack([out[:, 0], offset[near][:, 1], out[:, 1]], axis=-1)
+        # Feet that are down keep their exact goals, whatever other legs do.
+        return np.where(down[..., None], goals, herd.hips + offset)
 
 
 SOLVED_DISTANCE = 1e-4
-"""Distance of a foot from a place that it does not come to [m]."""
+"""Distance of a foot from a place that counts as unreached [m]."""
 
 FREE_HEIGHT = 2e-4
-"""Height above the ground of a foot that is out of it, at least [m]."""
+"""Least height above the ground of a free foot [m]."""
 
 LATITUDES, LONGITUDES = 9, 16
-"""Directions in which a leg is looked for, from up to down and round the hip."""
+"""Search directions, from top to bottom and around the hip."""
 
 STRETCH_LEVELS = (0.97, 0.85, 0.7, 0.55, 0.4, 0.28)
-"""How far it is stretched there, in its length; not farther than it folds."""
+"""Search distances, in leg lengths; at least the folded length."""
 
 
 def free_foot_place(
-    herd: Herd, ground: Ground, R: Array, p: Array, leg: int, goal: Array, fold: float
+    herd: Herd, ground: Ground, R: Array, p: Array, leg: int, goal: Array, folded_length: float
 ) -> Array | None:
-    """Return a place (3,) for a foot in the frame of its body, None if there is no better one [m].
+    """Return the nearest free place (3,) of a foot in the frame of its body, or None [m].
 
     Args:
-        herd: that the leg belongs to.
-        ground: that the foot is to be out of.
-        R: (3, 3) and
-        p: (3,) of the body [m].
-        leg: its number in the herd.
-        goal: (3,) where the foot was to be, in the frame of the body [m].
-        fold: least distance from hip to foot [m].
+        herd: the creatures.
+        ground: that the foot is to be above.
+        R: (3, 3) orientation of the body.
+        p: (3,) place of the body [m].
+        leg: number of the leg in the herd.
+        goal: (3,) of the foot, in the frame of the body [m].
+        folded_length: least distance from hip to foot [m].
     """
     hip, length = herd.hips[leg], float(herd.legs.lengths[leg])
-    far = np.array([k * length for k in STRETCH_LEVELS if k * length > fold] + [1.02 * fold])
-    places = hip + (far[:, None, None] * _sphere_directions()).reshape(-1, 3)
+    distances = np.array(
+        [k * length for k in STRETCH_LEVELS if k * length > folded_length] + [1.02 * folded_length]
+    )
+    places = hip + (distances[:, None, None] * _sphere_directions()).reshape(-1, 3)
     places = places[np.argsort(((places - goal) ** 2).sum(axis=-1), kind="stable")]
     feet = places @ R.T + p
-    least = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
-    places = places[feet[:, 1] >= least + FREE_HEIGHT]
+    lowest = lowest_center_height(ground, feet[:, 0], feet[:, 2], herd.sole[leg])
+    places = places[feet[:, 1] >= lowest + FREE_HEIGHT]
     legs = np.full(len(places), leg)
-    _, gap = solve_each_near_rest(herd.legs, herd.chains, legs, places)
-    good: NDArray[np.int64] = np.flatnonzero(gap <= SOLVED_DISTANCE)
-    return places[good[0]] if len(good) else None
+    _, error = solve_each_near_rest(herd.legs, herd.chains, legs, places)
+    reached: NDArray[np.int64] = np.flatnonzero(error <= SOLVED_DISTANCE)
+    return places[reached[0]] if len(reached) else None
 
 
 def _sphere_directions() -> Array:

@@ -1,0 +1,225 @@
+"""Configuration of sound: voices, scale, tempo, room and loudness."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from audio.config import Config, checked_by
+from audio.config.notes import (
+    ChordName,
+    PhraseOrSteps,
+    Pitch,
+    Quantisation,
+    ScaleName,
+    Velocity,
+    VelocityOrNumber,
+)
+from audio.general_midi import drum_key, program_number
+
+Instrument = Annotated[str, checked_by(program_number)]
+Drum = Annotated[str, checked_by(drum_key)]
+Pattern = Annotated[str, Field(min_length=1)]
+Share = Annotated[float, Field(ge=0, le=1)]
+
+
+class Range(Config):
+    """A range of numbers."""
+
+    above: float | None = Field(None, ge=0, description="Lower bound, included.")
+    below: float | None = Field(None, gt=0, description="Upper bound, excluded.")
+
+    @model_validator(mode="after")
+    def _check_bounds(self) -> Self:
+        if self.above is not None and self.below is not None and self.above >= self.below:
+            raise ValueError(f"nothing is above {self.above:g} and below {self.below:g}")
+        return self
+
+    def contains(self, value: float) -> bool:
+        """Return whether a number lies within."""
+        return (self.above is None or value >= self.above) and (
+            self.below is None or value < self.below
+        )
+
+
+class EventFilter(Config):
+    """Selects events; every given condition must hold, `*` stands for any letters."""
+
+    cause: Pattern | None = Field(None, description="Cause, such as footfall or scuff.")
+    who: Pattern | None = Field(None, description="Name of the performer that sounds.")
+    part: Pattern | None = Field(None, description="Its part, such as foot_l1 or foot_*.")
+    other: Pattern | None = Field(None, description="What it met, such as terrain or crate.")
+    material: Pattern | None = Field(None, description="Material of the part that sounds.")
+    surface: Pattern | None = Field(None, description="Material of what it met.")
+    size: Range | None = Field(None, description="Length of the part that sounds [m].")
+    strength: Range | None = Field(
+        None, description="Speed of the impact, or of the motion that sounds [m/s]."
+    )
+
+
+class Voice(Config):
+    """Sound of some events; defaults follow cause, material and size."""
+
+    when: EventFilter = Field(EventFilter(), description="The events it applies to; default all.")
+    instrument: Instrument | None = Field(
+        None, description="Name of the General MIDI instrument that plays the notes."
+    )
+    drum: Drum | None = Field(
+        None,
+        description="Name of a General MIDI drum, such as 'low wood block', that plays the notes "
+        "on the drum channel, instead of an instrument and its pitch.",
+    )
+    pitch: Pitch | None = Field(
+        None,
+        description="MIDI number, note name (C4 is 60), 'by size' (small is high), 'by foot' or "
+        "'by part' (a scale step for each part), or 'by foot from C3' (the first foot there); "
+        "tunes the note and the sound.",
+    )
+    scale: ScaleName | None = Field(
+        None, description="Scale of these notes, or a chord whose notes are the steps."
+    )
+    chord: ChordName | None = Field(
+        None, description="Chord that is played at once, such as Am7, its root nearest to pitch."
+    )
+    octave: int = Field(0, ge=-8, le=8, description="Octaves higher, or lower.")
+    transpose: int = Field(0, ge=-48, le=48, description="Semitones higher, or lower.")
+    phrase: PhraseOrSteps | None = Field(
+        None,
+        description="Notes that answer an event: degrees such as [0, 2, [0, 4], rest, 7], or "
+        "mappings that also say how long each lasts; or all of it with one time for each step, as "
+        "in {steps: [0, 2, 4], beats: 0.25}.",
+    )
+    velocity: VelocityOrNumber | None = Field(
+        None, description="Velocity curve of the notes; a number for a fixed velocity."
+    )
+    length: float | None = Field(
+        None, gt=0, le=60, description="Length of the note and decay time of the sound [s]."
+    )
+    gain_db: float = Field(0.0, ge=-60, le=24, description="Gain [dB].")
+    pan: float | None = Field(
+        None, ge=-1, le=1, description="From left (-1) to right (1); default where it happens."
+    )
+    reverb: Share | None = Field(
+        None, description="Share of distant sound that the room reverberates; 0 is dry."
+    )
+    quantise: bool = Field(True, description="False to leave these events off the grid.")
+    mute: bool = Field(False, description="True to silence these events in score and sound.")
+
+    @model_validator(mode="after")
+    def _check_conflicts(self) -> Self:
+        if self.drum is not None and (self.instrument is not None or self.pitch is not None):
+            raise ValueError("give either drum, or instrument and pitch: a drum has one pitch")
+        tuned = [key for key in ("scale", "chord", "octave", "transpose") if getattr(self, key)]
+        steps = self.phrase.steps if self.phrase else ()
+        if any(step.chord is not None or step.degrees != (0,) for step in steps):
+            tuned.append("degrees or chords in its phrase")
+        if self.drum is not None and tuned:
+            raise ValueError(f"a drum has one pitch; leave out {', '.join(tuned)}")
+        if self.chord is not None and self.phrase is not None:
+            raise ValueError("give either chord or phrase: steps of a phrase may have chords")
+        return self
+
+
+RoomName = Literal["open", "dry", "room", "hall"]
+
+Metres = Annotated[float, Field(gt=0, le=1000)]
+
+
+class Room(Config):
+    """Acoustics of the place; the preset supplies what is not given."""
+
+    preset: RoomName = Field(
+        "open", description="open (the ground and little else), dry (nothing), room or hall."
+    )
+    size: tuple[Metres, Metres, Metres] | None = Field(
+        None, description="Width, height and depth [m]; walls move out to enclose every source."
+    )
+    absorption: float | None = Field(
+        None, ge=0, le=1, description="Share of the sound's energy that walls and ground absorb."
+    )
+    seconds: float | None = Field(
+        None, gt=0, le=20, description="Time in which the reverberation falls by 60 dB [s]."
+    )
+    wet_db: float | None = Field(
+        None, ge=-80, le=12, description="Level of the reverberation at full send [dB]."
+    )
+
+
+class Master(Config):
+    """Loudness of the whole track."""
+
+    lufs: float = Field(-16.0, ge=-40, le=-6, description="Target integrated loudness [LUFS].")
+    true_peak_db: float = Field(
+        -1.0, ge=-20, le=-0.1, description="Ceiling of peaks, between samples too [dB]."
+    )
+    most_gain_db: float = Field(
+        30.0,
+        ge=0,
+        le=60,
+        description="Greatest gain of a soft scene [dB]: what is nearly silent stays soft.",
+    )
+    most_limiting_db: float = Field(
+        18.0,
+        ge=0,
+        le=40,
+        description="Greatest reduction of the highest peak [dB]: loud sounds stay louder than "
+        "soft ones.",
+    )
+
+
+def _expand_room(value: object) -> object:
+    return {"preset": value} if isinstance(value, str) else value
+
+
+def _expand_master(value: object) -> object:
+    # YAML reads a bare `off` as a truth value.
+    return None if value is False or value == "off" else value
+
+
+RoomOrName = Annotated[Room, BeforeValidator(_expand_room, json_schema_input_type=RoomName | Room)]
+MasterOrOff = Annotated[
+    Master | None,
+    BeforeValidator(_expand_master, json_schema_input_type=Literal["off", False] | Master),
+]
+
+
+class Sound(Config):
+    """The sound of a scene: the scale of its notes, its voices, its loudness."""
+
+    scale: ScaleName = Field(
+        "C minor pentatonic",
+        description="Scale of the pitches that follow size or part: a root and a kind, such as "
+        "'A dorian', or 'chromatic', or a chord such as Am7. Pitches given as notes ignore it.",
+    )
+    voices: tuple[Voice, ...] = Field(
+        (), description="Voices; the first whose conditions hold for an event is used."
+    )
+    tempo_bpm: float = Field(
+        120.0, ge=10, le=480, description="Beats a minute of phrases and of the quantisation."
+    )
+    quantise: Quantisation | None = Field(
+        None, description="Moves notes to the grid of the tempo; default no quantisation."
+    )
+    velocity: VelocityOrNumber = Field(Velocity(), description="Velocity curve of the notes.")
+    reverb: Share = Field(
+        0.5, description="Share of distant sound that the room reverberates; 0 is dry."
+    )
+    tracks: Literal["performer", "cause"] = Field(
+        "performer", description="Whether each performer or each cause has a MIDI track."
+    )
+    volume_db: float = Field(
+        0.0, ge=-60, le=24, description="Gain of the whole, score and sound [dB]."
+    )
+    listener: Literal["camera"] | tuple[float, float, float] = Field(
+        "camera", description="At the camera, or at a place [x, y, z] with its orientation."
+    )
+    room: RoomOrName = Field(Room(), description="Acoustics of the track: open, dry, room, hall.")
+    master: MasterOrOff = Field(
+        Master(), description="Loudness of the track; off to leave the mix as it is."
+    )
+    soundfont: str | None = Field(
+        None,
+        min_length=1,
+        description="A SoundFont (.sf2) beside the scene that plays the score as the track.",
+    )

@@ -1,0 +1,89 @@
+"""Controller curves: pitch bend and expression of a sustained note as its speed changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log2
+
+from audio.loudness_at_listener import SPEED_EXPONENT
+from audio.score import ScoreEvent
+from audio.time_grid import TickGrid
+
+BEND_RANGE = 12
+"""Semitones of the full pitch bend, to either side."""
+
+CENTERED, FULL_EXPRESSION = 0, 127
+"""Pitch bend and expression of a note without a curve."""
+
+FULL_BEND = 8192
+"""Pitch bend of the full range."""
+
+# Half an octave for half the speed: a ball that rolls out audibly sinks but stays audible.
+_SEMITONES_PER_HALVING = 6.0
+# Smallest change of pitch bend that is sent, 5 cents: finer ones are inaudible.
+_MIN_BEND_CHANGE = 32
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerPoint:
+    """Controller values from a tick on.
+
+    Attributes:
+        tick: of the change.
+        bend: pitch bend, -8192 to 8191; 0 is the note's own pitch.
+        expression: 0 to 127.
+    """
+
+    tick: int
+    bend: int
+    expression: int
+
+    @property
+    def semitones(self) -> float:
+        """Pitch bend in semitones."""
+        return BEND_RANGE * self.bend / FULL_BEND
+
+
+def controller_curve(
+    event: ScoreEvent, grid: TickGrid, start: int, end: int
+) -> tuple[ControllerPoint, ...]:
+    """Return the controller points of a note, at most one a frame; empty for a steady sound.
+
+    The note's own pitch and velocity are those of the greatest speed.
+
+    Args:
+        event: the sustained sound.
+        grid: of the score.
+        start: tick of the note's onset.
+        end: tick of its end.
+    """
+    top = max(event.speeds, default=0.0)
+    if len(event.speeds) < 2 or top <= 0.0 or event.duration <= 0.0:
+        return ()
+    points: list[ControllerPoint] = []
+    length = grid.ticks(event.duration)
+    for tick in range(start, end, grid.ticks_per_frame):
+        relative_speed = _interpolate(event.speeds, (tick - start) / length) / top
+        point = _controller_point(tick, relative_speed)
+        if (
+            not points
+            or point.expression != points[-1].expression
+            or abs(point.bend - points[-1].bend) >= _MIN_BEND_CHANGE
+        ):
+            points.append(point)
+    return tuple(points)
+
+
+def _interpolate(speeds: tuple[float, ...], fraction: float) -> float:
+    """Return the speed at a fraction of the duration by linear interpolation."""
+    position = min(fraction, 1.0) * (len(speeds) - 1)
+    left = min(int(position), len(speeds) - 2)
+    return speeds[left] + (position - left) * (speeds[left + 1] - speeds[left])
+
+
+def _controller_point(tick: int, relative_speed: float) -> ControllerPoint:
+    relative_speed = max(relative_speed, 1e-3)
+    semitones = max(_SEMITONES_PER_HALVING * log2(relative_speed), -BEND_RANGE)
+    # A synthesiser's loudness follows 40 log10(expression / 127). Source: MMA DLS 1999.
+    expression = max(round(FULL_EXPRESSION * relative_speed ** (SPEED_EXPONENT / 2)), 1)
+    return ControllerPoint(tick, round(semitones / BEND_RANGE * FULL_BEND), expression)

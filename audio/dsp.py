@@ -1,0 +1,168 @@
+"""Signal processing: noise, convolution, resampling and panning.
+
+Source of the grain noise: Cook 1997 (PhISM): many small collisions at random times, fewer and
+softer as energy is spent.
+"""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from audio.time_grid import SAMPLE_RATE
+
+Signal = NDArray[np.float64]
+
+Gain = float | Signal
+
+SILENCE_EXPONENT = float(np.log(1000.0))
+"""-60 dB as an exponent of e."""
+
+_MIN_FFT_SIZE = 1 << 14
+# Duration of the click of an impact on loose ground, of a grain, and of a grain's decay [s].
+_CRUNCH_DECAY, _GRAIN_LENGTH, _GRAIN_DECAY = 0.003, 0.006, 0.0012
+
+
+def band_noise(samples: int, band: tuple[float, float], rng: np.random.Generator) -> Signal:
+    """Return stationary noise between two frequencies with soft shoulders, RMS 1: (samples,).
+
+    Args:
+        samples: at least one.
+        band: lower and upper edge [Hz].
+        rng: of the noise.
+    """
+    # A power of two, since FFTs of prime lengths are slow.
+    size = 1 << max(int(samples - 1).bit_length(), 6)
+    spectrum = np.fft.rfft(rng.standard_normal(size))
+    f = np.fft.rfftfreq(size, 1 / SAMPLE_RATE)
+    low, high = band
+    # Two Butterworth-like shoulders; exactly zero at 0 Hz.
+    shape = (f / low) ** 2 / np.sqrt(1 + (f / low) ** 4) / np.sqrt(1 + (f / high) ** 6)
+    noise = np.fft.irfft(spectrum * shape, size)[:samples]
+    return np.asarray(noise / max(float(np.sqrt(np.mean(noise**2))), 1e-12))
+
+
+def grain_noise(
+    band: tuple[float, float], decay: float, rate: float, rng: np.random.Generator
+) -> Signal:
+    """Return the noise of an impact on loose ground, at full level from its first sample: (N,).
+
+    Args:
+        band: of the grains [Hz].
+        decay: time to fall by 60 dB [s].
+        rate: grains a second, at the start; 0 for a smooth rustle.
+        rng: of grains and noise.
+    """
+    samples = max(int(decay * SAMPLE_RATE), 64)
+    t = np.arange(samples) / SAMPLE_RATE
+    fall = np.exp(-SILENCE_EXPONENT * t / decay)
+    noise = band_noise(samples, band, rng)
+    envelope = np.exp(-t / _CRUNCH_DECAY)
+    if rate > 0:
+        envelope += fall * _bursts(samples, rate, rng)
+    else:
+        envelope += 0.6 * fall
+    sound = noise * envelope
+    # The onset must be audible at its sample, whatever the noise does there.
+    sound[0] = np.copysign(max(abs(sound[0]), 0.3), sound[0])
+    return without_offset(sound, envelope)
+
+
+def _bursts(samples: int, rate: float, rng: np.random.Generator) -> Signal:
+    """Return the sum of short decays at random times, of random strength: (samples,)."""
+    count = max(int(rng.poisson(rate * samples / SAMPLE_RATE)), 3)
+    starts = (rng.random(count) ** 1.5 * samples).astype(np.int64)
+    strengths = rng.exponential(1.0, count)
+    impulses = np.zeros(samples)
+    np.add.at(impulses, starts, strengths)
+    t = np.arange(int(_GRAIN_LENGTH * SAMPLE_RATE)) / SAMPLE_RATE
+    return np.convolve(impulses, np.exp(-t / _GRAIN_DECAY))[:samples]
+
+
+def without_offset(sound: Signal, envelope: Signal) -> Signal:
+    """Return a sound with its mean removed along an envelope, so that silence stays silent."""
+    return np.asarray(sound - envelope * (sound.sum() / envelope.sum()))
+
+
+def normalized(sound: Signal) -> Signal:
+    """Return a sound scaled to a peak of 1; silence as it is."""
+    peak = float(np.max(np.abs(sound), initial=0.0))
+    return sound / peak if peak > 0 else sound
+
+
+def convolve(sound: Signal, response: Signal) -> Signal:
+    """Return a sound convolved with an impulse response, as long as the sound: (N,).
+
+    Overlap-add; blocks of silence are skipped and stay exactly silent.
+
+    Args:
+        sound: (N,).
+        response: (K,).
+    """
+    size = max(_MIN_FFT_SIZE, 1 << (4 * response.size - 1).bit_length())
+    step = size - response.size + 1
+    spectrum = np.fft.rfft(response, size)
+    whole = np.zeros(sound.size + size)
+    for start in range(0, sound.size, step):
+        block = sound[start : start + step]
+        if block.any():
+            whole[start : start + size] += np.fft.irfft(np.fft.rfft(block, size) * spectrum, size)
+    return whole[: sound.size]
+
+
+def resample(sound: Signal, rate: Signal) -> Signal:
+    """Return a sound read at a varying rate by cubic interpolation: (N,).
+
+    Source: Catmull and Rom 1974.
+
+    Args:
+        sound: (K,) samples; repeated if too short.
+        rate: (N,) input samples per output sample; not negative.
+    """
+    if (rate == 1.0).all() and rate.size <= sound.size:
+        return np.array(sound[: rate.size])
+    position = np.concatenate(([0.0], np.cumsum(rate)[:-1]))
+    whole = np.floor(position)
+    x, i = position - whole, whole.astype(np.int64)
+    p0, p1, p2, p3 = (sound[(i + k) % sound.size] for k in (-1, 0, 1, 2))
+    curve = x * (3 * (p1 - p2) + p3 - p0) + 2 * p0 - 5 * p1 + 4 * p2 - p3
+    return np.asarray(p1 + 0.5 * x * (p2 - p0 + x * curve))
+
+
+def pan_gains(pan: float) -> tuple[float, float]:
+    """Return the gains of left and right for a pan of -1 to 1; their squares add to 1."""
+    angle = (pan + 1) * pi / 4
+    # cos(π/2) is 6e-17, which would keep the far side from being silent.
+    return max(cos(angle), 0.0) * (pan < 1), max(sin(angle), 0.0) * (pan > -1)
+
+
+def mix_in(stereo: Signal, start: int, sound: Signal, gains: tuple[Gain, Gain]) -> None:
+    """Add a sound to a mix at a sample; the part past the end is cut.
+
+    Args:
+        stereo: (N, 2), changed.
+        start: sample of the onset.
+        sound: (M,).
+        gains: of left and right; (M,) if they vary.
+    """
+    size = min(max(stereo.shape[0] - start, 0), sound.size)
+    for side, gain in enumerate(gains):
+        if isinstance(gain, np.ndarray):
+            stereo[start : start + size, side] += gain[:size] * sound[:size]
+        elif gain:
+            stereo[start : start + size, side] += gain * sound[:size]
+
+
+def fade_out(stereo: Signal, samples: int) -> None:
+    """Fade the last samples of a mix to silence, in place, to avoid a click at the end."""
+    fade = min(samples, stereo.shape[0])
+    stereo[stereo.shape[0] - fade :] *= (np.cos(0.5 * np.pi * (np.arange(fade) + 1) / fade) ** 2)[
+        :, None
+    ]
+
+
+def decibels(amplitude: float) -> float:
+    """Return an amplitude in decibels; -inf for zero."""
+    return float(20 * np.log10(amplitude)) if amplitude > 0 else -np.inf

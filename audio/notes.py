@@ -1,0 +1,216 @@
+"""Notes: the notes of each event, by the configured voices or by defaults."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from audio.acoustic_materials import family_of
+from audio.cause_voices import FrictionVoice, cause_voice
+from audio.config.sound import EventFilter, Sound, Voice
+from audio.general_midi import drum_key, program_number
+from audio.harmony import Scale, fold_pitch, parse_steps
+from audio.loudness_at_listener import event_level, pan_of, reverb_send
+from audio.names import matches_pattern
+from audio.phrases import NoteGroup, note_groups
+from audio.pitch_rules import PartRank, Ranks, default_rule, part_ranks, pitch_by_rule, rank_of
+from audio.quantisation import TimingShifts, quantise, timing_shifts
+from audio.score import Score, ScoreEvent
+from audio.time_grid import nearest_frame_time
+
+# Length of a note by the size of its body: base and bounds [s], growth [s/m].
+_BASE_LENGTH, _LENGTH_PER_METRE, _MAX_LENGTH = 0.25, 0.5, 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A note of an event.
+
+    Attributes:
+        event: its cause; for later notes of a phrase without duration and course.
+        onset: time of its sound [s].
+        program: General MIDI program.
+        pitch: MIDI pitch; of a drum its key.
+        seconds: length [s].
+        level: peak level at the listener, gains included [dBFS].
+        tuned: whether the pitch is configured, so that the sound follows it too.
+        decay: configured decay time of the sound [s]; None for that of the material.
+        send: share of its level that is sent to the reverb, 0 to 1.
+        drum: whether it is played on the drum channel.
+        pan: configured pan from left (-1) to right (1); None for that of the event.
+        is_first: whether it is the first note of its event; others belong to a chord or phrase.
+    """
+
+    event: ScoreEvent
+    onset: Fraction
+    program: int
+    pitch: int
+    seconds: float
+    level: float
+    tuned: bool = False
+    decay: float | None = None
+    send: float = 0.0
+    drum: bool = False
+    pan: float | None = None
+    is_first: bool = True
+
+    @property
+    def effective_pan(self) -> float:
+        """Pan from left (-1) to right (1)."""
+        return pan_of(self.event) if self.pan is None else self.pan
+
+
+@dataclass(frozen=True, slots=True)
+class Arrangement:
+    """All notes of a score.
+
+    Attributes:
+        notes: in an order that depends on the events alone, those of an event together.
+        after_the_end: number of phrase notes dropped because they start after the last frame.
+        shifts: statistics of the quantisation.
+    """
+
+    notes: tuple[Note, ...]
+    after_the_end: int
+    shifts: TimingShifts
+
+
+def notes_of(score: Score) -> tuple[Note, ...]:
+    """Return the notes of a score; raises as `arrange` does."""
+    return arrange(score).notes
+
+
+def first_notes(score: Score) -> tuple[Note, ...]:
+    """Return the first note of every event that is not muted; raises as `arrange` does."""
+    return tuple(note for note in notes_of(score) if note.is_first)
+
+
+def arrange(score: Score) -> Arrangement:
+    """Return the notes of every event that is not muted.
+
+    Raises:
+        ScoreError: an event lies outside the score or holds a number that is not finite.
+    """
+    score.validate()
+    ranks = part_ranks(score.events)
+    notes: list[Note] = []
+    shifts: list[Fraction] = []
+    # A crash has hundreds of events on one frame.
+    quantised: dict[Fraction, Fraction] = {}
+    dropped = 0
+    end = score.frames / score.rate
+    for event in sorted(score.events, key=_order):
+        voice = voice_of(score.sound, event)
+        if voice.mute:
+            continue
+        onset = score.onset(event)
+        if score.sound.quantise is not None and voice.quantise:
+            if onset not in quantised:
+                quantised[onset] = quantise(onset, score.sound.quantise, score)
+            shifts.append(quantised[onset] - onset)
+            onset = quantised[onset]
+        played = list(_event_notes(score, event, voice, ranks, onset))
+        within = [note for note in played if note.onset < end]
+        dropped += len(played) - len(within)
+        notes += within
+    return Arrangement(tuple(notes), dropped, timing_shifts(shifts))
+
+
+def _order(event: ScoreEvent) -> tuple[object, ...]:
+    return (
+        *(event.frame, event.time, event.who, event.part, event.cause, event.other),
+        *(event.material, event.surface, event.strength, event.energy, event.size),
+        *(event.distance, event.azimuth, event.duration),
+    )
+
+
+def voice_of(sound: Sound, event: ScoreEvent) -> Voice:
+    """Return the first voice whose conditions hold for an event, or the default voice."""
+    return next((voice for voice in sound.voices if _selects(voice.when, event)), Voice())
+
+
+def _selects(when: EventFilter, event: ScoreEvent) -> bool:
+    names = (
+        (when.cause, event.cause),
+        (when.who, event.who),
+        (when.part, event.part),
+        (when.other, event.other),
+        (when.material, event.material),
+        (when.surface, event.surface),
+    )
+    ranges = ((when.size, event.size), (when.strength, abs(event.strength)))
+    return all(
+        pattern is None or matches_pattern(name, pattern) for pattern, name in names
+    ) and all(range_ is None or range_.contains(value) for range_, value in ranges)
+
+
+def _event_notes(
+    score: Score, event: ScoreEvent, voice: Voice, ranks: Ranks, onset: Fraction
+) -> Iterator[Note]:
+    sound = score.sound
+    scale = parse_steps(voice.scale or sound.scale)
+    program = program_number(voice.instrument or _default_instrument(event))
+    pitch = _pitch(event, voice, rank_of(ranks, event), scale, program)
+    note = Note(
+        event=event,
+        onset=onset,
+        program=program,
+        pitch=pitch,
+        seconds=voice.length or event.duration or _default_length(event),
+        level=_level(event, voice, sound) + voice.gain_db + sound.volume_db,
+        tuned=voice.drum is None and any((voice.pitch is not None, voice.chord, voice.phrase)),
+        decay=voice.length,
+        send=reverb_send(event.distance, sound.reverb if voice.reverb is None else voice.reverb),
+        drum=voice.drum is not None,
+        pan=voice.pan,
+    )
+    for group in note_groups(voice, pitch, scale, sound.tempo_bpm, score.rate):
+        yield from _group_notes(note, group, score)
+
+
+def _group_notes(note: Note, group: NoteGroup, score: Score) -> Iterator[Note]:
+    onset = note.onset + group.delay
+    event = note.event
+    if group.delay > 0:
+        onset = onset if score.subframe else nearest_frame_time(onset, score.rate)
+        # A sustained sound happens once; the rest of its phrase are impacts.
+        event = replace(event, duration=0.0, speeds=(), course=())
+    for index, pitch in enumerate(group.pitches):
+        yield replace(
+            note,
+            event=event,
+            onset=onset,
+            pitch=pitch,
+            seconds=group.seconds or note.seconds,
+            level=note.level + group.gain_db,
+            is_first=group.delay == 0 and index == 0,
+        )
+
+
+def _pitch(event: ScoreEvent, voice: Voice, rank: PartRank, scale: Scale, program: int) -> int:
+    if voice.drum is not None:
+        return drum_key(voice.drum)
+    pitch = default_rule(event) if voice.pitch is None else voice.pitch
+    if not isinstance(pitch, int):
+        pitch = pitch_by_rule(pitch, event, rank, scale, program)
+    return fold_pitch(pitch + 12 * voice.octave + voice.transpose)
+
+
+def _level(event: ScoreEvent, voice: Voice, sound: Sound) -> float:
+    velocity = voice.velocity or sound.velocity
+    level = event_level(velocity, event)
+    default = cause_voice(event.cause)
+    return level + (default.level if default and velocity.curve == "physical" else 0.0)
+
+
+def _default_instrument(event: ScoreEvent) -> str:
+    return (cause_voice(event.cause) or family_of(event.material)).instrument
+
+
+def _default_length(event: ScoreEvent) -> float:
+    """Return the length of a note [s]: larger bodies ring longer, friction has its own."""
+    voice = cause_voice(event.cause)
+    if isinstance(voice, FrictionVoice):
+        return voice.seconds
+    return min(max(_BASE_LENGTH + _LENGTH_PER_METRE * event.size, _BASE_LENGTH), _MAX_LENGTH)

@@ -1,0 +1,97 @@
+"""Source motion: Doppler shift, speed and gains of sustained sounds over time.
+
+Source: Doppler's law for a source that moves in air at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from audio.dsp import Signal
+from audio.loudness_at_listener import MIN_DISTANCE
+from audio.score import Bearing
+from audio.time_grid import SAMPLE_RATE
+
+SPEED_OF_SOUND = 343.0
+"""At 20 °C [m/s]."""
+
+# Doppler's law has a pole at the speed of sound.
+_MAX_SPEED = 0.8 * SPEED_OF_SOUND
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedProfile:
+    """Speed of a sustained sound at each of its samples.
+
+    Attributes:
+        relative_speed: (N,) fraction of the greatest speed, 0 to 1.
+        doppler: (N,) frequency ratio at the listener; 1 for a source at constant distance.
+        is_steady: whether the speed is constant or unknown.
+    """
+
+    relative_speed: Signal
+    doppler: Signal
+    is_steady: bool
+
+    @property
+    def samples(self) -> int:
+        """Length in samples."""
+        return self.relative_speed.size
+
+
+def speed_profile(
+    samples: int, duration: float, speeds: tuple[float, ...], approach_speeds: tuple[float, ...]
+) -> SpeedProfile:
+    """Return the speed profile of a sound.
+
+    Args:
+        samples: length of the profile.
+        duration: from the first to the last speed [s]; the last speed continues after it.
+        speeds: at even times [m/s]; empty if constant.
+        approach_speeds: rates at which the distance shrinks, at even times [m/s]; empty if
+            constant.
+    """
+    top = max(speeds, default=0.0)
+    is_steady = len(speeds) < 2 or top <= 0.0
+    relative = np.ones(samples) if is_steady else _interpolate(speeds, samples, duration) / top
+    doppler = np.ones(samples)
+    if len(approach_speeds) > 1:
+        approach = np.clip(
+            _interpolate(approach_speeds, samples, duration), -_MAX_SPEED, _MAX_SPEED
+        )
+        doppler = 1 / (1 - approach / SPEED_OF_SOUND)
+    return SpeedProfile(relative, doppler, is_steady)
+
+
+def _interpolate(values: tuple[float, ...], samples: int, duration: float) -> Signal:
+    """Return values at even times, linearly interpolated at each sample: (samples,)."""
+    times = np.linspace(0.0, max(duration, 1 / SAMPLE_RATE), len(values))
+    return np.asarray(np.interp(np.arange(samples) / SAMPLE_RATE, times, np.asarray(values)))
+
+
+def moving_gains(
+    course: tuple[Bearing, ...],
+    nearest: float,
+    duration: float,
+    samples: int,
+    pan: float | None = None,
+) -> tuple[Signal, Signal]:
+    """Return the gains of left and right relative to the nearest point: (samples,) each.
+
+    Args:
+        course: bearings at even times, at least two.
+        nearest: distance to which the level of the whole sound refers [m].
+        duration: from the first to the last bearing [s].
+        samples: of the sound.
+        pan: fixed pan from left (-1) to right (1); None to follow the bearings.
+    """
+    distances = tuple(max(bearing.distance, MIN_DISTANCE) for bearing in course)
+    distance = _interpolate(distances, samples, duration)
+    # Interpolated sines: a source that passes behind the listener stays behind.
+    sines = tuple(float(np.sin(b.azimuth)) if pan is None else pan for b in course)
+    sine = _interpolate(sines, samples, duration)
+    angle = (np.clip(sine, -1.0, 1.0) + 1) * np.pi / 4
+    near = max(nearest, MIN_DISTANCE) / distance
+    return near * np.cos(angle), near * np.sin(angle)

@@ -1,0 +1,248 @@
+"""Synthesis of single sounds at the listener's distance, before their gain and direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from hashlib import blake2b
+from math import log2
+
+import numpy as np
+
+from audio.acoustic_materials import MaterialFamily, family_of
+from audio.cause_voices import Motion, MotionVoice, cause_voice
+from audio.dsp import Signal, band_noise, grain_noise, normalized, resample
+from audio.loudness_at_listener import SPEED_EXPONENT
+from audio.modal_synthesis import ModalBank, excited_modes, ring, with_contact_time
+from audio.notes import Note
+from audio.source_motion import SpeedProfile, speed_profile
+from audio.time_grid import SAMPLE_RATE
+
+# Each kind of sound exists in this many variants: no two steps in a row are alike, and yet a
+# thousand steps cost sixteen syntheses.
+_VARIANTS = 16
+# Random variation of the level [dB].
+_LEVEL_JITTER = 0.8
+# Steps of the point of impact along a body.
+_SPOTS = 16
+# Attenuation in air [dB per m and Hz²], a square law through 0.16 dB/m at 10 kHz.
+# Source: ISO 9613-1:1993, at 20 °C and 50 % humidity.
+_AIR_ABSORPTION = 1.6e-9
+# Longest ring without a configured decay [s].
+_MAX_RING = 6.0
+# Longest ring of a limb while its joint rubs, and of a body that rubs [s].
+_JOINT_RING, _FRICTION_RING = 0.04, 0.03
+# Modulation of the rolling noise by the heavier side.
+_ROLL_MODULATION = 0.25
+# Level of the excited modes of a rubbing body relative to the friction noise.
+_FRICTION_RESONANCE = 0.5
+# Longest contact of an impact [samples]: under a millisecond, so that the onset is on its frame.
+_MAX_CONTACT = 44
+_MIN_ONSET = 1e-4
+_FADE = int(0.005 * SAMPLE_RATE)
+
+MIN_DURATION = 64 / SAMPLE_RATE
+"""Least duration of a sustained sound [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SoundParameters:
+    """All parameters of a sound's synthesis; equal ones are synthesised once.
+
+    Attributes:
+        cause: of the event.
+        material: of the body that sounds.
+        surface: material of what it met.
+        size: of the body [m].
+        speed: [m/s], in steps of 3 dB.
+        distance: [m], in powers of two, for the absorption of air.
+        pitch: configured pitch [Hz]; 0 for the pitch of the size.
+        decay: configured decay time [s]; 0 for that of the materials.
+        duration: audible duration of a sustained sound [s]; 0 for an impact.
+        variant: number of the random variant.
+        spot: point of impact along the longest axis, in steps of a 16th; None if unknown.
+        full_duration: of the sustained sound, with the part after the end of the score [s].
+        speeds: of a sustained sound, at even times over the full duration [m/s].
+        approach_speeds: rates at which its distance shrinks, at these times [m/s].
+    """
+
+    cause: str
+    material: str
+    surface: str
+    size: float
+    speed: float
+    distance: float
+    pitch: float
+    decay: float
+    duration: float
+    variant: int
+    spot: float | None = None
+    full_duration: float = 0.0
+    speeds: tuple[float, ...] = ()
+    approach_speeds: tuple[float, ...] = ()
+
+
+def sound_parameters(
+    note: Note, seed: int, occurrence: int, remaining: float
+) -> tuple[SoundParameters, float]:
+    """Return the parameters of a note's sound and a random variation of its level [dB].
+
+    Both depend on the seed and the event, never on other events.
+
+    Args:
+        note: the event with its voice.
+        seed: of the score.
+        occurrence: number of earlier events with the same key.
+        remaining: time to the end of the score [s].
+    """
+    event = note.event
+    rng = _generator(seed, *event.key, occurrence)
+    parameters = SoundParameters(
+        cause=event.cause,
+        material=event.material,
+        surface=event.surface,
+        size=event.size,
+        speed=_quantized(float(np.clip(abs(event.strength), 0.02, 1e3)), 2),
+        distance=_quantized(float(np.clip(event.distance, 1.0, 1e4)), 1),
+        pitch=440 * 2 ** ((note.pitch - 69) / 12) if note.tuned else 0.0,
+        decay=note.decay or 0.0,
+        duration=min(event.duration, remaining),
+        variant=int(rng.integers(_VARIANTS)),
+        spot=None if event.spot is None else round(event.spot * _SPOTS) / _SPOTS,
+        full_duration=event.duration,
+        speeds=event.speeds,
+        approach_speeds=tuple(bearing.approach_speed for bearing in event.course),
+    )
+    return parameters, float(rng.uniform(-_LEVEL_JITTER, _LEVEL_JITTER))
+
+
+def _quantized(value: float, steps_per_doubling: int) -> float:
+    return float(2 ** (round(log2(value) * steps_per_doubling) / steps_per_doubling))
+
+
+def _generator(seed: int, *key: object) -> np.random.Generator:
+    data = "\x1f".join(str(part) for part in (seed, *key)).encode("utf-8", "replace")
+    return np.random.default_rng(int.from_bytes(blake2b(data, digest_size=16).digest()))
+
+
+def synthesize(sound: SoundParameters, seed: int) -> Signal:
+    """Return a sound of peak 1 from the sample of its onset on: (N,)."""
+    # Distance and speed are left out, so that changing them keeps the random numbers.
+    rng = _generator(seed, sound.cause, sound.material, sound.surface, sound.size, sound.variant)
+    voice = cause_voice(sound.cause)
+    if isinstance(voice, MotionVoice):
+        signal = _motion(voice, sound, rng)
+    elif voice is not None or sound.duration > 0:
+        rolls = voice is not None and voice.rolls
+        signal = _friction(sound, _profile(sound, voice.seconds if voice else 0.0), rolls, rng)
+    else:
+        signal = _impact(sound, rng)
+    fade = min(_FADE, signal.size)
+    signal[signal.size - fade :] *= np.cos(0.5 * np.pi * np.arange(fade) / fade) ** 2
+    signal = normalized(signal)
+    # The onset must be detectable on its sample.
+    signal[0] = np.copysign(max(abs(signal[0]), _MIN_ONSET), signal[0])
+    return signal
+
+
+def _profile(sound: SoundParameters, default_duration: float) -> SpeedProfile:
+    seconds = max(sound.decay or sound.duration or default_duration, MIN_DURATION)
+    samples = int(seconds * SAMPLE_RATE)
+    return speed_profile(samples, sound.full_duration, sound.speeds, sound.approach_speeds)
+
+
+def _motion(voice: MotionVoice, sound: SoundParameters, rng: np.random.Generator) -> Signal:
+    pitch = sound.pitch or voice.pitch * (0.1 / sound.size) ** 0.5
+    body = np.ones(1)
+    if voice.resonates:
+        own = family_of(sound.material)
+        bank = _body_modes(own, own, replace(sound, pitch=0.0), rng)
+        body = _ring(bank.with_decay_time(_JOINT_RING), sound)
+    motion = Motion(_profile(sound, voice.seconds), float(np.clip(pitch, 30, 6000)), sound.speed)
+    return voice.synthesize(motion, body, rng)
+
+
+def _impact(sound: SoundParameters, rng: np.random.Generator) -> Signal:
+    own, ground = family_of(sound.material), family_of(sound.surface)
+    contact = (own.softness + ground.softness) * sound.speed**-0.2 * (sound.size / 0.1) ** 0.3
+    taps = int(np.clip(round(contact * 1e-3 * SAMPLE_RATE), 1, _MAX_CONTACT))
+    compliance = ground.softness / (own.softness + ground.softness)
+    body = _ring(_body_modes(own, ground, sound, rng), sound)
+    layers = [(1 - 0.6 * compliance) * normalized(with_contact_time(body, taps))]
+    floor = _ring(_ground_modes(ground, sound, rng), sound)
+    layers.append((0.35 + 0.5 * compliance) * normalized(with_contact_time(floor, taps)))
+    for family in (own, ground):
+        if family.grain_level is not None:
+            low, high = family.grain_band
+            band = (low, min(high, _air_cutoff(sound.distance)))
+            decay = min(family.grain_decay * sound.speed**0.25, sound.decay or 1.0)
+            grains = grain_noise(band, decay, family.grain_rate, rng)
+            layers.append(10 ** (family.grain_level / 20) * normalized(grains))
+    return _mix_layers(layers)
+
+
+def _body_modes(
+    own: MaterialFamily, ground: MaterialFamily, sound: SoundParameters, rng: np.random.Generator
+) -> ModalBank:
+    pitch = sound.pitch or own.pitch * (0.1 / sound.size) ** 0.8
+    # A body on soft ground cannot ring freely.
+    damping = own.damping + 160 * ground.friction
+    pitch = float(np.clip(pitch, 40, 6000))
+    bank = excited_modes(own.shape, pitch, own.friction, damping, own.tilt, sound.spot, rng)
+    return bank.with_decay_time(sound.decay) if sound.decay else bank
+
+
+def _ground_modes(
+    ground: MaterialFamily, sound: SoundParameters, rng: np.random.Generator
+) -> ModalBank:
+    pitch = ground.ground * rng.uniform(0.94, 1.06)
+    damping = ground.damping + 8
+    bank = excited_modes(ground.shape, pitch, ground.friction, damping, ground.tilt, None, rng)
+    return bank.with_decay_time(sound.decay) if sound.decay else bank
+
+
+def _ring(bank: ModalBank, sound: SoundParameters) -> Signal:
+    absorption = 10 ** (-_AIR_ABSORPTION * bank.frequency**2 * sound.distance / 20)
+    longest = max(_MAX_RING, sound.decay)
+    samples = max(int(min(bank.seconds, longest) * SAMPLE_RATE), _FADE)
+    return ring(replace(bank, amplitude=bank.amplitude * absorption), samples)
+
+
+def _air_cutoff(distance: float) -> float:
+    """Return the frequency that air attenuates by 6 dB [Hz]."""
+    return float(np.sqrt(6 / (_AIR_ABSORPTION * distance)))
+
+
+def _friction(
+    sound: SoundParameters, profile: SpeedProfile, rolls: bool, rng: np.random.Generator
+) -> Signal:
+    """Return a scrape or a roll: surface roughness that excites the body's modes.
+
+    The roughness is a profile read at the speed of the body, so the noise falls in pitch with the
+    speed while the modes keep their frequencies.
+    """
+    own, ground = family_of(sound.material), family_of(sound.surface)
+    samples = profile.samples
+    low, high = ground.grain_band
+    band = (low, min(high, _air_cutoff(sound.distance)))
+    pace = profile.relative_speed * profile.doppler
+    noise = resample(band_noise(samples, band, rng), pace)
+    noise *= profile.relative_speed**SPEED_EXPONENT
+    if rolls:
+        turns = np.cumsum(pace) * sound.speed / (np.pi * sound.size)
+        noise *= 1 + _ROLL_MODULATION * np.sin(2 * np.pi * turns / SAMPLE_RATE)
+    bank = _body_modes(own, ground, sound, rng).with_decay_time(_FRICTION_RING)
+    body = _ring(bank, sound)
+    # The slope of the profile excites the body: read slowly, it hardly does.
+    excited = np.convolve(np.diff(noise, prepend=0.0), body[: 2 * _FADE])[:samples]
+    signal = normalized(noise) + _FRICTION_RESONANCE * normalized(excited)
+    edge = np.arange(samples) + 1.0
+    return np.asarray(signal * np.minimum(1, np.minimum(edge / 40, edge[::-1] / (4 * _FADE))))
+
+
+def _mix_layers(layers: list[Signal]) -> Signal:
+    """Return the sum of layers from their common onset on, where all have the same sign."""
+    whole = np.zeros(max(layer.size for layer in layers))
+    for layer in layers:
+        # Opposite signs would hide the onset.
+        whole[: layer.size] += layer if layer[0] >= 0 else -layer
+    return whole

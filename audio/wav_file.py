@@ -1,0 +1,210 @@
+"""Score -> WAV: every event synthesised to the sample, mixed in its room and mastered."""
+
+from __future__ import annotations
+
+import io
+import wave
+from collections import Counter, OrderedDict
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from audio.atomic_file import write_if_changed
+from audio.dsp import Gain, Signal, decibels, fade_out, mix_in, pan_gains
+from audio.errors import ScoreError, SoundFileError
+from audio.mastering import FULL_SCALE, master_mix
+from audio.notes import Note, notes_of
+from audio.room_acoustics import Reverberator, room_acoustics
+from audio.score import Score
+from audio.soundfont import play_soundfont
+from audio.source_motion import moving_gains
+from audio.synthesis import SoundParameters, sound_parameters, synthesize
+from audio.time_grid import SAMPLE_RATE, sample_at, sample_of_frame
+
+_CHANNELS, _SAMPLE_BYTES = 2, 3
+# Sizes in a WAV file have 32 bits.
+_MAX_SAMPLES = (2**32 - 1024) // (_CHANNELS * _SAMPLE_BYTES)
+# Synthesised sounds kept for reuse; a scene has some dozens.
+_CACHE_SIZE = 512
+# Longest fade at the end [s]; never longer than half the last frame.
+_END_FADE = 0.004
+# 24 bits in the upper bytes of 32.
+_FULL_SCALE_32 = 2.0**31
+# Samples read at once.
+_READ_CHUNK = 2**20
+
+
+@dataclass(frozen=True, slots=True)
+class WavReport:
+    """Measurements of a WAV file.
+
+    Attributes:
+        path: of the file.
+        changed: whether the file was written; False if it held these bytes already.
+        samples: of each side; exactly the film's length.
+        events: number of events that sound.
+        muted: number of muted events.
+        peak_db: largest sample [dBFS]; -inf for silence.
+        rms_db: root mean square over both sides and the whole length [dBFS]; -inf for silence.
+        lufs: integrated loudness [LUFS]; -inf for silence.
+        true_peak_db: largest magnitude, between samples too [dB]; -inf for silence.
+        gain_db: of the whole mix [dB].
+        limited_db: reduction of the highest peak after that gain [dB].
+    """
+
+    path: Path
+    changed: bool
+    samples: int
+    events: int
+    muted: int
+    peak_db: float
+    rms_db: float
+    lufs: float
+    true_peak_db: float
+    gain_db: float
+    limited_db: float
+
+
+def write_wav(score: Score, path: Path) -> WavReport:
+    """Write a score as sound; an equal file is left alone, and on failure the earlier one stays.
+
+    48 kHz, two sides, 24 bits; as long as the film to the nearest sample.
+
+    Raises:
+        ScoreError: an event lies outside the score, or the score is too long for the format.
+        SoundFileError: the file could not be written.
+        SoundFontError: the configured SoundFont cannot be played.
+    """
+    path = Path(path)
+    notes = notes_of(score)
+    samples = sample_of_frame(score.frames + 1, score.rate)
+    if samples > _MAX_SAMPLES:
+        hours = _MAX_SAMPLES / SAMPLE_RATE / 3600
+        raise ScoreError(f"{samples} samples; a WAV file of this kind holds {hours:.1f} hours")
+    if score.sound.soundfont is None:
+        mix = _mix(score, notes, samples)
+    else:
+        mix = play_soundfont(score, Path(score.sound.soundfont), samples)
+    track = master_mix(mix, score.sound.master, score.sound.volume_db)
+    changed = write_if_changed(path, _wav_bytes(track.samples))
+    peak = int(np.abs(track.samples).max(initial=0))
+    power = np.sum((track.samples / FULL_SCALE) ** 2) / max(track.samples.size, 1)
+    events = sum(note.is_first for note in notes)
+    return WavReport(
+        path=path,
+        changed=changed,
+        samples=track.samples.shape[0],
+        events=events,
+        muted=len(score.events) - events,
+        peak_db=decibels(peak / FULL_SCALE),
+        rms_db=decibels(float(np.sqrt(power))),
+        lufs=track.lufs,
+        true_peak_db=track.true_peak_db,
+        gain_db=track.gain_db,
+        limited_db=track.limited_db,
+    )
+
+
+def _mix(score: Score, notes: tuple[Note, ...], samples: int) -> Signal:
+    """Return all sounds in their room, before mastering: (N, 2)."""
+    stereo = np.zeros((samples, 2))
+    reverberator = Reverberator(room_acoustics(score.sound.room), samples)
+    cache: OrderedDict[SoundParameters, Signal] = OrderedDict()
+    occurrences = Counter[tuple[object, ...]]()
+    for note in notes:
+        remaining = float(score.frames / score.rate - note.onset)
+        occurrence = occurrences[note.event.key]
+        occurrences[note.event.key] += 1
+        parameters, jitter_db = sound_parameters(note, score.seed, occurrence, remaining)
+        gain = 10 ** ((note.level + jitter_db) / 20)
+        sound, start = _cached_sound(cache, parameters, score.seed), sample_at(note.onset)
+        mix_in(stereo, start, sound, _gains(note, gain, sound.size))
+        reverberator.feed(note.event, start, sound, gain, note.send)
+    reverberator.add_to(stereo)
+    last_frame = samples - sample_of_frame(score.frames, score.rate)
+    fade_out(stereo, min(int(_END_FADE * SAMPLE_RATE), last_frame // 2))
+    return stereo
+
+
+def _gains(note: Note, gain: float, samples: int) -> tuple[Gain, Gain]:
+    """Return the gains of left and right; of a moving source, at each sample."""
+    event = note.event
+    if len(event.course) < 2:
+        left, right = pan_gains(note.effective_pan)
+        return gain * left, gain * right
+    lefts, rights = moving_gains(event.course, event.distance, event.duration, samples, note.pan)
+    return gain * lefts, gain * rights
+
+
+def _cached_sound(
+    cache: OrderedDict[SoundParameters, Signal], parameters: SoundParameters, seed: int
+) -> Signal:
+    if parameters not in cache:
+        cache[parameters] = synthesize(parameters, seed)
+        if len(cache) > _CACHE_SIZE:
+            cache.popitem(last=False)
+    cache.move_to_end(parameters)
+    return cache[parameters]
+
+
+def _wav_bytes(samples: NDArray[np.int32]) -> bytes:
+    """Return the file of samples: (N, 2) integers of 24 bits."""
+    out = io.BytesIO()
+    with wave.open(out, "wb") as file:
+        file.setnchannels(_CHANNELS)
+        file.setsampwidth(_SAMPLE_BYTES)
+        file.setframerate(SAMPLE_RATE)
+        # The low three bytes of each little-endian integer.
+        file.writeframes(samples.astype("<i4").view(np.uint8).reshape(-1, 4)[:, :3].tobytes())
+    return out.getvalue()
+
+
+def read_waveform(path: Path, columns: int) -> Signal:
+    """Return the least and the greatest sample of each side in equal stretches of time.
+
+    Args:
+        path: a WAV file as `write_wav` writes it.
+        columns: number of stretches.
+
+    Returns:
+        (columns, 2, 2) least and greatest of left and right, -1 to 1.
+
+    Raises:
+        SoundFileError: the file cannot be read, or has another format.
+    """
+    try:
+        with wave.open(str(path), "rb") as file:
+            if (file.getsampwidth(), file.getnchannels()) != (_SAMPLE_BYTES, _CHANNELS):
+                raise SoundFileError(f"{path}: is no WAV file of 24 bits and two sides")
+            return _extrema(file, columns)
+    except (OSError, EOFError, wave.Error) as error:
+        raise SoundFileError(f"{path}: cannot be read as a WAV file ({error})") from error
+
+
+def _extrema(file: wave.Wave_read, columns: int) -> Signal:
+    samples = file.getnframes()
+    extrema = np.zeros((columns, 2, 2))
+    edges = np.linspace(0, samples, columns + 1).round().astype(np.int64)
+    column = 0
+    # Read in parts: a film of hours has gigabytes of sound.
+    columns_per_part = max(int(_READ_CHUNK * columns / max(samples, 1)), 1)
+    while column < columns:
+        last = min(column + columns_per_part, columns)
+        sound = _decode(file.readframes(int(edges[last] - edges[column])))
+        for k in range(column, last):
+            part = sound[edges[k] - edges[column] : edges[k + 1] - edges[column]]
+            if len(part):
+                extrema[k, :, 0], extrema[k, :, 1] = part.min(axis=0), part.max(axis=0)
+        column = last
+    return extrema
+
+
+def _decode(data: bytes) -> Signal:
+    """Return 24-bit samples as numbers from -1 to 1: (N, 2)."""
+    low = np.frombuffer(data, np.uint8).reshape(-1, _SAMPLE_BYTES)
+    words = np.zeros((len(low), 4), np.uint8)
+    # In the upper three bytes of 32 bits they keep their sign.
+    words[:, 1:] = low
+    return words.view("<i4").reshape(-1, 2) / _FULL_SCALE_32

@@ -1,0 +1,241 @@
+"""Attachment: performers that move with others, and props that are taken and put down.
+
+It follows all motion of a step, parents first, so that nothing lags behind.
+
+Source: Sims 1987, 3.2.1 (parents and children).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from graphlib import CycleError, TopologicalSorter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.figures.pose_plan import PartNames
+from pipeline.simulation.spatial import Array, turn
+from pipeline.simulation.take import Node
+from pipeline.spec.cast import Member
+from pipeline.spec.group import Group
+from pipeline.spec.prop import Prop
+from pipeline.spec.suggestions import hint
+
+
+@dataclass(frozen=True, slots=True)
+class Grip:
+    """An interval during which a prop is held.
+
+    Attributes:
+        node: number of the holding node.
+        rows: first row, and first row after it.
+    """
+
+    node: int
+    rows: tuple[int, int]
+
+
+@dataclass(eq=False)
+class Attachment:
+    """Parent and grips of one performer.
+
+    Attributes:
+        name: of the performer.
+        nodes: numbers of its nodes.
+        parent: number of the parent node, -1 for the world.
+        grips: in the order of time.
+        X_PB: (4, 4) pose where it was put down, relative to its parent; None before.
+        X_HB: (4, 4) pose in the hand that holds it.
+    """
+
+    name: str
+    nodes: NDArray[np.int64]
+    parent: int
+    grips: tuple[Grip, ...]
+    X_PB: Array | None = None
+    X_HB: Array | None = None
+
+    def apply(self, R: Array, p: Array, first: int) -> None:
+        """Transforms its nodes to the world in n rows, after all that it is attached to.
+
+        Args:
+            R: (n, J, 3, 3) rotations of all nodes; changed.
+            p: (n, J, 3) their positions [m]; changed.
+            first: number of the first row; rows follow those of the last call.
+        """
+        if self.parent >= 0:
+            R_WP, p_WP = R[:, self.parent, None], p[:, self.parent, None]
+            p[:, self.nodes] = p_WP + turn(R_WP, p[:, self.nodes])
+            R[:, self.nodes] = R_WP @ R[:, self.nodes]
+        if self.grips:
+            for i in range(len(p)):
+                self._hold(R[i], p[i], first + i, int(self.nodes[0]))
+
+    def _hold(self, R: Array, p: Array, row: int, own: int) -> None:
+        """Places a held prop in one row; R (J, 3, 3) and p (J, 3) are those of the row."""
+        X_WP = np.eye(4) if self.parent < 0 else _pose(R, p, self.parent)
+        X_WB = _pose(R, p, own) if self.X_PB is None else X_WP @ self.X_PB
+        for grip in self.grips:
+            # The pose in this hand is where the prop is released, or passed to another hand.
+            if grip.rows[0] <= row <= grip.rows[1]:
+                X_WH = _pose(R, p, grip.node)
+                if row == grip.rows[0] or self.X_HB is None:
+                    self.X_HB = np.linalg.inv(X_WH) @ X_WB
+                X_WB = X_WH @ self.X_HB
+                self.X_PB = np.linalg.inv(X_WP) @ X_WB
+        R[own], p[own] = X_WB[:3, :3], X_WB[:3, 3]
+
+
+def split_attachments(
+    attachments: Sequence[Attachment], late: Sequence[int]
+) -> tuple[list[Attachment], list[Attachment]]:
+    """Returns the attachments that do not depend on some nodes, and the rest, parents first.
+
+    Args:
+        attachments: parents first.
+        late: nodes whose poses are known later than others'.
+    """
+    waiting = set(late)
+    early, rest = list[Attachment](), list[Attachment]()
+    for attachment in attachments:
+        if waiting.isdisjoint([attachment.parent, *(grip.node for grip in attachment.grips)]):
+            early.append(attachment)
+        else:
+            waiting.update(attachment.nodes.tolist())
+            rest.append(attachment)
+    return early, rest
+
+
+def _pose(R: Array, p: Array, node: int) -> Array:
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = R[node], p[node]
+    return X
+
+
+def attachments_of(
+    cast: Sequence[Member],
+    figures: Mapping[str, Figure],
+    nodes: Sequence[Node],
+    clock: Clock,
+) -> list[Attachment]:
+    """Returns all attachments of a scene, parents first.
+
+    Args:
+        cast: of the scene.
+        figures: of the creatures, by name.
+        nodes: of all performers.
+        clock: of the scene.
+
+    Raises:
+        SceneError: if a part does not exist, or attachments form a ring.
+    """
+    numbers = {node.name: i for i, node in enumerate(nodes)}
+    problems = list[Problem]()
+
+    def node_of(part_name: str, path: str) -> int:
+        found = node_number(part_name, figures, numbers)
+        if isinstance(found, str):
+            problems.append(Problem(path, found))
+            return -1
+        return found
+
+    attachments = {}
+    for i, member in enumerate(cast):
+        holds = member.held if isinstance(member, Prop) else ()
+        # Groups follow their parents themselves: flames leave a moving source.
+        if isinstance(member, Group) or (member.parent is None and not holds):
+            continue
+        own = [k for k, node in enumerate(nodes) if node.performer == member.name]
+        parent = -1 if member.parent is None else node_of(member.parent, f"cast[{i}].parent")
+        grips = tuple(
+            Grip(
+                node_of(hold.by, f"cast[{i}].held[{k}].by"),
+                (_row_at(hold.at, clock), _row_at(hold.until, clock)),
+            )
+            for k, hold in enumerate(holds)
+        )
+        attachments[member.name] = Attachment(member.name, np.array(own), parent, grips)
+    if problems:
+        raise SceneError(problems)
+    return _parents_first(attachments, nodes, [member.name for member in cast])
+
+
+def node_number(
+    part_name: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]
+) -> int | str:
+    """Returns the number of the node of a performer or of one of its parts.
+
+    Args:
+        part_name: such as bug, or bug.head.
+        figures: of the creatures, by name.
+        numbers: of all nodes, by name.
+
+    Returns:
+        The number, or an error message.
+    """
+    name, _, part = part_name.partition(".")
+    figure = figures.get(name)
+    found = _find_node(name, part, figure, numbers)
+    if found is not None:
+        return found
+    if not part:
+        return f"'{name}' is a group; name a member, such as {name}.0"
+    known = [n.partition(".")[2] for n in numbers if n.startswith(f"{name}.")]
+    known += list(PartNames(figure).nodes) if figure is not None else []
+    return f"'{name}' has no part '{part}', {hint(part, known)}"
+
+
+def _find_node(
+    name: str, part: str, figure: Figure | None, numbers: Mapping[str, int]
+) -> int | None:
+    """Returns the number of a link, or of the link that ends at a node of the drawing."""
+    if not part:
+        whole = (name, f"{name}.body", f"{name}.pelvis")
+        return next((numbers[one] for one in whole if one in numbers), None)
+    if figure is not None:
+        names = PartNames(figure)
+        if part in names.nodes:
+            limb, link = names.nodes[part]
+            number = figure.skeleton.limbs[limb].links[link]
+            part = figure.skeleton.links[number].name
+        elif part in names.body:
+            part = "body"
+    return numbers.get(f"{name}.{part}")
+
+
+def _row_at(time: float | None, clock: Clock) -> int:
+    """Returns the first row at or after a time; one beyond the take for None."""
+    if time is None:
+        return clock.rows + 1
+    per_row = clock.dt * clock.steps / clock.samples
+    return math.ceil(time / per_row - 1e-6)
+
+
+def _parents_first(
+    attachments: Mapping[str, Attachment], nodes: Sequence[Node], names: Sequence[str]
+) -> list[Attachment]:
+    """Returns the attachments in an order in which each follows all that it depends on.
+
+    Raises:
+        SceneError: if there is none.
+    """
+    needs = {
+        name: {
+            nodes[n].performer
+            for n in (attachment.parent, *(g.node for g in attachment.grips))
+            if n >= 0
+        }
+        for name, attachment in attachments.items()
+    }
+    try:
+        order = list(TopologicalSorter(needs).static_order())
+    except CycleError as error:
+        ring = error.args[1]
+        message = f"attachments form a ring: {' to '.join(ring)}; detach one of them"
+        raise SceneError([Problem(f"cast[{names.index(ring[0])}].parent", message)]) from None
+    return [attachments[name] for name in order if name in attachments]

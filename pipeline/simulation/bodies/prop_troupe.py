@@ -1,0 +1,83 @@
+"""Props: performers that move only as their author says.
+
+They follow keyframes, a velocity or a force, relative to their parents; attachment to a parent or
+a hand comes after all have moved (see `attachment.py`).
+
+Source: Sims 1987, 3.1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.simulation.bodies.prop_paths import prop_path, prop_scale
+from pipeline.simulation.bodies.prop_shapes import prop_depth, prop_solid
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Mesh, Node, Part
+from pipeline.simulation.troupe import Inventory, Rows, Troupe, World
+from pipeline.spec.prop import Prop
+
+
+class PropTroupe(Troupe):
+    """All props of a scene."""
+
+    def __init__(self, cast: Sequence[Prop], world: World, materials: Sequence[str]) -> None:
+        self.world = world
+        self.paths = [prop_path(member, _start(member, world)) for member in cast]
+        scales = [prop_scale(member) for member in cast]
+        self.scales = [track for track in scales if track is not None]
+        scaled = tuple(i for i, track in enumerate(scales) if track is not None)
+        self.inventory = replace(_inventory(cast, materials, world.clock.rows), scaled=scaled)
+        self._steps: list[int] = []
+        self._step = 0
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to the next."""
+        self._step = step + 1
+
+    def buffer_row(self) -> None:
+        """Keep the present step as the next row."""
+        self._steps.append(self._step)
+
+    def write(self, rows: Rows) -> None:
+        """Write all rows kept."""
+        times = np.array(self._steps) * self.world.clock.dt
+        for i, path in enumerate(self.paths):
+            rows.positions[:, i], rows.rotations[:, i] = path.at(times)
+        for n, track in enumerate(self.scales):
+            rows.scales[:, n] = track(times)
+        rows.alive[:] = True
+        self._steps.clear()
+
+
+def _start(member: Prop, world: World) -> Array:
+    """Return where a prop is without keyframes (3,) [m]."""
+    if len(member.at) == 3:
+        return np.array(member.at)
+    x, z = member.at
+    floor = 0.0
+    if member.parent is None:
+        floor = float(world.ground.height(np.array(x), np.array(z))) + prop_depth(member.prop)
+    return np.array([x, floor, z])
+
+
+def _inventory(cast: Sequence[Prop], materials: Sequence[str], rows: int) -> Inventory:
+    nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
+    for i, (member, material) in enumerate(zip(cast, materials, strict=True)):
+        solid = prop_solid(member.prop)
+        count = len(solid.vertices)
+        nodes.append(Node(member.name, member.name, -1, (0.0, 0.0, 0.0)))
+        meshes.append(
+            Mesh(
+                solid.vertices.astype(np.float32),
+                solid.faces,
+                np.full((count, 2), i, dtype=np.int32),
+                np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
+            )
+        )
+        size = float(np.ptp(solid.vertices, axis=0).max())
+        parts.append(Part(member.name, member.name, i, material, size, (0, rows)))
+    return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts))

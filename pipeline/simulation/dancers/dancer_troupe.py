@@ -1,0 +1,209 @@
+"""Dancers: all dancers of a scene, each a torso of its own.
+
+Source: Matarić, Zordan and Mason 1998.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from pipeline.errors import Problem, SceneError
+from pipeline.simulation.dancers.build import dancer_proportions, is_child
+from pipeline.simulation.dancers.dance_schedule import DanceSchedule
+from pipeline.simulation.dancers.dancer_mesh import (
+    DancerAppearance,
+    dancer_inventory,
+    frame_links,
+)
+from pipeline.simulation.dancers.dancer_motion import CALM, DancerMotion, measure_lateness
+from pipeline.simulation.dancers.dancer_poses import Place
+from pipeline.simulation.dancers.dancer_script import ScriptedDancer
+from pipeline.simulation.dancers.hand_contacts import HandStrike
+from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
+from pipeline.simulation.people.person_mesh import random_clothes
+from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
+from pipeline.simulation.script import Orders
+from pipeline.simulation.spatial import Array, heading
+from pipeline.simulation.take import Contact
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
+from pipeline.spec.dance import Dance, Drum
+from pipeline.spec.dancer import Dancer
+from pipeline.spec.script import Instruction, Perform, Reach
+
+
+class Dancers(Troupe):
+    """All dancers of a scene.
+
+    Raises:
+        SceneError: a place is out of reach, or tempo and durations contradict one another.
+    """
+
+    def __init__(
+        self, cast: Sequence[tuple[int, Dancer]], dances: Mapping[str, Dance], world: World
+    ) -> None:
+        self.world, clock = world, world.clock
+        self.members = [member for _, member in cast]
+        self.R_WB = [heading(math.radians(member.heading_deg)) for member in self.members]
+        self.p_WB = [_place(member, world) for member in self.members]
+        self.looks, self.directed = list[DancerAppearance](), list[ScriptedDancer]()
+        for k, (i, member) in enumerate(cast):
+            own = partial(_own, self.R_WB[k], self.p_WB[k])
+            who, path = dancer_proportions(member), f"cast[{i}]"
+            repertoire = build_repertoire(
+                member, who, dances, world.script, world.directed, own, path
+            )
+            until = float(clock.time_of(clock.last_step))
+            programme = DanceSchedule(member, repertoire, until, path)
+            dancing = _ready(member, programme, clock.dt)
+            self.directed.append(ScriptedDancer(dancing, programme, own, clock.dt))
+            self.looks.append(_look(member, who, repertoire.drums, world.seed))
+        self.dancing = [one.dancing for one in self.directed]
+        torsos = [one.torso for one in self.dancing]
+        self.inventory = dancer_inventory(self.looks, torsos, clock.rows)
+        self._links = frame_links()
+        self._rows: list[tuple[Array, Array, Array]] = []
+        self._step, self._strikes = 0, list[tuple[int, HandStrike]]()
+        self._arrived = list[str]()
+
+    def read(self, orders: Orders) -> None:
+        """Take in what the script asks of dancers from this step on."""
+        for member, one in zip(self.members, self.directed, strict=True):
+            one.tell(orders.get(member.name, ()))
+
+    def prepare(self, instruction: Instruction, path: str) -> None:
+        """Refuse from outside what dancers have to know from the begin: places and drums."""
+        do = instruction.do
+        for member, one in zip(self.members, self.directed, strict=True):
+            known = one.programme.repertoire
+            if instruction.who != member.name:
+                continue
+            if isinstance(do, Reach) and any(
+                (do.reach, side) not in known.told for side in SIDES[do.hand]
+            ):
+                message = "a dancer reaches only for places that its scene's script names"
+                raise SceneError([Problem(f"{path}.do.reach", message)])
+            if isinstance(do, Perform) and do.dance not in known.dances:
+                message = f"the drums of '{do.dance}' stand before it only if its script names it"
+                raise SceneError([Problem(f"{path}.do.dance", message)])
+
+    def advance(self, step: int) -> None:
+        """Go from `step` to the next."""
+        self._step = step
+        for k, one in enumerate(self.directed):
+            self._strikes += [(k, strike) for strike in one.dancing.advance()]
+            if one.go_on():
+                self._arrived.append(self.members[k].name)
+
+    def buffer_row(self) -> None:
+        """Keep the present state as the next row."""
+        R, p, values = list[Array](), list[Array](), list[Array]()
+        for k, (one, look) in enumerate(zip(self.dancing, self.looks, strict=True)):
+            R_BL, p_BL = self._frames(k)
+            still = np.broadcast_to(np.eye(3), (len(look.drums), 3, 3))
+            tops = look.rest()[len(self._links) :]
+            R_BN, p_BN = np.concatenate([R_BL, still]), np.concatenate([p_BL, tops])
+            R_WB = self.R_WB[k]
+            R.append((R_WB[None, :, :, None] * R_BN[:, None, :, :]).sum(axis=2))
+            p.append(self.p_WB[k] + (p_BN[:, None, :] * R_WB).sum(axis=2))
+            values += [one.moving.q.copy(), one.moving.torques()]
+        self._rows.append((np.concatenate(R), np.concatenate(p), np.concatenate(values)))
+
+    def write(self, rows: Rows) -> None:
+        """Write all rows kept."""
+        for k, (R, p, values) in enumerate(self._rows):
+            rows.rotations[k], rows.positions[k], rows.values[k] = R, p, values
+        rows.alive[:] = True
+        self._rows.clear()
+
+    def facts(self) -> Facts:
+        """Return what hands have touched in the last step, and who has danced its bars."""
+        contacts = tuple(self._contact(k, strike) for k, strike in self._strikes)
+        arrived = tuple(self._arrived)
+        self._strikes.clear()
+        self._arrived.clear()
+        return Facts(contacts, arrived=arrived)
+
+    def _frames(self, k: int) -> tuple[Array, Array]:
+        """Return rotations (15, 3, 3) and places (15, 3) of a person's frames where it stands."""
+        R, p = self.dancing[k].moving.poses()
+        places = p[self._links]
+        # Legs stand as they do at rest.
+        rest, fixed = self.looks[k].rest()[: len(self._links)], np.array(self._links) == 0
+        places[fixed] = rest[fixed]
+        return R[self._links], places
+
+    def _contact(self, k: int, strike: HandStrike) -> Contact:
+        look, member = self.looks[k], self.members[k]
+        dt = self.world.clock.dt
+        begin = self._step * dt
+        fraction = min(max((strike.time - begin) / dt, 0.0), math.nextafter(1.0, 0.0))
+        R, p = self.R_WB[k], self.p_WB[k]
+        place = p + (R * strike.place).sum(axis=1)
+        normal = (R * strike.normal).sum(axis=1)
+        drum = look.drums.get(strike.other)
+        who = look.proportions
+        mass = who.mass * (SEGMENT_MASSES["hand"] + 0.5 * SEGMENT_MASSES["forearm"])
+        skin = strike.other in ("head", "neck") or strike.other.startswith("hand")
+        surface = look.clothes.skin if skin else look.clothes.shirt
+        return Contact(
+            step=self._step,
+            fraction=fraction,
+            performer=member.name,
+            part=strike.hand,
+            other=strike.other,
+            place=_three(place),
+            normal=_three(normal),
+            speed=strike.speed,
+            energy=0.5 * mass * strike.speed**2,
+            material=look.clothes.skin,
+            surface=surface if drum is None else drum.material,
+            size=2.0 * drum.radius if drum is not None else who.hand * who.height,
+            kind="hit",
+        )
+
+
+def _ready(member: Dancer, programme: DanceSchedule, dt: float) -> DancerMotion:
+    """Return a dancer about to begin, who has practised what it dances."""
+    repertoire, plan = programme.repertoire, programme.plan
+    choreography = repertoire.choreography
+    late = measure_lateness(member, choreography, plan.moves, plan.beat, dt)
+    poses, hang = repertoire.poses, repertoire.hang
+    return DancerMotion(
+        *(member, choreography, plan.moves, plan.beat, dt, late),
+        calm=CALM if late else 0.0,
+        poses=poses,
+        hang=hang,
+    )
+
+
+def _own(R: Array, p: Array, place: Place) -> Place:
+    """Return where a place in the world is as a dancer stands, turned by R (3, 3) at p (3,)."""
+    return _three((R.T * (np.array(place) - p)).sum(axis=1))
+
+
+def _look(
+    member: Dancer, who: Proportions, drums: Mapping[str, Drum], seed: int
+) -> DancerAppearance:
+    clothes = random_clothes(member.name, seed, is_child(member))
+    if member.material is not None:
+        clothes = replace(clothes, shirt=member.material)
+    return DancerAppearance(member.name, who, clothes, dict(drums))
+
+
+def _place(member: Dancer, world: World) -> Array:
+    """Return where a dancer stands (3,) [m]."""
+    x, z = member.at
+    floor = 0.0
+    if member.parent is None:
+        floor = float(world.ground.height(np.array(x), np.array(z)))
+    return np.array([x, floor, z])
+
+
+def _three(v: Array) -> tuple[float, float, float]:
+    x, y, z = v.tolist()
+    return x, y, z

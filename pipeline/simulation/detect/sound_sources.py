@@ -1,0 +1,152 @@
+"""Sound sources: the nodes and rigid parts that detectors of motion observe."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.clock import Clock
+from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.take import Channel, Mesh, Node, Part
+
+
+@dataclass(frozen=True, eq=False)
+class RigidPart:
+    """A visible part that moves with one node.
+
+    Attributes:
+        node: index of the node.
+        performer: its owner.
+        part: name.
+        material: name.
+        size: characteristic length [m].
+        mesh: surface.
+    """
+
+    node: int
+    performer: str
+    part: str
+    material: str
+    size: float
+    mesh: Mesh
+
+    @cached_property
+    def principal_axes(self) -> Array:
+        """Axes of the vertices' covariance as columns, the longest last: (3, 3)."""
+        axes: Array = np.linalg.eigh(
+            (self._spread[:, :, None] * self._spread[:, None, :]).sum(axis=0)
+        )[1]
+        return axes
+
+    @property
+    def thickness(self) -> float:
+        """Least extent along the principal axes [m]."""
+        along = (self._spread[:, :, None] * self.principal_axes).sum(axis=1)
+        return float(np.ptp(along, axis=0).min())
+
+    @property
+    def _spread(self) -> Array:
+        corners = self.mesh.vertices.astype(float)
+        spread: Array = corners - corners.mean(axis=0)
+        return spread
+
+
+def rigid_parts(parts: Sequence[Part], meshes: Sequence[Mesh]) -> dict[int, RigidPart]:
+    """Return the first rigid part of each node, by the node's index."""
+    by_node = dict[int, RigidPart]()
+    for part in parts:
+        mesh = meshes[part.mesh]
+        node = int(mesh.nodes[0, 0])
+        if node not in by_node and (mesh.nodes == node).all():
+            by_node[node] = RigidPart(
+                node, part.performer, part.name, part.material, part.size, mesh
+            )
+    return by_node
+
+
+@dataclass(frozen=True, eq=False)
+class SoundSources:
+    """Constants of a scene that detectors read.
+
+    Attributes:
+        clock: grid of steps, rows and frames.
+        nodes: of all performers.
+        parts: rigid parts by the index of their node.
+        channels: of all performers.
+        figures: of the creatures, by name.
+        groups: names of groups.
+    """
+
+    clock: Clock
+    nodes: Sequence[Node]
+    parts: Mapping[int, RigidPart]
+    channels: Sequence[Channel]
+    figures: Mapping[str, Figure]
+    groups: frozenset[str]
+
+    @property
+    def dt(self) -> float:
+        """Time from row to row [s]."""
+        return float(1 / (self.clock.rate * self.clock.samples))
+
+    def channel(self, name: str) -> int | None:
+        """Return the index of a channel, None if there is none."""
+        indices = (i for i, channel in enumerate(self.channels) if channel.name == name)
+        return next(indices, None)
+
+    def root(self, performer: str) -> int:
+        """Return the index of the first node of a performer."""
+        return next(i for i, node in enumerate(self.nodes) if node.performer == performer)
+
+    @cached_property
+    def flying(self) -> tuple[RigidPart, ...]:
+        """Parts that may fly on their own: of props and bodies, not of creatures and groups."""
+        excluded = self.groups.union(self.figures)
+        return tuple(part for part in self.parts.values() if part.performer not in excluded)
+
+
+@dataclass(frozen=True, eq=False)
+class RowBatch:
+    """Consecutive rows, with neighbours of those that are new.
+
+    Attributes:
+        first: index of the first row.
+        new: rows that are new and whose neighbours are known.
+        p: (n, J, 3) positions of the nodes [m].
+        R: (n, J, 3, 3) rotations.
+        alive: (n, J).
+        values: (n, C) of the channels.
+        is_final: whether no row follows.
+        lifts: performer -> times at which its feet left the ground, in rows, as far as known.
+    """
+
+    first: int
+    new: slice
+    p: Array
+    R: Array
+    alive: NDArray[np.bool_]
+    values: Array
+    is_final: bool
+    lifts: Mapping[str, Sequence[float]] = field(default_factory=dict)
+
+    @property
+    def first_new(self) -> int:
+        """Index of the first new row."""
+        index: int = self.first + self.new.start
+        return index
+
+    def at_rows(self, between: Array) -> Array:
+        """Return values at the new rows (m, ...) from values between rows (n - 1, ...).
+
+        A row has the mean of the values before and after it; the error is of second order.
+        """
+        if not len(between):
+            return np.zeros((self.new.stop - self.new.start, *between.shape[1:]))
+        whole = np.concatenate([between[:1], 0.5 * (between[1:] + between[:-1]), between[-1:]])
+        result: Array = whole[self.new]
+        return result

@@ -1,0 +1,182 @@
+"""MuJoCo models: warnings, memory, and the terrain, as all adapters need them.
+
+MuJoCo stands a height field on its local Z: here its X is our Z and its Y our X, so that its cells
+are cut along our diagonal. Callers pass the module `mujoco`, which only adapters import.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain.heightfield import HeightField
+
+
+def log_warnings(mujoco: Any) -> None:
+    """Sends MuJoCo's warnings to the log, unless a handler is set.
+
+    MuJoCo itself would write a file into the working directory.
+    """
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(_log_warning)
+
+
+def _log_warning(message: str) -> None:
+    logging.getLogger(__name__).warning("MuJoCo: %s", message)
+
+
+GROUND_THICKNESS = 5.0
+"""Thickness of the ground [m]."""
+
+QUAD_SUBDIVISION = 4
+"""Cells that replace a cell of quadrilaterals, along each side: MuJoCo has triangles."""
+
+TILE_CELLS = 5
+"""Cells along a tile: each is two prisms with one contact per body, and MuJoCo keeps 50 contacts
+of two geoms."""
+
+BASE_MEMORY = 2**25
+"""Memory of a model for contacts, committed as it is used [bytes]."""
+
+MEMORY_PER_BODY = 2**18
+"""The same for each body [bytes]."""
+
+MIN_FIELD_HEIGHT = 1e-9
+"""Least height of a height field [m]."""
+
+
+def is_level(field: HeightField) -> bool:
+    """Returns whether all of a terrain has one height."""
+    return float(np.ptp(field.heights)) == 0.0
+
+
+def memory_for(bodies: int) -> int:
+    """Returns the memory that a model of so many bodies needs for contacts [bytes]."""
+    return BASE_MEMORY + MEMORY_PER_BODY * bodies
+
+
+def use_upward_collision(option: Any, mujoco: Any) -> None:
+    """Selects the collision algorithm that pushes bodies out of a height field upward.
+
+    A height field is prisms side by side, and the shortest way out of one can be through its
+    side. This algorithm searches along the line from inside a prism; with the other one boxes
+    were thrown about at 1 m/s and more.
+    """
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)
+
+
+def add_ground(
+    spec: Any, mujoco: Any, field: HeightField, corners: Sequence[Array], matter: Mapping[str, Any]
+) -> None:
+    """Adds the terrain to a model.
+
+    Args:
+        spec: the model.
+        mujoco: the module.
+        field: the terrain.
+        corners: (V, 3) of each solid but balls that may lie on it, in its own frame [m].
+        matter: common options of its geoms.
+    """
+    c, s = math.cos(0.5 * field.heading), math.sin(0.5 * field.heading)
+    turned = np.array([c, 0.0, s, 0.0])
+    low = float(field.heights.min())
+    if is_level(field):
+        x, z = field.size[0] / 2.0, field.size[1] / 2.0
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_BOX,
+            size=[x, GROUND_THICKNESS, z],
+            pos=[field.at[0], low - GROUND_THICKNESS, field.at[1]],
+            quat=turned,
+            **matter,
+        )
+        return
+    # Local X to Z, Y to X and Z to Y, then the heading.
+    quat = np.zeros(4)
+    mujoco.mju_mulQuat(quat, turned, np.array([0.5, -0.5, -0.5, -0.5]))
+    heights = _triangulated_heights(field)
+    whole = (0, heights.shape[1] - 1, 0, heights.shape[0] - 1)
+    spans = _tiles(whole) if _needs_tiles(field, whole, corners) else [whole]
+    for k, span in enumerate(spans):
+        _add_tile(spec, f"terrain {k}", field, heights, span, low)
+        x, z = _span_middle(field, whole, span)
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_HFIELD,
+            hfieldname=f"terrain {k}",
+            pos=[x, _span_heights(heights, span).min(), z],
+            quat=quat,
+            **matter,
+        )
+
+
+Span = tuple[int, int, int, int]
+"""Cells along x from the first up to the second, and along z likewise."""
+
+
+def _span_heights(heights: Array, span: Span) -> Array:
+    a, b, c, d = span
+    return heights[c : d + 1, a : b + 1]
+
+
+def _needs_tiles(field: HeightField, whole: Span, corners: Sequence[Array]) -> bool:
+    """Returns whether a solid can touch more cells than a height field may have contacts."""
+    cells = np.array(field.size) / (whole[1], whole[3])
+    for one in corners:
+        _, b, a = np.sort(np.ptp(one, axis=0))
+        if (a / cells[0] + 1.0) * (b / cells[1] + 1.0) > TILE_CELLS * TILE_CELLS:
+            return True
+    return False
+
+
+def _tiles(whole: Span) -> Iterator[Span]:
+    for c in range(0, whole[3], TILE_CELLS):
+        for a in range(0, whole[1], TILE_CELLS):
+            yield a, min(a + TILE_CELLS, whole[1]), c, min(c + TILE_CELLS, whole[3])
+
+
+def _span_middle(field: HeightField, whole: Span, span: Span) -> tuple[float, float]:
+    """Returns the centre of some cells, x and z [m]."""
+    x, z = (
+        (0.5 * (first + last) / count - 0.5) * size
+        for first, last, count, size in zip(
+            span[::2], span[1::2], whole[1::2], field.size, strict=True
+        )
+    )
+    at_x, at_z = field.to_world(np.array(x), np.array(z))
+    return float(at_x), float(at_z)
+
+
+def _add_tile(
+    spec: Any, name: str, field: HeightField, heights: Array, span: Span, lowest: float
+) -> None:
+    """Adds the height field of a span, `GROUND_THICKNESS` deep below the lowest height."""
+    own = _span_heights(heights, span)
+    low, high = float(own.min()), float(own.max())
+    rows, columns = heights.shape[0] - 1, heights.shape[1] - 1
+    a, b, c, d = span
+    x, z = 0.5 * (b - a) / columns * field.size[0], 0.5 * (d - c) / rows * field.size[1]
+    spec.add_hfield(
+        name=name,
+        nrow=own.T.shape[0],
+        ncol=own.T.shape[1],
+        size=[z, x, max(high - low, MIN_FIELD_HEIGHT), GROUND_THICKNESS + low - lowest],
+        userdata=own.T.ravel().tolist(),
+    )
+
+
+def _triangulated_heights(field: HeightField) -> Array:
+    """Returns heights whose cells, cut along the main diagonal, are the surface.
+
+    Of quadrilaterals the finer grid misses the rest of a crease that runs the other way: up to a
+    twenty-fourth of the distance of their corners from one plane.
+    """
+    if type(field) is HeightField:
+        return field.heights
+    n_x, n_z = QUAD_SUBDIVISION * field.cells[0], QUAD_SUBDIVISION * field.cells[1]
+    x = np.linspace(-field.size[0] / 2.0, field.size[0] / 2.0, n_x + 1)
+    z = np.linspace(-field.size[1] / 2.0, field.size[1] / 2.0, n_z + 1)
+    return field.height(*field.to_world(*np.meshgrid(x, z)))

@@ -1,0 +1,119 @@
+"""The base of all models of the scene language: value types, and errors between keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import islice
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic_core import PydanticCustomError
+
+
+class ConfigModel(BaseModel):
+    """A block of the scene file: unknown keys and NaN are errors, instances do not change."""
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, validate_default=True
+    )
+
+
+_LETTER = "0-9A-Za-z_\u00c0-\u1fff\u2c00-\ud7ff"
+NAME_PATTERN = f"^[{_LETTER}]([{_LETTER} \\-]*[{_LETTER}])?$"
+"""Letters of any script, digits, `_`; inside also `-` and blanks. Dots and brackets are left to
+paths. Spelled out, because pydantic, Python and editors disagree on what `\\w` is."""
+
+WORLD_LIMIT = 10_000.0
+"""Largest coordinate [m]: beyond 10 km a float32 vertex is not exact to a millimetre."""
+
+Number = Annotated[float, Strict()]
+Integer = Annotated[int, Strict()]
+Name = Annotated[str, Strict(), Field(pattern=NAME_PATTERN, max_length=64)]
+Coordinate = Annotated[Number, Field(ge=-WORLD_LIMIT, le=WORLD_LIMIT)]
+Length = Annotated[Number, Field(gt=0, le=WORLD_LIMIT)]
+LengthOrZero = Annotated[Number, Field(ge=0, le=WORLD_LIMIT)]
+Phase = Annotated[Number, Field(ge=0, le=1)]
+Point = tuple[Coordinate, Coordinate]
+Position = tuple[Coordinate, Coordinate, Coordinate]
+
+
+def _name_or_place(value: Any) -> str:
+    return "a name" if isinstance(value, str) else "a place"
+
+
+Target = Annotated[
+    Annotated[Name, Tag("a name")] | Annotated[Position, Tag("a place")],
+    Discriminator(_name_or_place),
+]
+"""A performer by its name, or a place [x, y, z] [m]."""
+
+
+def keyed_union(forms: Mapping[str, type[BaseModel]], default: str, word: Any = None) -> Any:
+    """Return the union of models that are told apart by the key that each alone has.
+
+    Args:
+        forms: the models by their keys; the first key found in a mapping decides.
+        default: name of the model that a mapping without any of the keys is checked against.
+        word: type of what a plain string may be, if it may.
+    """
+
+    def tag(value: Any) -> str | None:
+        if word is not None and isinstance(value, str):
+            return "a word"
+        if isinstance(value, Mapping):
+            return next((forms[key].__name__ for key in value if key in forms), default)
+        return type(value).__name__ if isinstance(value, ConfigModel) else None
+
+    union: Any = Annotated[word, Tag("a word")] if word is not None else None
+    for model in forms.values():
+        tagged = Annotated[model, Tag(model.__name__)]  # type: ignore[valid-type] # at run time
+        union = tagged if union is None else union | tagged
+    return Annotated[union, Discriminator(tag)]
+
+
+Step = str | int
+"""A key of a mapping or an index of a list."""
+
+FAULTS = "faults"
+"""Type of the pydantic error that carries faults."""
+
+MAX_FAULTS = 100
+"""Faults reported of one model: finding near names takes time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """An error between the keys of a model.
+
+    Attributes:
+        path: keys and indices from the model down to the error.
+        message: what is wrong and what to write instead.
+        at_key: the key is wrong, not its value.
+    """
+
+    path: tuple[Step, ...]
+    message: str
+    at_key: bool = False
+
+    def below(self, *path: Step) -> Fault:
+        """Return the fault as seen from a model around this one."""
+        return Fault((*path, *self.path), self.message, self.at_key)
+
+
+def raise_faults(faults: Iterable[Fault]) -> None:
+    """Raise all faults as one error of pydantic, if there are any.
+
+    Raises:
+        PydanticCustomError: there is at least one fault.
+    """
+    found = tuple(islice(faults, MAX_FAULTS))
+    if found:
+        text = "; ".join(fault.message for fault in found)
+        raise PydanticCustomError(FAULTS, "{text}", {"text": text, "faults": found})
+
+
+def fault_error(message: str, *path: Step, at_key: bool = False) -> PydanticCustomError:
+    """Return one fault as an error of pydantic, to be raised."""
+    context = {"text": message, "faults": (Fault(path, message, at_key),)}
+    return PydanticCustomError(FAULTS, "{text}", context)

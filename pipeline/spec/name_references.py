@@ -1,0 +1,256 @@
+"""Name references: names in a scene that must name something else in it.
+
+The scene is read as it stands, typed or still raw (see `partial_scene`). Names in the orders
+of the script are checked in `order_support`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import islice
+from typing import Any
+
+from audio.names import matches_pattern
+from pipeline.spec.behaviour import TARGETS
+from pipeline.spec.model_base import MAX_FAULTS, Fault
+from pipeline.spec.mood import MOODS
+from pipeline.spec.order_support import (
+    faults_of_hop_targets,
+    faults_of_script,
+    faults_of_target,
+)
+from pipeline.spec.partial_scene import (
+    Path,
+    cast_by_name,
+    items_of,
+    items_or_itself,
+    kind_of,
+    named_cast,
+    text_keys,
+    unknown_name,
+    value_at,
+)
+from pipeline.spec.sound_thresholds import Detect
+from pipeline.spec.suggestions import hint
+from render.config import MATERIALS
+
+CAUSES = tuple(Detect.model_fields)
+"""Causes of sounds."""
+
+
+def faults_of_references(scene: object) -> list[Fault]:
+    """Find names of what does not exist, and names that are used twice.
+
+    Args:
+        scene: a scene, or the mapping that is to become one.
+    """
+    checks = (
+        _figures,
+        _repeated_names,
+        _names_of_many_bodies,
+        _materials,
+        _camera_targets,
+        _lamp_parents,
+        _parents_and_followers,
+        faults_of_script,
+        _behaviour_targets,
+        faults_of_hop_targets,
+        _moods,
+        _look_targets,
+        _sound_patterns,
+    )
+    return list(islice((fault for check in checks for fault in check(scene)), MAX_FAULTS))
+
+
+def _members(scene: object) -> Iterator[tuple[int, Any]]:
+    return items_of(value_at(scene, "cast"))
+
+
+def _owner(name: str) -> str:
+    """Return the performer in a name such as `bug.head`."""
+    return name.partition(".")[0]
+
+
+def _figures(scene: object) -> Iterator[Fault]:
+    if isinstance(scene, Mapping) and not isinstance(scene.get("figures", {}), Mapping):
+        return  # The block is no mapping, which is reported already.
+    known = text_keys(value_at(scene, "figures"))
+    for i, member in _members(scene):
+        figure = value_at(member, "figure")
+        if isinstance(figure, str) and figure not in known:
+            message = f"no figure is called '{figure}', {hint(figure, known)}"
+            yield Fault(("cast", i, "figure"), message)
+
+
+def _repeated_names(scene: object) -> Iterator[Fault]:
+    first: dict[str, int] = {}
+    for i, member in _members(scene):
+        name = value_at(member, "name")
+        if not isinstance(name, str) or not name:
+            continue
+        if name in first:
+            message = f"the name '{name}' is taken by cast[{first[name]}]"
+            yield Fault(("cast", i, "name"), message)
+        first.setdefault(name, i)
+
+
+def _names_of_many_bodies(scene: object) -> Iterator[Fault]:
+    """Find members that have the numbered name of a body of `many`."""
+    numbered: dict[str, tuple[str, int, int]] = {}
+    for k, (name, member) in enumerate(named_cast(scene)):
+        total = getattr(value_at(member, "many"), "total", 0)
+        numbered |= {f"{name}_{n + 1}": (name, k, total) for n in range(total)}
+    for i, member in _members(scene):
+        own = value_at(member, "name")
+        if isinstance(own, str) and own in numbered:
+            name, k, total = numbered[own]
+            message = (
+                f"the name '{own}' is taken by a body of cast[{k}], "
+                f"whose bodies are called {name}_1 to {name}_{total}"
+            )
+            yield Fault(("cast", i, "name"), message)
+
+
+def _materials(scene: object) -> Iterator[Fault]:
+    known = text_keys(value_at(scene, "materials")) | MATERIALS.keys()
+    named = [((*path, "material"), value_at(owner, "material")) for path, owner in _owners(scene)]
+    for i, member in _members(scene):
+        listed = items_of(value_at(value_at(member, "many"), "materials"))
+        named += [(("cast", i, "many", "materials", k), name) for k, name in listed]
+    for path, name in named:
+        if isinstance(name, str) and name not in known:
+            yield Fault(path, f"no material is called '{name}', {hint(name, known)}")
+
+
+def _owners(scene: object) -> Iterator[tuple[Path, Any]]:
+    """Yield all blocks that may name a material, with their paths."""
+    yield ("terrain",), value_at(scene, "terrain")
+    figures = value_at(scene, "figures")
+    for key in text_keys(figures):
+        figure = value_at(figures, key)
+        yield ("figures", key), figure
+        nodes = value_at(figure, "nodes")
+        for node in text_keys(nodes):
+            yield ("figures", key, "nodes", node), value_at(nodes, node)
+    yield from ((("cast", i), member) for i, member in _members(scene))
+
+
+def _camera_targets(scene: object) -> Iterator[Fault]:
+    known = cast_by_name(scene).keys()
+    named: list[tuple[Path, Any]] = []
+    for place, cut in items_or_itself(value_at(scene, "camera")):
+        for below, follow in items_or_itself(value_at(cut, "follow")):
+            if isinstance(follow, str) and follow not in known:
+                yield unknown_name(follow, known, ("camera", *place, "follow", *below))
+        named += [((*place, key), value_at(cut, key)) for key in ("parent", "focus")]
+        for k, key in items_of(value_at(cut, "keyframes")):
+            named.append(((*place, "keyframes", k, "focus"), value_at(key, "focus")))
+    for path, name in named:
+        if isinstance(name, str) and _owner(name) not in known:
+            yield unknown_name(_owner(name), known, ("camera", *path))
+
+
+def _lamp_parents(scene: object) -> Iterator[Fault]:
+    known = cast_by_name(scene).keys()
+    for i, lamp in items_of(value_at(value_at(scene, "light"), "lamps")):
+        parent = value_at(lamp, "parent")
+        if isinstance(parent, str) and _owner(parent) not in known:
+            yield unknown_name(_owner(parent), known, ("light", "lamps", i, "parent"))
+
+
+def _parents_and_followers(scene: object) -> Iterator[Fault]:
+    """Find parents, holders and targets of groups that do not exist or cannot be followed."""
+    cast = cast_by_name(scene)
+    for i, (own, member) in enumerate(named_cast(scene)):
+        named: list[tuple[Path, Any]] = [(("parent",), value_at(member, "parent"))]
+        for k, hold in items_of(value_at(member, "held")):
+            named.append((("held", k, "by"), value_at(hold, "by")))
+        group = value_at(member, "group")
+        named += [(("group", key), value_at(group, key)) for key in ("follow", "around")]
+        named += [(("group", "avoid", k), name) for k, name in items_of(value_at(group, "avoid"))]
+        for path, target in named:
+            if not isinstance(target, str):
+                continue
+            name, place = _owner(target), ("cast", i, *path)
+            if name not in cast:
+                yield unknown_name(name, cast, place)
+            elif name == own:
+                yield Fault(place, f"'{name}' cannot go along with itself")
+            elif value_at(cast[name], "group") is not None:
+                yield Fault(place, f"'{name}' is a group, which nobody can go along with")
+
+
+def _behaviour_targets(scene: object) -> Iterator[Fault]:
+    """Find behaviours towards nobody, towards oneself, or towards unfit characters."""
+    cast = cast_by_name(scene)
+    for i, (own, member) in enumerate(named_cast(scene)):
+        for k, behaviour in items_of(value_at(member, "behaviours")):
+            for key, fitting in TARGETS.items():
+                if isinstance(name := value_at(behaviour, key), str):
+                    path = ("cast", i, "behaviours", k, key)
+                    yield from faults_of_target(name, own, fitting, path, cast)
+
+
+def _moods(scene: object) -> Iterator[Fault]:
+    known = text_keys(value_at(scene, "moods")) | MOODS.keys()
+    mixes: list[tuple[Path, Any]] = [
+        (("cast", i, "mood"), value_at(member, "mood")) for i, member in _members(scene)
+    ]
+    for i, instruction in items_of(value_at(scene, "script")):
+        mixes.append((("script", i, "do", "mood"), value_at(value_at(instruction, "do"), "mood")))
+    for path, mix in mixes:
+        for name in [mix] if isinstance(mix, str) else sorted(text_keys(mix)):
+            if name not in known:
+                yield Fault(path, f"no mood is called '{name}', {hint(name, known)}")
+
+
+def _look_targets(scene: object) -> Iterator[Fault]:
+    """Find what creatures cannot look at; the looks of characters are checked as orders."""
+    cast = cast_by_name(scene)
+    looks: list[tuple[Path, Any, Any]] = [
+        (("cast", i), value_at(member, "look_at"), name)
+        for i, (name, member) in enumerate(named_cast(scene))
+    ]
+    for i, order in items_of(value_at(scene, "script")):
+        target = value_at(value_at(order, "do"), "look_at")
+        looks.append((("script", i, "do"), target, value_at(order, "who")))
+    characters = {name for name in cast if value_at(cast[name], "character") is not None}
+    for path, target, looker in looks:
+        if not isinstance(target, str) or looker in characters:
+            continue
+        place = (*path, "look_at")
+        if target not in cast:
+            yield unknown_name(target, cast, place)
+        elif target == looker:
+            yield Fault(place, f"'{target}' cannot look at itself")
+        elif (kind := kind_of(cast[target])) not in (None, "figure"):
+            message = f"'{target}' is a {kind}; give the place to look at, [x, y, z]"
+            yield Fault(place, message)
+
+
+def _sound_patterns(scene: object) -> Iterator[Fault]:
+    """Find voices and thresholds that fit no sound of the scene."""
+    sound = value_at(scene, "sound")
+    patterns: list[tuple[Path, Any]] = []
+    for i, voice in items_of(value_at(sound, "voices")):
+        when, place = value_at(voice, "when"), ("sound", "voices", i, "when")
+        patterns.append(((*place, "who"), value_at(when, "who")))
+        cause = value_at(when, "cause")
+        if isinstance(cause, str) and not any(matches_pattern(name, cause) for name in CAUSES):
+            yield Fault((*place, "cause"), f"nothing is caused by '{cause}', {hint(cause, CAUSES)}")
+    for cause in CAUSES:
+        threshold = value_at(value_at(sound, "detect"), cause)
+        patterns.append((("sound", "detect", cause, "who"), value_at(threshold, "who")))
+    cast = cast_by_name(scene)
+    for path, pattern in patterns:
+        if isinstance(pattern, str) and pattern.strip("*") and not _is_meant(pattern, cast):
+            yield unknown_name(pattern, cast, path)
+
+
+def _is_meant(pattern: str, cast: Mapping[str, object]) -> bool:
+    """Return whether a pattern fits anybody; the bodies of `many` and groups are numbered."""
+    for name, member in cast.items():
+        is_several = value_at(member, "many") is not None or value_at(member, "group") is not None
+        if matches_pattern(name, pattern) or (is_several and pattern.startswith(f"{name}_")):
+            return True
+    return False

@@ -1,0 +1,245 @@
+"""Detect: what counts as a sound, the author's thresholds for every cause (Sims 1987, ch. 13).
+
+Whatever lasts has two thresholds, one to begin and a lower one to end, and two times: how long
+it must last to be heard, and how long a pause it survives. What stays near a threshold is then
+one sound or none, never many.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from audio.acoustic_materials import FAMILIES
+from audio.config.sound import Sound
+from pipeline.spec.model_base import ConfigModel, Fault, Number, fault_error, raise_faults
+from pipeline.spec.suggestions import hint
+
+Speed = Annotated[Number, Field(ge=0, le=1000)]
+Rate = Annotated[Number, Field(gt=0, le=100_000)]
+Seconds = Annotated[Number, Field(ge=0, le=60)]
+Pattern = Annotated[str, Field(min_length=1)]
+
+
+def _known_families(factors: dict[str, float]) -> dict[str, float]:
+    for name in factors:
+        if name not in FAMILIES:
+            raise fault_error(
+                f"unknown kind of material, {hint(name, FAMILIES)}", name, at_key=True
+            )
+    return factors
+
+
+Factors = Annotated[
+    dict[str, Annotated[Number, Field(gt=0, le=1000)]], AfterValidator(_known_families)
+]
+
+
+class Cause(ConfigModel):
+    """What is said of every cause."""
+
+    heard: bool = Field(True, description="False if nothing of this kind is to be noticed.")
+    who: Pattern = Field("*", description="Whose, by name; `*` stands for any letters.")
+
+
+class Blow(Cause):
+    """A cause that is over at once."""
+
+    above: Speed = Field(0.0, description="Least speed that is heard [m/s].")
+    pause: Seconds = Field(
+        0.0, description="The same two are not heard again sooner than this [s]."
+    )
+
+
+class Lasting(Cause):
+    """A cause that lasts for a while."""
+
+    least: Seconds = Field(0.1, description="How long it lasts at least to be heard [s].")
+    pause: Seconds = Field(0.1, description="A shorter pause than this does not end it [s].")
+
+
+class Moving(Lasting):
+    """A cause that lasts as long as something is fast."""
+
+    above: Speed = Field(description="Speed that begins it [m/s].")
+    below: Speed | None = Field(
+        None, description="Speed under which it ends; half of `above` if not given [m/s]."
+    )
+
+    @model_validator(mode="after")
+    def _ends_below(self) -> Self:
+        raise_faults(_faults_of_ends(self.ends, self.above, "below", "above"))
+        return self
+
+    @property
+    def ends(self) -> float:
+        """Speed under which it ends [m/s]."""
+        return 0.5 * self.above if self.below is None else self.below
+
+
+class Bending(Lasting):
+    """A cause that lasts as long as a joint bends."""
+
+    above_deg_s: Rate = Field(description="How fast a joint bends that begins it [degrees/s].")
+    below_deg_s: Rate | None = Field(
+        None,
+        description="Rate under which it ends; half of `above_deg_s` if not given [degrees/s].",
+    )
+    materials: Factors = Field(
+        {"metal": 1.0, "plastic": 1.0, "rubber": 1.0},
+        description="Kinds of materials whose joints are heard at all, each with a factor on both "
+        "rates: with `chitin: 60` an insect's knees are heard where they bend very fast.",
+    )
+
+    @model_validator(mode="after")
+    def _ends_below(self) -> Self:
+        raise_faults(
+            _faults_of_ends(self.ends_deg_s, self.above_deg_s, "below_deg_s", "above_deg_s")
+        )
+        return self
+
+    @property
+    def ends_deg_s(self) -> float:
+        """Rate under which it ends [degrees/s]."""
+        return 0.5 * self.above_deg_s if self.below_deg_s is None else self.below_deg_s
+
+
+def _faults_of_ends(below: float, above: float, *words: str) -> Sequence[Fault]:
+    """Find an end that lies over the begin."""
+    if below <= above:
+        return ()
+    message = f"should not be more than {words[1]}, which is {above:g}; is {below:g}"
+    return (Fault((words[0],), message),)
+
+
+class Footfall(Blow):
+    """Feet that come down."""
+
+    above: Speed = Field(0.005, description="Least speed of approach that is heard [m/s].")
+
+
+class Scuff(Blow):
+    """Feet that drag."""
+
+
+class Collision(Blow):
+    """Bodies that strike the terrain or one another."""
+
+    pause: Seconds = Field(
+        0.04, description="The same two are not heard again sooner than this [s]."
+    )
+
+
+class Roll(Moving):
+    """Balls that roll."""
+
+    least: Seconds = Field(0.05, description="How long it lasts at least to be heard [s].")
+    above: Speed = Field(0.1, description="Speed along the ground that begins it [m/s].")
+
+
+class Slide(Roll):
+    """Bodies that slide."""
+
+
+class Squeak(Bending):
+    """Joints that bend."""
+
+    above_deg_s: Rate = Field(8.0, description="How fast a joint bends that squeaks [degrees/s].")
+
+
+class Squawk(Bending):
+    """Joints that jerk; what squawks does not squeak."""
+
+    above_deg_s: Rate = Field(360.0, description="How fast a joint bends that squawks [degrees/s].")
+    materials: Factors = Field(
+        {"metal": 1.0, "plastic": 1.0, "rubber": 1.0},
+        description="Kinds of materials whose joints squawk, each with a factor on both rates.",
+    )
+    least: Seconds = Field(0.04, description="How long it lasts at least to be heard [s].")
+
+
+class Swoosh(Moving):
+    """Props and bodies that speed through the air."""
+
+    above: Speed = Field(9.0, description="Speed through the air that begins it [m/s].")
+    sizes_s: Speed = Field(
+        8.0,
+        description="It goes at least so many of its own lengths a second; of what is large, "
+        "`above` is raised to this, and `below` likewise.",
+    )
+
+
+class Whistle(Moving):
+    """Thin props and bodies that sing in the air."""
+
+    above: Speed = Field(12.0, description="Speed through the air that begins it [m/s].")
+    least_hz: Rate = Field(
+        150.0,
+        description="Least tone that is heard [Hz]: a fifth of the speed over the thickness.",
+    )
+
+
+class Boing(Cause):
+    """Creatures that push themselves off the ground."""
+
+    above: Speed = Field(1.2, description="Least speed upward of the body, at its greatest [m/s].")
+    pause: Seconds = Field(0.2, description="None is heard again sooner than this [s].")
+
+
+class Breath(Cause):
+    """Creatures that breathe; heard only if it is asked for."""
+
+    heard: bool = Field(False, description="True to hear breathing.")
+    per_minute: Annotated[Number, Field(gt=0, le=600)] | None = Field(
+        None, description="Breaths a minute at rest; if not given, as their mass has it."
+    )
+    strides: Annotated[Number, Field(ge=0.25, le=100)] = Field(
+        2.0, description="Cycles of the gait in one breath, where that is quicker than at rest."
+    )
+
+
+class Voiced(Blow):
+    """What somebody is heard of for what it goes through."""
+
+
+class Cry(Voiced):
+    """People who cry, for pain or for fear."""
+
+    above: Speed = Field(
+        0.0,
+        description="Least strength that is heard [m/s]: 1 is a whimper, 5 a scream.",
+    )
+    pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")
+
+
+class Hug(Voiced):
+    """People who close their arms around somebody."""
+
+    above: Speed = Field(0.0, description="Least speed of the arms that is heard [m/s].")
+    pause: Seconds = Field(0.8, description="The same one is not heard again sooner than this [s].")
+
+
+class Detect(ConfigModel):
+    """Which causes are noticed, and from when on."""
+
+    footfall: Footfall = Field(Footfall(), description="From when on steps are heard.")
+    scuff: Scuff = Field(Scuff(), description="From when on feet that drag are heard.")
+    collision: Collision = Field(Collision(), description="From when on strikes are heard.")
+    roll: Roll = Field(Roll(), description="From when on balls that roll are heard.")
+    slide: Slide = Field(Slide(), description="From when on bodies that slide are heard.")
+    squeak: Squeak = Field(Squeak(), description="From when on joints that bend are heard.")
+    squawk: Squawk = Field(Squawk(), description="From when on joints that jerk are heard.")
+    swoosh: Swoosh = Field(Swoosh(), description="From when on what is quick is heard.")
+    whistle: Whistle = Field(Whistle(), description="From when on what is thin sings.")
+    boing: Boing = Field(Boing(), description="From when on push-offs are heard.")
+    breath: Breath = Field(Breath(), description="Whether breathing is heard.")
+    cry: Cry = Field(Cry(), description="From when on cries are heard.")
+    hug: Hug = Field(Hug(), description="From when on hugs are heard.")
+
+
+class SceneSound(Sound):
+    """The sound of a scene: what is heard, and how."""
+
+    detect: Detect = Field(Detect(), description="What is heard: thresholds of every cause.")

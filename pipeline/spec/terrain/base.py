@@ -1,0 +1,195 @@
+"""Base of all terrains: their common keys, presets, and the registry of kinds.
+
+A new kind is a model in this package with `@terrain_kind`, which lists its presets, and a
+generator in `pipeline/simulation/terrain` with `@generates`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Collection, Iterator, Mapping
+from typing import Annotated, Any, Literal, TypeVar
+
+from pydantic import Field
+from pydantic.annotated_handlers import GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
+
+from pipeline.spec.model_base import (
+    ConfigModel,
+    Coordinate,
+    Fault,
+    Integer,
+    Length,
+    LengthOrZero,
+    Name,
+    Number,
+    fault_error,
+)
+from pipeline.spec.suggestions import hint
+
+MAX_CELLS = 4000
+"""Cells along one side of a grid."""
+
+CellCount = Annotated[Integer, Field(ge=2, le=MAX_CELLS)]
+Cells = tuple[CellCount, CellCount]
+Size = tuple[Length, Length]
+Polygons = Literal["triangles", "quads"]
+
+SIZE = "Extent along x and z, centred on the place `at` [m]."
+CELLS = "Number of cells of the grid along x and z."
+
+TERRAIN_KINDS: dict[str, type[TerrainConfig]] = {}
+"""Models of terrains by their kind."""
+
+TERRAIN_PRESETS: dict[str, Mapping[str, Any]] = {}
+"""Names that stand for a kind and some of its keys."""
+
+
+class TerrainConfig(ConfigModel):
+    """What every kind of terrain has."""
+
+    at: tuple[Coordinate, Coordinate] = Field(
+        (0.0, 0.0), description="Middle of the terrain, [x, z] [m]."
+    )
+    heading_deg: Number = Field(
+        0.0,
+        ge=-36_000,
+        le=36_000,
+        description="Turn of the terrain about +Y at its middle [degrees].",
+    )
+    polygons: Polygons = Field(
+        "triangles",
+        description="Faces of the grid: `triangles`, two a cell along one diagonal, or `quads`, "
+        "four triangles about a middle at the mean height of the corners.",
+    )
+    material: Name = Field("dry soil", description="Material of the ground, by name.")
+    unsteppable_slope_deg: Number = Field(
+        40.0, gt=0, lt=90, description="Slopes steeper than this are no footholds [degrees]."
+    )
+    foot_radius: LengthOrZero = Field(
+        0.08,
+        description="The ground within this distance downhill of an unsteppable slope is a "
+        "forbidden zone [m].",
+    )
+    show_forbidden: bool = Field(
+        False, strict=True, description="Whether forbidden zones are hatched in the picture."
+    )
+    footprints: bool = Field(
+        False,
+        strict=True,
+        description="Whether feet leave prints in soft ground: soil, sand, grass, mud or snow.",
+    )
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Accept a preset of this kind instead of the kind, as in `{preset: hills, height: 2}`."""
+        block = handler.resolve_ref_schema(handler(core))
+        kind = block["properties"]["kind"]["const"]
+        names = [name for name, preset in TERRAIN_PRESETS.items() if preset["kind"] == kind]
+        if not names:
+            block["required"] = ["kind", *block.get("required", [])]
+            return block
+        preset = {"enum": names, "description": "The preset that this terrain starts from."}
+        block["properties"] = {"preset": preset, **block["properties"]}
+        block["oneOf"] = [{"required": ["kind"]}, {"required": ["preset"]}]
+        return block
+
+
+class GridTerrain(TerrainConfig):
+    """A terrain whose grid the author chooses."""
+
+    size: Size = Field((30.0, 30.0), description=SIZE)
+    cells: Cells = Field((240, 240), description=CELLS)
+
+
+SHARED_KEYS = (*TerrainConfig.model_fields, "size", "cells")
+"""Keys that a sum of terrains gives once for all of its terms."""
+
+Kind = TypeVar("Kind", bound=TerrainConfig)
+
+
+def terrain_kind(**presets: Mapping[str, Any]) -> Callable[[type[Kind]], type[Kind]]:
+    """Register a kind of terrain.
+
+    Args:
+        presets: by name, the keys in which each differs from the kind's defaults.
+    """
+
+    def register(model: type[Kind]) -> type[Kind]:
+        kind = model.model_fields["kind"].default
+        TERRAIN_KINDS[kind] = model
+        TERRAIN_PRESETS.update({name: {"kind": kind, **keys} for name, keys in presets.items()})
+        return model
+
+    return register
+
+
+def too_coarse(
+    terrain: GridTerrain, key: str, length: float, least: int = 2, axes: str = "xz"
+) -> Iterator[Fault]:
+    """Find that a feature is shorter than the cells that it needs.
+
+    Args:
+        terrain: any grid.
+        key: the key that gives the length.
+        length: smallest length of the feature [m].
+        least: number of cells that it needs.
+        axes: axes along which the grid must be fine enough.
+    """
+    for axis in axes:
+        k = "xz".index(axis)
+        cell = terrain.size[k] / terrain.cells[k]
+        # A whole number of cells is one only up to rounding.
+        if length >= least * cell * (1.0 - 1e-9):
+            continue
+        needed = math.ceil(terrain.size[k] * least / length)
+        finer = f"or cells[{k}] at least {needed}" if needed <= MAX_CELLS else "or size smaller"
+        yield Fault(
+            (key,),
+            f"{key} makes features of {length:g} m, less than {least} cells of {cell:g} m "
+            f"along {axis}; make that larger, {finer}",
+        )
+        return
+
+
+def written_out(value: Any, without: Collection[str] = ()) -> Any:
+    """Return a terrain as a mapping with its kind, given a name or a preset with changes.
+
+    Args:
+        value: a terrain, or the name of one.
+        without: keys that are not taken from presets.
+
+    Raises:
+        PydanticCustomError: no terrain has this name.
+    """
+    if isinstance(value, str):
+        if value not in TERRAIN_PRESETS:
+            raise fault_error(f"no terrain is called '{value}', {hint(value, TERRAIN_PRESETS)}")
+        return _preset(value, without)
+    if not isinstance(value, Mapping) or "preset" not in value:
+        return value
+    preset = value["preset"]
+    if not isinstance(preset, str) or preset not in TERRAIN_PRESETS:
+        close = hint(str(preset), TERRAIN_PRESETS)
+        raise fault_error(f"no terrain is called '{preset}', {close}", "preset")
+    if "kind" in value:
+        raise fault_error("give either preset or kind, not both", "kind", at_key=True)
+    changes = {key: change for key, change in value.items() if key != "preset"}
+    return {**_preset(preset, without), **changes}
+
+
+def _preset(name: str, without: Collection[str]) -> dict[str, Any]:
+    return {key: value for key, value in TERRAIN_PRESETS[name].items() if key not in without}
+
+
+class ShortForms:
+    """Lets the JSON Schema accept a terrain by name, and by preset with changes."""
+
+    def __get_pydantic_json_schema__(
+        self, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the names of presets beside the models."""
+        return {"anyOf": [{"enum": list(TERRAIN_PRESETS)}, handler(core)]}

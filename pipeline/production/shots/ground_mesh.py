@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import TerrainRecord
-from pipeline.simulation.terrain.surfaces import surface_of_vertices
+from pipeline.simulation.terrain.heightfield import surface_of_vertices
 from render.footprints import FootprintRaster
 from render.shot import Mesh
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.spatial import Array
-from pipeline.spec.figure import JointWords
+from pipeline.spec.figure import JointSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,7 +221,7 @@ class AdjustedJoints:
 
 
 def apply_joint_overrides(
-    words: Mapping[str, Mapping[str, JointWords]],
+    words: Mapping[str, Mapping[str, JointSettings]],
     names: Sequence[str],
     stances: Sequence[JointRange],
     scale: float,
@@ -258,7 +258,7 @@ def apply_joint_overrides(
     return AdjustedJoints(result, np.array(slides, dtype=bool))
 
 
-def _override(words: JointWords, stance: JointRange, scale: float) -> JointRange:
+def _override(words: JointSettings, stance: JointRange, scale: float) -> JointRange:
     if words.slide is not None:
         lower, upper = (scale * value for value in words.slide)
         rest = lower if words.rest is None else scale * words.rest

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.walk import GaitWords
+from pipeline.spec.walk import GaitPhases
 
 PHASE_TOLERANCE = 1e-6
 """Difference between phases that are still one, as a part of the cycle."""
@@ -102,7 +102,7 @@ class Gait:
         return result
 
 
-def written(words: GaitWords, names: Sequence[str]) -> Gait:
+def written(words: GaitPhases, names: Sequence[str]) -> Gait:
     """Return the gait that the author wrote out for the legs called `names`."""
     return Gait(
         np.array([words.up[name] for name in names]) % 1.0,

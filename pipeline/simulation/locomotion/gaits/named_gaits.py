@@ -20,7 +20,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, written
 from pipeline.spec.suggestions import hint
-from pipeline.spec.walk import GaitWords, Manner
+from pipeline.spec.walk import GaitPhases, Manner
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,7 +246,7 @@ def choose_gait(
         SceneError: if its legs have no such gait.
     """
     of = [figure.skeleton.legs[leg] for leg in legs]
-    if isinstance(words.gait, GaitWords):
+    if isinstance(words.gait, GaitPhases):
         gait = _written(f"{where}.gait", words.gait, figure.name, [leg.name for leg in of])
     else:
         rows = LegRows.of([leg.side for leg in of], forward)
@@ -263,7 +263,7 @@ def choose_gait(
     return gait if words.duty is None else gait.with_duty(words.duty)
 
 
-def _written(path: str, words: GaitWords, figure: str, names: Sequence[str]) -> Gait:
+def _written(path: str, words: GaitPhases, figure: str, names: Sequence[str]) -> Gait:
     wrong = sorted(set(words.up) ^ set(names))
     if wrong:
         message = (

@@ -17,10 +17,10 @@ os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numpy as np
 
-from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dance_goals import choreography_of
-from pipeline.simulation.dancers.dance_moves import beat_of, moves_of
-from pipeline.simulation.dancers.dancer_motion import Dancing
+from pipeline.simulation.dancers.build import dancer_proportions
+from pipeline.simulation.dancers.dance_goals import dance_choreography
+from pipeline.simulation.dancers.dance_moves import beat_duration, plan_moves
+from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene
 
@@ -31,14 +31,14 @@ steps are measured at once."""
 SCENE = "pronk: 1\nduration: {seconds}\ncast:\n- {{dancer: torso, controller: {by}, start: 0.5}}\n"
 
 
-def dancer(by: str) -> Dancing:
+def dancer(by: str) -> DancerMotion:
     """Return a dancer about to begin."""
     scene = read_scene(SCENE.format(seconds=60, by=by))
     _, member = scene.dancers[0]
     dance = scene.dances[member.dance]
-    choreography = choreography_of(proportions_of(member), dance, member.dance, True)
-    moves = moves_of(member, dance, 60.0, "cast[0]")
-    return Dancing(member, choreography, moves, beat_of(member, dance), 1.0 / RATE)
+    choreography = dance_choreography(dancer_proportions(member), dance, member.dance, True)
+    moves = plan_moves(member, dance, 60.0, "cast[0]")
+    return DancerMotion(member, choreography, moves, beat_duration(member, dance), 1.0 / RATE)
 
 
 def overhead(by: str) -> tuple[float, float, float]:

@@ -4,16 +4,16 @@ A trial varies controller, durations or gains, so no take holds it.
 """
 
 from pipeline.simulation.dancers.dance_measurement import (
-    Danced,
-    Measured,
-    dance_through,
+    DanceRecord,
+    MeasuredMove,
     first_of_each,
-    measure,
+    measure_moves,
+    record_dance,
     same_way,
 )
 from pipeline.simulation.dancers.figure_three import COLUMNS, SUBTASKS
 from pipeline.simulation.dancers.jerk import CUTOFF, LEAST, RATE, rank_correlation
-from pipeline.simulation.dancers.minimum_jerk_retiming import Timed
+from pipeline.simulation.dancers.minimum_jerk_retiming import RetimedPath
 
 __all__ = [
     "COLUMNS",
@@ -21,12 +21,12 @@ __all__ = [
     "LEAST",
     "RATE",
     "SUBTASKS",
-    "Danced",
-    "Measured",
-    "Timed",
-    "dance_through",
+    "DanceRecord",
+    "MeasuredMove",
+    "RetimedPath",
     "first_of_each",
-    "measure",
+    "measure_moves",
     "rank_correlation",
+    "record_dance",
     "same_way",
 ]

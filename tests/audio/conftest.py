@@ -1,4 +1,4 @@
-"""Readers of our own for the files, and scores to write."""
+"""Independent readers of MIDI and WAV files, and factories of scores."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Smf:
 
     @property
     def tempo(self) -> int:
-        """Microseconds a beat; a file of more than one tempo fails."""
+        """Microseconds a beat; fails for more than one tempo."""
         (tempo,) = [data for track in self.tracks for _, kind, data in track if kind == 0xFF51]
         return int.from_bytes(tempo)
 
@@ -53,7 +53,7 @@ class Smf:
         )
 
     def played(self) -> list[tuple[int, int, bytes]]:
-        """Return all events in the order of a player: by tick, then by track."""
+        """Return all events in playing order: by tick, then by track."""
         merged = [
             (tick, index, place, status, data)
             for index, track in enumerate(self.tracks)
@@ -98,7 +98,7 @@ def _track(data: bytes) -> list[tuple[int, int, bytes]]:
 
 
 def parse_smf(data: bytes) -> Smf:
-    """Read a MIDI file of type 1 from its bytes, refusing whatever is not legal there."""
+    """Parse a MIDI file of type 1; fails for any invalid byte."""
     assert data[:4] == b"MThd"
     size, kind, count, division = struct.unpack(">IHHH", data[4:14])
     assert (size, kind) == (6, 1)
@@ -128,55 +128,55 @@ _END = 0xFF2F
 
 
 def _laws(smf: Smf, frames: int, rate: Any, drums: bool = False) -> None:
-    """Hold what is true of every file: lengths, no overlap, ends at the last frame."""
+    """Assert the invariants of every file: length, no overlapping notes, ends at the last frame."""
     end = smf.tracks[0][-1][0]
     assert smf.seconds(end) == frames / rate
     for track in smf.tracks:
         assert [tick for tick, kind, _ in track if kind == _END] == [end]
         assert track[-1][1] == _END
     sounding: dict[tuple[int, int], int] = {}
-    stands: dict[tuple[int, int], bytes] = {}
+    values: dict[tuple[int, int], bytes] = {}
     for tick, status, data in smf.played():
         kind, key = status & 0xF0, (status & 15, data[0] if data else 0)
         if status >= 0xFF00:
             continue
         if kind == 0x90:
-            assert key not in sounding, "struck while it sounds"
+            assert key not in sounding, "a note that sounds already"
             sounding[key] = tick
         elif kind == 0x80:
             assert tick > sounding.pop(key), "shorter than a tick"
         else:
             held = [key for key in sounding if key[0] == status & 15]
-            gesture = kind == 0xE0 or (kind == 0xB0 and data[0] == 11)
-            what = status, data[0] if kind == 0xB0 else -1
-            # A track may say again for itself what holds already.
-            if stands.get(what) != data:
-                assert len(held) <= gesture, "changed under notes that it does not belong to"
-            stands[what] = data
+            is_curve = kind == 0xE0 or (kind == 0xB0 and data[0] == 11)
+            controller = status, data[0] if kind == 0xB0 else -1
+            # A track may repeat a value that holds already.
+            if values.get(controller) != data:
+                assert len(held) <= is_curve, "a change under sounding notes"
+            values[controller] = data
         assert drums or status & 15 != 9, "the channel of drums"
     assert not sounding, "a note without an end"
 
 
 @pytest.fixture(scope="session")
 def check_laws() -> Callable[..., None]:
-    """Give the judge of parsed MIDI files: file, frames and rate."""
+    """Return the check of parsed MIDI files: file, frames and rate."""
     return _laws
 
 
 @pytest.fixture(scope="session")
 def read_smf() -> Callable[[bytes], Smf]:
-    """Give the reader of MIDI bytes."""
+    """Return the reader of MIDI bytes."""
     return parse_smf
 
 
 @pytest.fixture(scope="session")
 def read_wav() -> Callable[[Path], Any]:
-    """Give the reader of WAV files."""
+    """Return the reader of WAV files."""
     return parse_wav
 
 
 def _step(frame: int = 1, **changes: Any) -> ScoreEvent:
-    words: dict[str, Any] = {
+    fields: dict[str, Any] = {
         "time": Fraction(0),
         "cause": "footfall",
         "who": "bug",
@@ -188,23 +188,23 @@ def _step(frame: int = 1, **changes: Any) -> ScoreEvent:
         "size": 0.04,
         "distance": 4.0,
     }
-    return ScoreEvent(frame=frame, **{**words, **changes})
+    return ScoreEvent(frame=frame, **{**fields, **changes})
 
 
 @pytest.fixture(scope="session")
 def step() -> Callable[..., ScoreEvent]:
-    """Give a maker of footfalls: frame and whatever shall differ."""
+    """Return a factory of footfalls: frame, and fields that differ."""
     return _step
 
 
 def _score(
     events: Any = (), frames: int = 24, rate: Any = 24, sound: Any = None, **rest: Any
 ) -> Score:
-    words = Sound.model_validate(sound or {})
-    return Score(Fraction(rate), frames, tuple(events), words, **rest)
+    config = Sound.model_validate(sound or {})
+    return Score(Fraction(rate), frames, tuple(events), config, **rest)
 
 
 @pytest.fixture(scope="session")
 def score_of() -> Callable[..., Score]:
-    """Give a maker of scores: events, frames, rate and the author's words."""
+    """Return a factory of scores: events, frames, rate and sound configuration."""
     return _score

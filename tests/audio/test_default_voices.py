@@ -1,4 +1,4 @@
-"""Without a word on sound every material, cause and figure is heard, sensibly and as itself."""
+"""Default voices: every material, cause and figure is audible and distinct."""
 
 from __future__ import annotations
 
@@ -24,24 +24,24 @@ from pipeline.spec.scene_library import library
 from render.config.material import MATERIALS
 
 ALIKE = ({"stone", "brick", "gravel"}, {"flesh", "soil", "sand", "grass", "snow"})
-"""Families that one instrument may stand for: hard and dull pieces, and what gives way."""
+"""Families that share an instrument: hard and dull ones, and soft ones."""
 
-# Speeds at which causes are usually heard [m/s].
+# Usual speeds of causes [m/s].
 USUAL = {"scuff": 0.5, "swoosh": 8.0, "whistle": 15.0, "squeak": 0.5, "squawk": 1.5, "boing": 2.5}
 
-HEARD = (-40.0, 0.0)
-"""Between a whisper and full scale, for who stands four metres away [dBFS]."""
+LEVEL_RANGE = (-40.0, 0.0)
+"""Range of levels at a distance of four metres [dBFS]."""
 
 
-def heard(step: Any, score_of: Any, **words: Any) -> Note:
-    (note,) = notes_of(score_of([step(1, **words)]))
+def heard(step: Any, score_of: Any, **fields: Any) -> Note:
+    (note,) = notes_of(score_of([step(1, **fields)]))
     return note
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 @given(size=st.floats(0.01, 2.0), strength=st.floats(0.15, 1.0))
-def test_every_material_is_heard_within_its_instruments_usual_range(
+def test_every_material_is_audible_in_its_instruments_usual_range(
     step: Any, score_of: Any, family: str, size: float, strength: float
 ) -> None:
     for cause in ("footfall", "collision"):
@@ -50,11 +50,11 @@ def test_every_material_is_heard_within_its_instruments_usual_range(
         lowest, highest = usual_range(note.program)
         assert lowest <= note.pitch <= highest
         assert parse_scale("C minor pentatonic").contains(note.pitch)
-        assert HEARD[0] <= note.level <= HEARD[1]
+        assert LEVEL_RANGE[0] <= note.level <= LEVEL_RANGE[1]
         assert 0.1 <= note.seconds <= 2
 
 
-def test_no_two_materials_that_should_differ_are_played_alike(step: Any, score_of: Any) -> None:
+def test_different_materials_have_different_instruments(step: Any, score_of: Any) -> None:
     programs = {name: heard(step, score_of, material=name).program for name in FAMILIES}
     for one, other in combinations(FAMILIES, 2):
         alike = any({one, other} <= group for group in ALIKE)
@@ -62,14 +62,14 @@ def test_no_two_materials_that_should_differ_are_played_alike(step: Any, score_o
 
 
 @pytest.mark.parametrize("cause", CAUSE_VOICES)
-def test_every_motion_and_rub_is_heard(step: Any, score_of: Any, cause: str) -> None:
+def test_every_cause_with_a_voice_is_audible(step: Any, score_of: Any, cause: str) -> None:
     note = heard(step, score_of, cause=cause, strength=USUAL.get(cause, 1.0), size=0.3)
     lowest, highest = usual_range(note.program)
     assert lowest <= note.pitch <= highest
-    assert HEARD[0] <= note.level <= HEARD[1]
+    assert LEVEL_RANGE[0] <= note.level <= LEVEL_RANGE[1]
 
 
-def test_ranges_hold_every_scale_and_are_of_instruments() -> None:
+def test_usual_ranges_hold_two_octaves_and_instruments_are_distinct() -> None:
     for program in range(128):
         lowest, highest = usual_range(program)
         assert 0 <= lowest <= highest - 24
@@ -78,8 +78,7 @@ def test_ranges_hold_every_scale_and_are_of_instruments() -> None:
     assert len({program_number(name) for name in used}) == len(used) >= 10
 
 
-def test_every_material_of_the_library_sounds_as_what_it_is() -> None:
-    # Of these nothing in the name says what would be struck.
+def test_every_material_of_the_library_has_a_family() -> None:
     # The last known word of a name counts, so only unknown names leave both words standing.
     unnamed = {
         name
@@ -102,7 +101,9 @@ FEW = {"beetle"}
         if name not in STILL
     ],
 )
-def test_every_figure_that_walks_is_heard_foot_by_foot(figure: str, tmp_path: Path) -> None:
+def test_every_figure_that_walks_has_audible_feet_of_distinct_pitch(
+    figure: str, tmp_path: Path
+) -> None:
     path = tmp_path / "walk.yaml"
     path.write_text(f"pronk: 1\nduration: 4\ncast: [{{figure: {figure}, walk: {{}}}}]\n")
     scene = load_scene(path)
@@ -114,8 +115,8 @@ def test_every_figure_that_walks_is_heard_foot_by_foot(figure: str, tmp_path: Pa
     for note in notes:
         lowest, highest = usual_range(note.program)
         assert lowest <= note.pitch <= highest
-        # Who only hops lands harder than others step.
-        assert HEARD[0] <= note.level <= HEARD[1] + 3
+        # A hop lands harder than a step.
+        assert LEVEL_RANGE[0] <= note.level <= LEVEL_RANGE[1] + 3
     pitches = {note.event.part: note.pitch for note in notes}
     steps = 2 * len(parse_scale(scene.sound.scale).intervals)
     assert len(set(pitches.values())) == min(len(pitches), steps)

@@ -1,4 +1,4 @@
-"""Every shipped scene's track: onsets on their samples, peaks below the ceiling, loud as told."""
+"""Tracks of all shipped scenes: onsets on their samples, peak ceiling, loudness."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_the_track_of_a_shipped_scene(name: str, read_wav: Any, tmp_path: Path) 
         return
     master = scene.sound.master
     assert master is not None
-    # Others' meters: eight times oversampled, and the loudness of a library of its own.
+    # Independent meters: eight times oversampled, and another library's loudness.
     assert np.abs(resample_poly(sound, 8, 1, axis=0)).max() < 10 ** (master.true_peak_db / 20)
     loudness = pyloudnorm.Meter(48_000).integrated_loudness(sound)
     assert loudness == pytest.approx(report.lufs, abs=0.3)

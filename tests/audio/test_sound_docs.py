@@ -1,4 +1,4 @@
-"""The examples of docs/sound.md are scenes that load and are heard."""
+"""The examples of docs/sound.md load and play."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_there_are_examples() -> None:
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_an_example_is_a_scene_that_loads_and_plays(
+def test_every_example_loads_and_plays(
     example: str, tmp_path: Path, step: Any, score_of: Any, read_smf: Any, check_laws: Any
 ) -> None:
     path = tmp_path / "example.yaml"
@@ -44,7 +44,7 @@ def test_an_example_is_a_scene_that_loads_and_plays(
     assert len(smf.onsets()) >= heard
 
 
-def test_the_page_names_every_kind_of_scale_chord_and_word() -> None:
+def test_the_page_names_every_scale_chord_and_key() -> None:
     for kind in (*MODES, *filter(None, CHORD_KINDS)):
         assert f"`{kind}`" in PAGE, kind
     said = set(re.findall(r"[a-z_]+", PAGE))

@@ -1,4 +1,4 @@
-"""SoundFonts: each note on its sample, and one clear message for what cannot be played."""
+"""SoundFonts: notes on their samples, and one clear message for an unusable font."""
 
 import importlib.util
 import sys
@@ -10,7 +10,7 @@ import pytest
 from audio.errors import SoundFontError
 from audio.time_grid import sample_of_frame
 from audio.wav_file import write_wav
-from tests.audio.sf2 import sf2
+from tests.audio.soundfont_writer import sf2
 
 PLAYS = pytest.mark.skipif(
     importlib.util.find_spec("tinysoundfont") is None, reason="tinysoundfont is not installed"
@@ -20,13 +20,13 @@ CLICK = np.exp(-np.arange(2400) / 400) * np.cos(2 * np.pi * 1000 * np.arange(240
 
 @pytest.fixture
 def font(tmp_path):
-    """Give a font of one click for one program and the drums."""
+    """Return a font of one click for one program and the drums."""
     path = tmp_path / "ein Klick – ü.sf2"
     path.write_bytes(sf2(CLICK, [(0, 0), (128, 0)]))
     return path
 
 
-def test_without_a_player_the_message_says_what_to_install(
+def test_without_tinysoundfont_the_message_says_what_to_install(
     font, step, score_of, tmp_path, monkeypatch
 ):
     monkeypatch.setitem(sys.modules, "tinysoundfont", None)
@@ -38,11 +38,11 @@ def test_without_a_player_the_message_says_what_to_install(
 
 @PLAYS
 @pytest.mark.parametrize("rate", [Fraction(24), Fraction(30_000, 1001), Fraction(60)])
-def test_every_note_begins_on_its_sample(font, step, score_of, read_wav, tmp_path, rate):
+def test_every_note_starts_on_its_sample(font, step, score_of, read_wav, tmp_path, rate):
     frames = [1, 9, 20, 31, 40]
     happened = [step(frame, who=f"w{frame}", azimuth=frame / 9 - 2) for frame in frames]
-    words = {"soundfont": str(font), "voices": [{"pitch": "C4", "length": 0.1}]}
-    report = write_wav(score_of(happened, 40, rate, words), tmp_path / "a.wav")
+    config = {"soundfont": str(font), "voices": [{"pitch": "C4", "length": 0.1}]}
+    report = write_wav(score_of(happened, 40, rate, config), tmp_path / "a.wav")
     sound = np.abs(read_wav(tmp_path / "a.wav")).max(axis=1)
     assert len(sound) == report.samples == sample_of_frame(41, rate)
     assert report.true_peak_db < -1
@@ -54,10 +54,10 @@ def test_every_note_begins_on_its_sample(font, step, score_of, read_wav, tmp_pat
 
 
 @PLAYS
-def test_the_notes_of_the_score_are_what_is_played(font, step, score_of, read_wav, tmp_path):
+def test_the_soundfont_plays_the_notes_of_the_score(font, step, score_of, read_wav, tmp_path):
     def pitch(note):
-        words = {"soundfont": str(font), "voices": [{"pitch": note}]}
-        write_wav(score_of([step(1)], 24, sound=words), tmp_path / "p.wav")
+        config = {"soundfont": str(font), "voices": [{"pitch": note}]}
+        write_wav(score_of([step(1)], 24, sound=config), tmp_path / "p.wav")
         spectrum = np.abs(np.fft.rfft(read_wav(tmp_path / "p.wav")[:, 0]))
         return float(spectrum.argmax())
 
@@ -67,10 +67,10 @@ def test_the_notes_of_the_score_are_what_is_played(font, step, score_of, read_wa
 
 @PLAYS
 def test_no_events_are_silent_and_drums_are_played(font, step, score_of, tmp_path):
-    words = {"soundfont": str(font)}
-    assert write_wav(score_of(sound=words), tmp_path / "a.wav").lufs == -np.inf
-    words["voices"] = [{"drum": "claves"}]
-    assert write_wav(score_of([step(1)], sound=words), tmp_path / "b.wav").lufs > -60
+    config = {"soundfont": str(font)}
+    assert write_wav(score_of(sound=config), tmp_path / "a.wav").lufs == -np.inf
+    config["voices"] = [{"drum": "claves"}]
+    assert write_wav(score_of([step(1)], sound=config), tmp_path / "b.wav").lufs > -60
 
 
 @PLAYS
@@ -86,7 +86,7 @@ def test_no_events_are_silent_and_drums_are_played(font, step, score_of, tmp_pat
         (None, "No such file"),
     ],
 )
-def test_what_is_no_font_is_refused_by_name(step, score_of, tmp_path, data, said):
+def test_an_invalid_soundfont_is_refused_by_name(step, score_of, tmp_path, data, said):
     path = tmp_path / "bad.sf2"
     if data is not None:
         path.write_bytes(data)

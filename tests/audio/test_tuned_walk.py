@@ -1,4 +1,4 @@
-"""The tuned scene, measured: its notes are in the scale, its walkers in step with the tempo."""
+"""The scene tuned_walk: notes in the scale, gaits in time with the tempo."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_every_pitch_belongs_to_the_scale(notes: tuple[Note, ...]) -> None:
 
 
 @pytest.mark.parametrize("who", FEET)
-def test_each_foot_has_its_note_once_a_bar(notes: tuple[Note, ...], who: str) -> None:
+def test_each_foot_sounds_once_a_bar(notes: tuple[Note, ...], who: str) -> None:
     own = [n for n in notes if n.event.who == who and n.event.cause == "footfall"]
     pitches = {note.event.part: note.pitch for note in own}
     assert len(set(pitches.values())) == len(pitches) == FEET[who]
@@ -81,7 +81,7 @@ def test_the_kangaroo_hops_four_times_in_three_bars(notes: tuple[Note, ...]) -> 
     assert set(hops) == {3 * BAR // 4}
 
 
-def test_jumps_are_answered_by_phrases_and_landings_by_chords(notes: tuple[Note, ...]) -> None:
+def test_jumps_play_phrases_and_landings_chords(notes: tuple[Note, ...]) -> None:
     pushes = [n for n in notes if n.event.cause == "boing"]
     first = pushes[0].onset
     phrase = [(n.onset - first, n.pitch) for n in pushes[:5]]
@@ -91,7 +91,7 @@ def test_jumps_are_answered_by_phrases_and_landings_by_chords(notes: tuple[Note,
     assert chord >= {57, 60, 64, 67}
 
 
-def test_gaits_are_so_well_timed_that_nothing_moves_by_more_than_a_frame(score: Score) -> None:
+def test_gaits_need_no_quantisation_beyond_one_frame(score: Score) -> None:
     walkers = tuple(event for event in score.events if event.who in FEET)
     shifts = arrange(replace(score, events=walkers)).shifts
     assert shifts.events > 80

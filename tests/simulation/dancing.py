@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dance_goals import choreography_of
-from pipeline.simulation.dancers.dance_moves import Move, beat_of, moves_of
-from pipeline.simulation.dancers.dancer_motion import Dancing, practised
-from pipeline.simulation.dancers.hand_contacts import Strike
+from pipeline.simulation.dancers.build import dancer_proportions
+from pipeline.simulation.dancers.dance_goals import dance_choreography
+from pipeline.simulation.dancers.dance_moves import Move, beat_duration, plan_moves
+from pipeline.simulation.dancers.dancer_motion import DancerMotion, rehearsed_motion
+from pipeline.simulation.dancers.hand_contacts import HandStrike
 from pipeline.simulation.dancers.torso import HANDS, LINKS
 from pipeline.simulation.spatial import Array
 from pipeline.spec import read_scene
@@ -22,16 +22,16 @@ HEADER = (
 
 def dancing_of(
     words: str, rate: float = 96.0, duration: float = 30, more: str = "", build: str = "torso"
-) -> Dancing:
+) -> DancerMotion:
     """Return a dancer of its words, about to begin."""
     scene = read_scene(HEADER.format(duration=duration, words=words, more=more, build=build))
     _, member = scene.dancers[0]
     dance = scene.dances[member.dance]
-    moves = moves_of(member, dance, duration, "cast[0]")
-    choreography = choreography_of(
-        proportions_of(member), dance, member.dance, member.compensate_gravity
+    moves = plan_moves(member, dance, duration, "cast[0]")
+    choreography = dance_choreography(
+        dancer_proportions(member), dance, member.dance, member.compensate_gravity
     )
-    return practised(member, choreography, moves, beat_of(member, dance), 1.0 / rate)
+    return rehearsed_motion(member, choreography, moves, beat_duration(member, dance), 1.0 / rate)
 
 
 @dataclass
@@ -50,13 +50,13 @@ class Seen:
         energies: kinetic and potential, row by row [J].
     """
 
-    dancing: Dancing
+    dancing: DancerMotion
     times: list[float] = field(default_factory=list)
     hands: list[Array] = field(default_factory=list)
     places: list[Array] = field(default_factory=list)
     forward: list[Array] = field(default_factory=list)
     deepest: dict[tuple[str, str], float] = field(default_factory=dict)
-    strikes: list[Strike] = field(default_factory=list)
+    strikes: list[HandStrike] = field(default_factory=list)
     torques: list[Array] = field(default_factory=list)
     q: list[Array] = field(default_factory=list)
 

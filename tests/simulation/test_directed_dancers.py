@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.dancers.dancer_motion import Dancing
+from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.dancer_troupe import Dancers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import dump, read_scene
@@ -55,7 +55,7 @@ def told(*script: str, words: str = "", duration: float = 6.0, more: str = "") -
     )
 
 
-def ada(simulation: Simulation) -> Dancing:
+def ada(simulation: Simulation) -> DancerMotion:
     troupe = next(t for t in simulation.troupes if isinstance(t, Dancers))
     return troupe.dancing[0]
 

@@ -8,22 +8,25 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.simulation.curves import ease
-from pipeline.simulation.dancers.arm_control import Arm
-from pipeline.simulation.dancers.dance_goals import easy_posture, rest_posture
+from pipeline.simulation.dancers.arm_control import ArmController
+from pipeline.simulation.dancers.dance_goals import hanging_posture, reaching_posture
 from pipeline.simulation.dancers.force_fields import (
-    FASTEST,
-    RATE,
-    Fields,
-    combined,
+    FIELD_RATE,
+    SPEED_LIMIT,
+    HandField,
     desired_velocity,
-    phase_of,
-    smooth,
-    strongest,
+    minimum_jerk_phase,
+    minimum_jerk_step,
+    strongest_point,
+    weighted_point,
 )
-from pipeline.simulation.dancers.posture_sequence import Passage, natural_bends
+from pipeline.simulation.dancers.posture_sequence import (
+    PostureSpline,
+    natural_spline_curvatures,
+)
 from pipeline.simulation.dancers.torso import ARM, HANDS, LIMITS, PALM, Torso, torso_of
 from pipeline.simulation.dynamics.linkage import Spot
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import ADULT, JOINTS
 from pipeline.simulation.spatial import Array
 
@@ -38,21 +41,25 @@ REACH = (ADULT.upper_arm + ADULT.forearm + PALM * ADULT.hand) * ADULT.height
 places = st.tuples(*[st.floats(-1.0, 1.0, allow_subnormal=False)] * 3)
 
 
-def standing(spots: tuple[Spot, ...] = (), compensated: bool = True) -> tuple[Torso, Moving, Arm]:
+def standing(
+    spots: tuple[Spot, ...] = (), compensated: bool = True
+) -> tuple[Torso, LinkageSimulation, ArmController]:
     """Return a torso whose right hand is pulled by fields; the left arm hangs."""
     torso = torso_of(ADULT, spots, compensated=compensated)
-    moving = Moving(torso.linkage, TICK / STEPS)
+    moving = LinkageSimulation(torso.linkage, TICK / STEPS)
     for side in HANDS:
         own = slice(torso.arm(side).start, torso.wrist(side).stop)
-        moving.q[own] = rest_posture()
+        moving.q[own] = hanging_posture()
     moving.targets[:] = moving.q
     moving.settle()
-    arms = [Arm(side, torso, moving, RATE, False) for side in HANDS]
+    arms = [ArmController(side, torso, moving, FIELD_RATE, False) for side in HANDS]
     arms[0].drive(True)
     return torso, moving, arms[0]
 
 
-def go_on(moving: Moving, arm: Arm, seconds: float, begin: float = 0.0) -> Array:
+def go_on(
+    moving: LinkageSimulation, arm: ArmController, seconds: float, begin: float = 0.0
+) -> Array:
     """Let it move; return the hand's places (n, 3), one a tick [m]."""
     rows = []
     for k in range(round(seconds / TICK)):
@@ -69,7 +76,7 @@ def test_a_weighted_sum_has_its_point_in_the_hull_of_the_points(fields) -> None:
     points = [point for point, _ in fields]
     weights = np.array([weight for _, weight in fields])
     weights /= weights.sum()
-    point = combined(points, weights.tolist())
+    point = weighted_point(points, weights.tolist())
     # It is nowhere farther along any direction than the farthest of them.
     chance = np.random.default_rng(1)
     directions = chance.normal(size=(40, 3))
@@ -77,9 +84,9 @@ def test_a_weighted_sum_has_its_point_in_the_hull_of_the_points(fields) -> None:
     own = np.array(point) @ directions.T
     assert (own <= along.max(axis=0) + 1e-12).all()
     # And the sum of the fields is zero there.
-    each = [RATE * (np.array(p) - point) for p in points]
+    each = [FIELD_RATE * (np.array(p) - point) for p in points]
     np.testing.assert_allclose((weights[:, None] * each).sum(axis=0), 0.0, atol=1e-11)
-    assert strongest(points, weights.tolist()) == points[int(np.argmax(weights))]
+    assert strongest_point(points, weights.tolist()) == points[int(np.argmax(weights))]
 
 
 @given(places, places, st.floats(0.1, 50.0))
@@ -88,25 +95,25 @@ def test_a_field_points_to_its_point_and_is_zero_at_it(point, x, rate) -> None:
     d = np.array(point) - x
     assert np.linalg.norm(np.cross(v, d)) <= 1e-9
     assert v @ d >= 0.0
-    assert np.linalg.norm(v) <= FASTEST + 1e-12
+    assert np.linalg.norm(v) <= SPEED_LIMIT + 1e-12
     assert desired_velocity(point, point, rate) == (0.0, 0.0, 0.0)
 
 
 def test_the_smooth_step_is_that_of_least_jerk_and_is_inverted() -> None:
     s = np.linspace(0, 1, 101)
-    np.testing.assert_allclose([smooth(float(x))[0] for x in s], ease(s), atol=1e-15)
+    np.testing.assert_allclose([minimum_jerk_step(float(x))[0] for x in s], ease(s), atol=1e-15)
     h = 1e-6
     for x in (0.1, 0.4, 0.77):
-        slope = (smooth(x + h)[0] - smooth(x - h)[0]) / (2 * h)
-        assert smooth(x)[1] == pytest.approx(slope, rel=1e-7)
-        assert phase_of(smooth(x)[0]) == pytest.approx(x, abs=1e-9)
+        slope = (minimum_jerk_step(x + h)[0] - minimum_jerk_step(x - h)[0]) / (2 * h)
+        assert minimum_jerk_step(x)[1] == pytest.approx(slope, rel=1e-7)
+        assert minimum_jerk_phase(minimum_jerk_step(x)[0]) == pytest.approx(x, abs=1e-9)
 
 
 def test_weights_of_fields_stay_between_none_and_all_whatever_the_hand_does() -> None:
     chance = np.random.default_rng(5)
     for _ in range(20):
         places = chance.uniform(-1, 1, (4, 3))
-        fields = Fields(np.zeros(3), RATE, False)
+        fields = HandField(np.zeros(3), FIELD_RATE, False)
         fields.go([0, 1, 2, 3], 0.0, 1.0, places)
         low, high = np.minimum(places.min(axis=0), 0.0), np.maximum(places.max(axis=0), 0.0)
         for now in np.arange(0.0, 2.5, 0.01):
@@ -120,7 +127,7 @@ def test_the_next_field_begins_when_the_hand_came_near_whenever_that_is_looked_a
     places = np.array([[0.0, 0.0, 0.0], [0.3, 0.2, 0.0], [0.1, 0.5, 0.2], [0.4, 0.4, 0.4]])
     found = []
     for rate in (96, 97, 480, 5000):
-        fields = Fields(places[0], RATE, False)
+        fields = HandField(places[0], FIELD_RATE, False)
         fields.go([1, 2, 3], 0.0, 1.2, places)
         lag = 0.013
         for k in range(round(1.5 * rate)):
@@ -194,7 +201,7 @@ def reaches(count: int, seed: int) -> None:
         moving.targets[:] = moving.q
         moving.settle()
         arm.fields.stay(start)
-        arm.trace(goal[None], easy_posture(), 0.0, 1.0)
+        arm.trace(goal[None], reaching_posture(), 0.0, 1.0)
         now = 0.0
         for _ in range(10):
             hand = go_on(moving, arm, 1.5, now)[-1]
@@ -217,7 +224,7 @@ def test_points_are_reached_from_five_hundred_random_starts() -> None:
     reaches(500, 2)
 
 
-def held_up() -> tuple[Moving, Arm, Array, float]:
+def held_up() -> tuple[LinkageSimulation, ArmController, Array, float]:
     """Return an arm just being taken back, where its hand was to go, and the time."""
     torso, moving, arm = standing()
     moving.q[torso.arm("r")] = [1.07, -0.70, -1.69, 1.26]
@@ -225,7 +232,7 @@ def held_up() -> tuple[Moving, Arm, Array, float]:
     moving.settle()
     goal = np.array([-0.139, 1.196, 0.311])
     arm.fields.stay(moving.places[arm.palm])
-    arm.trace(goal[None], easy_posture(), 0.0, 1.0)
+    arm.trace(goal[None], reaching_posture(), 0.0, 1.0)
     now = 0.0
     while arm.by_fields:
         assert now < 4.0
@@ -246,7 +253,7 @@ def test_a_hand_that_the_trunk_holds_up_is_taken_back_and_comes_there_anew() -> 
 
 def test_who_is_told_something_else_while_a_hand_is_taken_back_does_that() -> None:
     moving, arm, _, now = held_up()
-    posture = rest_posture()
+    posture = hanging_posture()
     arm.drive(False)
     arm.turn((posture,), now, now + 0.8)
     go_on(moving, arm, 2.0, now)
@@ -269,7 +276,7 @@ def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffnes
         x = moving.places[arm.palm]
         found.append(x - goal)
         # At rest the field alone bears what pulls at the hand: c k (goal - x).
-        force = torso.linkage.drag * RATE * (goal - x)
+        force = torso.linkage.drag * FIELD_RATE * (goal - x)
         own = torso.arm("r")
         J = moving.jacobian(0)[:, own]
         balance = J.T @ force + moving.push[own] - moving.data.qfrc_bias[own]
@@ -282,7 +289,7 @@ def test_arms_whose_weight_is_not_compensated_sag_by_it_over_the_fields_stiffnes
 def test_a_spline_goes_through_its_postures_and_rests_at_both_ends() -> None:
     chance = np.random.default_rng(2)
     keys = [chance.normal(size=7) for _ in range(5)]
-    passage = Passage(keys, 1.0, 3.0)
+    passage = PostureSpline(keys, 1.0, 3.0)
     times = np.linspace(1.0, 3.0, 4001)
     q, v = (np.array(column) for column in zip(*(passage.at(float(t)) for t in times), strict=True))
     for key in keys:
@@ -298,4 +305,4 @@ def test_the_spline_is_the_natural_one_that_others_compute() -> None:
     knots = np.cumsum(chance.uniform(0.1, 1.0, 6))
     keys = chance.normal(size=(6, 3))
     theirs = interpolate.CubicSpline(knots, keys, bc_type="natural")
-    np.testing.assert_allclose(natural_bends(knots, keys), theirs(knots, 2), atol=1e-10)
+    np.testing.assert_allclose(natural_spline_curvatures(knots, keys), theirs(knots, 2), atol=1e-10)

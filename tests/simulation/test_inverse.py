@@ -142,7 +142,7 @@ def test_two_links_come_as_near_as_geometry_allows(goal: list[float]) -> None:
     skeleton = _chain(np.stack([Z, Z]), (1.0, 0.6))
     batch = LimbBatch.of([(skeleton, skeleton.limbs[0])])
     there = np.array([goal])
-    solution = reach(batch, batch.pose(batch.preferred), there, most=300)
+    solution = reach(batch, batch.pose(batch.preferred), there, max_iterations=300)
     radius = np.hypot(*goal[:2])
     # The knee bends by 2.5 rad at most, so the hole of the annulus is wider than 0.4.
     hole = np.sqrt(1.0 + 0.36 + 1.2 * np.cos(2.5))

@@ -14,14 +14,14 @@ from pipeline.simulation.dancers.jerk import (
     LEAST,
     ORDER,
     RATE,
-    floor_between,
-    jerk_of,
     low_passed,
+    measure_jerk,
+    minimum_jerk_between,
     rank_correlation,
     resampled,
     third_derivative,
 )
-from pipeline.simulation.dancers.minimum_jerk_retiming import same_way_at_best
+from pipeline.simulation.dancers.minimum_jerk_retiming import retime_for_minimum_jerk
 from pipeline.spec import read_scene
 
 
@@ -54,7 +54,8 @@ def test_resampling_and_differences_are_exact_for_cubics() -> None:
 def test_the_smoothest_reach_has_720_as_time_goes_on(rate: float) -> None:
     # The filter takes what is above 10 Hz: ever less of a slower movement.
     found = [
-        jerk_of(*reach(time, np.array([0.3, 0.4, 0]), rate), 0.0, time) for time in (1, 2, 4, 8)
+        measure_jerk(*reach(time, np.array([0.3, 0.4, 0]), rate), 0.0, time)
+        for time in (1, 2, 4, 8)
     ]
     lost = [1 - one.dimensionless / LEAST for one in found]
     assert all(0 < lost[k + 1] < lost[k] for k in range(3))
@@ -65,9 +66,9 @@ def test_the_smoothest_reach_has_720_as_time_goes_on(rate: float) -> None:
 
 
 def test_jerk_scales_with_the_fifth_power_of_time_and_the_second_of_length() -> None:
-    one = jerk_of(*reach(4, np.array([0.3, 0, 0])), 0.0, 4.0)
-    slow = jerk_of(*reach(8, np.array([0.3, 0, 0])), 0.0, 8.0)
-    long = jerk_of(*reach(4, np.array([0, 0.6, 0])), 0.0, 4.0)
+    one = measure_jerk(*reach(4, np.array([0.3, 0, 0])), 0.0, 4.0)
+    slow = measure_jerk(*reach(8, np.array([0.3, 0, 0])), 0.0, 8.0)
+    long = measure_jerk(*reach(4, np.array([0, 0.6, 0])), 0.0, 4.0)
     assert slow.integral == pytest.approx(one.integral / 32, rel=0.05)
     assert long.integral == pytest.approx(4 * one.integral, rel=1e-9)
 
@@ -80,10 +81,10 @@ def test_no_movement_between_the_same_ends_has_less_than_the_floor() -> None:
             chance.normal(size=3) / k**2 * np.sin(k * t[:, None] + chance.uniform(0, 6, 3))
             for k in range(1, 6)
         )
-        assert floor_between(t, p, 1.0, 3.0) <= jerk_of(t, p, 1.0, 3.0).integral * 1.02
+        assert minimum_jerk_between(t, p, 1.0, 3.0) <= measure_jerk(t, p, 1.0, 3.0).integral * 1.02
     t, p = reach(2, np.array([0.3, 0.4, 0]))
-    quintic = jerk_of(t, p, 0.0, 2.0).integral
-    assert floor_between(t, p, 0.0, 2.0) == pytest.approx(quintic, rel=0.06)
+    quintic = measure_jerk(t, p, 0.0, 2.0).integral
+    assert minimum_jerk_between(t, p, 0.0, 2.0) == pytest.approx(quintic, rel=0.06)
 
 
 @pytest.mark.parametrize("power", [1.0, 1.3, 2.0])
@@ -93,9 +94,9 @@ def test_the_best_timing_of_a_straight_way_is_the_reach_of_least_jerk(power: flo
         t = np.arange(-1.0, time + 1.0, 1 / 96)
         u = np.clip(t / time, 0, 1)
         p = ease(u**power)[:, None] * np.array([0.3, 0.4, 0])
-        best = same_way_at_best(t, p, 0.0, time)
+        best = retime_for_minimum_jerk(t, p, 0.0, time)
         assert best.integral * time**5 / 0.25 == pytest.approx(LEAST, rel=lost)
-        assert best.integral <= best.danced == jerk_of(t, p, 0.0, time).integral
+        assert best.integral <= best.danced == measure_jerk(t, p, 0.0, time).integral
         assert power == 1.0 or best.danced > 1.5 * best.integral
         along = best.places @ np.array([0.6, 0.8, 0])
         np.testing.assert_allclose(along, 0.5 * ease(best.times / time), atol=0.015)
@@ -122,14 +123,14 @@ def test_another_search_finds_no_better_timing_of_a_curved_way() -> None:
         return third_derivative(low_passed(resampled(t, moved(waves))[1]))[inside].ravel()
 
     p = turned(ease(u**1.4))
-    best = same_way_at_best(t, p, 0.0, time)
+    best = retime_for_minimum_jerk(t, p, 0.0, time)
     assert best.integral < 0.6 * best.danced
     waves = optimize.least_squares(jerks, np.zeros(10)).x
-    theirs = jerk_of(t, moved(waves), 0.0, time).integral
-    assert theirs < jerk_of(t, moved(np.zeros(1)), 0.0, time).integral
+    theirs = measure_jerk(t, moved(waves), 0.0, time).integral
+    assert theirs < measure_jerk(t, moved(np.zeros(1)), 0.0, time).integral
     # The filter rounds the ends of theirs, where ours keeps those of the slower begin it was given.
     assert best.integral == pytest.approx(theirs, rel=0.15)
-    again = same_way_at_best(t, moved(waves), 0.0, time)
+    again = retime_for_minimum_jerk(t, moved(waves), 0.0, time)
     assert again.integral == pytest.approx(theirs, rel=0.05)
 
     # It stays on the path, which is that of the filtered places, and never turns back.
@@ -148,9 +149,9 @@ def test_the_best_timing_lies_between_the_dance_and_the_least_of_all_ways() -> N
             chance.normal(size=3) / k**2 * np.sin(k * t[:, None] + chance.uniform(0, 6, 3))
             for k in range(1, 6)
         )
-        best = same_way_at_best(t, p, 1.0, 3.0)
-        assert best.danced == jerk_of(t, p, 1.0, 3.0).integral
-        assert 0.98 * floor_between(t, p, 1.0, 3.0) < best.integral <= best.danced
+        best = retime_for_minimum_jerk(t, p, 1.0, 3.0)
+        assert best.danced == measure_jerk(t, p, 1.0, 3.0).integral
+        assert 0.98 * minimum_jerk_between(t, p, 1.0, 3.0) < best.integral <= best.danced
         # Both ends are as they were: place, speed and acceleration.
         x = low_passed(resampled(t, p)[1])
         for own, danced in ((best.places[:4], x[60:64]), (best.places[-4:], x[177:181])):
@@ -161,8 +162,8 @@ def test_the_best_timing_lies_between_the_dance_and_the_least_of_all_ways() -> N
 def test_what_rests_or_is_over_at_once_has_no_better_timing() -> None:
     t = np.arange(0, 3, 1 / 96)
     still = np.broadcast_to(np.array([0.1, 1.2, 0.3]), (len(t), 3))
-    assert same_way_at_best(t, still, 1.0, 2.0).integral < 1e-9
-    assert same_way_at_best(t, np.outer(t, [1.0, 0, 0]), 1.0, 1.005).integral == 0.0
+    assert retime_for_minimum_jerk(t, still, 1.0, 2.0).integral < 1e-9
+    assert retime_for_minimum_jerk(t, np.outer(t, [1.0, 0, 0]), 1.0, 1.005).integral == 0.0
 
 
 def test_a_search_that_does_not_end_leaves_what_was_danced(monkeypatch) -> None:
@@ -171,8 +172,8 @@ def test_a_search_that_does_not_end_leaves_what_was_danced(monkeypatch) -> None:
 
     monkeypatch.setattr("pipeline.simulation.dancers.minimum_jerk_retiming.nnls", endless)
     t, p = reach(2, np.array([0.3, 0.4, 0]))
-    best = same_way_at_best(t, p, 0.0, 2.0)
-    assert best.integral == best.danced == jerk_of(t, p, 0.0, 2.0).integral
+    best = retime_for_minimum_jerk(t, p, 0.0, 2.0)
+    assert best.integral == best.danced == measure_jerk(t, p, 0.0, 2.0).integral
 
 
 def test_ranks_agree_as_others_compute_it() -> None:

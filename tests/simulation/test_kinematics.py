@@ -154,7 +154,7 @@ def test_a_goal_out_of_reach_is_approached(beetle: Figure) -> None:
         # Legs are drawn a little crooked in the plane that they do not bend in.
         span = np.linalg.norm(legs.tips - hips, axis=-1)
         goals = hips + factor * (legs.lengths / span)[:, None] * (legs.tips - hips)
-        solution = solve(legs, start, goals, most=200)
+        solution = solve(legs, start, goals, max_iterations=200)
         distance = np.linalg.norm(goals - hips, axis=-1)
         assert (solution.residual >= distance - legs.lengths - 1e-9).all()
         assert (solution.residual <= distance - span + 0.04 * legs.lengths).all()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dancer_motion import Dancing
+from pipeline.simulation.dancers.build import dancer_proportions
+from pipeline.simulation.dancers.dancer_motion import DancerMotion
 from pipeline.simulation.dancers.torso import LINKS
 from pipeline.simulation.people.proportions import CHILD
 from pipeline.spec import read_scene
@@ -63,7 +63,7 @@ def test_a_child_dances_it_too(by: str) -> None:
     scene = read_scene(
         f"pronk: 1\nduration: 20\ncast: [{{dancer: child, controller: {by}, tempo_bpm: 80}}]\n"
     )
-    assert proportions_of(scene.dancers[0][1]) == CHILD
+    assert dancer_proportions(scene.dancers[0][1]) == CHILD
     words = f"controller: {by}, tempo_bpm: 80, start: 1.0"
     seen = danced(words, 1.0 + 12.3 * 0.75, build="child")
     missed = []
@@ -100,7 +100,7 @@ def test_the_winner_takes_all_or_the_sum_and_both_arrive() -> None:
 def test_heads_turn_to_the_hand_that_moves() -> None:
     names: list[float] = []
     for gaze in ("true", "false"):
-        one: Dancing = dancing_of(f"dance: two, tempo_bpm: 60, gaze: {gaze}", more=TWO)
+        one: DancerMotion = dancing_of(f"dance: two, tempo_bpm: 60, gaze: {gaze}", more=TWO)
         while one.now < 1.9:
             one.advance()
         names.append(float(one.moving.q[one.torso.names.index("neck_rotation")]))

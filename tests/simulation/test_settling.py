@@ -94,11 +94,11 @@ def test_chains_nobody_drew_go_where_their_joints_take_them(
         (chain,) = group_chains(legs, np.zeros(1, dtype=np.int64))
         q = chance.uniform(-1.4, 1.4, legs.is_joint.shape)
         pose, k = legs.pose(q), q.shape[1]
-        for j, frame in enumerate(chain.along(q[0, :, None, None])):
+        for j, frame in enumerate(chain.frames(q[0, :, None, None])):
             p = frame[3][:, 0, 0]
             if j < k:
                 assert np.allclose(p, pose.X_BJ[0, j, :3, 3], atol=1e-12)
-                R = chain.turned(j, frame)[:, :, 0, 0]
+                R = chain.rotation(j, frame)[:, :, 0, 0]
                 assert np.allclose(R, pose.X_BJ[0, j, :3, :3], atol=1e-12)
         assert np.allclose(p, pose.tips[0], atol=1e-12)
 
@@ -110,7 +110,7 @@ def test_the_last_bit_does_not_hang_on_who_is_beside(
     legs, owner = _legs([library(name) for name in ("beetle", "antelope", "person", "beetle")])
     goals = _goals(legs, np.random.default_rng(8))
     whole = solve_near_rest(legs, group_chains(legs, owner), goals)
-    monkeypatch.setattr(rest_ik, "BLOCK", block)
+    monkeypatch.setattr(rest_ik, "BLOCK_SIZE", block)
     for c in range(4):
         own = np.flatnonzero(owner == c)
         alone = legs.rows(own)

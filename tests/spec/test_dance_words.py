@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.dancers.body_surfaces import body_places
-from pipeline.simulation.dancers.dance_moves import beat_of, moves_of
+from pipeline.simulation.dancers.body_surfaces import body_surfaces
+from pipeline.simulation.dancers.dance_moves import beat_duration, plan_moves
 from pipeline.simulation.dancers.torso import ARM, AXES, WRIST
 from pipeline.simulation.people.proportions import ADULT
 from pipeline.simulation.simulate import Simulation
@@ -39,7 +39,7 @@ def told(subtask: str = GOOD, words: str = "start: 0.5") -> str:
 
 
 def test_the_words_and_the_torso_have_the_same_places_and_joints() -> None:
-    assert set(body_places(ADULT)) == set(BODY_PLACES)
+    assert set(body_surfaces(ADULT)) == set(BODY_PLACES)
     assert ARM_JOINTS == (*ARM, *WRIST)
     assert {*ARM_JOINTS, *TRUNK_JOINTS} == set(AXES)
 
@@ -148,8 +148,8 @@ def test_hands_arrive_on_beats_and_never_do_two_things_at_once() -> None:
     text = "pronk: 1\nduration: 40\ncast: [{dancer: torso, tempo_bpm: 90, start: 2, bars: 2}]\n"
     scene = read_scene(text)
     member, dance = scene.dancers[0][1], scene.dances["macarena"]
-    moves = moves_of(member, dance, 40.0, "cast[0]")
-    beat = beat_of(member, dance)
+    moves = plan_moves(member, dance, 40.0, "cast[0]")
+    beat = beat_duration(member, dance)
     assert beat == pytest.approx(60 / 90)
     landings = sorted(m.land for rows in moves.values() for m in rows)
     wanted = [2 + (16 * bar + k + 1) * beat for bar in range(2) for k in range(12)]
@@ -163,7 +163,7 @@ def test_durations_follow_one_another() -> None:
     text = "pronk: 1\nduration: 40\ncast: [{dancer: torso, durations: force, bars: 1}]\n"
     scene = read_scene(text)
     member, dance = scene.dancers[0][1], scene.dances["macarena"]
-    moves = moves_of(member, dance, 40.0, "cast[0]")
+    moves = plan_moves(member, dance, 40.0, "cast[0]")
     rows = sorted((m for some in moves.values() for m in some), key=lambda m: m.begin)
     assert [m.subtask + 1 for m in rows] == [1, 2, 5, 6, 7, 8, 9, 10, 11, 12]
     for one, other in itertools.pairwise(rows):
@@ -195,7 +195,7 @@ def test_a_dance_is_locked_to_a_beat_of_the_score(sound, words, start, tempo) ->
     scene = read_scene(LOCKED.format(sound=sound, words=words))
     member, dance = scene.dancers[0][1], scene.dances["drumming"]
     assert member.start == pytest.approx(start)
-    moves = moves_of(member, dance, 20.0, "cast[0]")
+    moves = plan_moves(member, dance, 20.0, "cast[0]")
     # The right hand plays eighths, each of them on half a beat of the dance.
     eighths = [(m.land - start) * tempo / 30 for m in moves["r"]]
     assert eighths == pytest.approx([round(one) for one in eighths])

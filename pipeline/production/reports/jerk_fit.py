@@ -12,7 +12,12 @@ import math
 from pipeline.production.reports.jerk_trials import dancer_of
 from pipeline.production.reports.tables import Report
 from pipeline.production.run.progress import Reporter, stage
-from pipeline.simulation.dance_trials import Measured, dance_through, first_of_each, measure
+from pipeline.simulation.dance_trials import (
+    MeasuredMove,
+    first_of_each,
+    measure_moves,
+    record_dance,
+)
 from pipeline.spec import Dance, Dancer, Scene
 from pipeline.spec.dancer import Arms, Gains
 
@@ -30,7 +35,7 @@ MAX_EXTRA_MISS = 0.02
 RESTING_DISTANCE = 0.05
 """Distance between the ends of a movement below which it is not scored [m]."""
 
-Movements = dict[int, Measured]
+Movements = dict[int, MeasuredMove]
 
 
 def fit_jerk(scene: Scene, reporter: Reporter) -> Report:
@@ -44,7 +49,7 @@ def fit_jerk(scene: Scene, reporter: Reporter) -> Report:
 
     def movements_of(dancer: Dancer) -> Movements:
         alone = dancer.model_copy(update={"bars": 1})
-        return first_of_each(measure(dance_through(alone, dance, f"cast[{i}]", rate, until)))
+        return first_of_each(measure_moves(record_dance(alone, dance, f"cast[{i}]", rate, until)))
 
     gains = _gains_of(member)
     with stage(reporter, "fit", 2 * len(gains) * len(FACTORS)) as current:

@@ -7,7 +7,7 @@ import numpy as np
 
 from pipeline.production.reports.canvas import FAINT, INK, MARGIN, Canvas, Panel
 from pipeline.production.reports.jerk_trials import Column, Trial
-from pipeline.simulation.dance_trials import Timed
+from pipeline.simulation.dance_trials import RetimedPath
 from pipeline.simulation.spatial import Array
 from pipeline.spec import Dance
 
@@ -88,7 +88,7 @@ def _draw_speeds(
     canvas: Canvas,
     box: Panel,
     paths: dict[str, tuple[Array, Array]],
-    smoothest: dict[str, Timed],
+    smoothest: dict[str, RetimedPath],
 ) -> None:
     speeds = {
         name: (t, np.linalg.norm(np.gradient(path, t, axis=0), axis=1))

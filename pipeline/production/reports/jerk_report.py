@@ -28,7 +28,14 @@ from pipeline.production.reports.tables import Report, table_lines
 from pipeline.production.run.order import Order
 from pipeline.production.run.production import working
 from pipeline.production.run.progress import Reporter, stage
-from pipeline.simulation.dance_trials import COLUMNS, CUTOFF, LEAST, RATE, Measured, Timed
+from pipeline.simulation.dance_trials import (
+    COLUMNS,
+    CUTOFF,
+    LEAST,
+    RATE,
+    MeasuredMove,
+    RetimedPath,
+)
 from pipeline.spec import Dance
 
 MIN_RANK_DIFFERENCE = 4
@@ -129,7 +136,7 @@ def _table(dance: Dance, trial: Trial) -> list[str]:
     return table_lines(rows)
 
 
-def _cells(movement: Measured | None, smoothest: Timed | None) -> list[str]:
+def _cells(movement: MeasuredMove | None, smoothest: RetimedPath | None) -> list[str]:
     if movement is None or smoothest is None:
         return ["*"] * 8
     j = movement.jerk

@@ -10,13 +10,13 @@ from pipeline.errors import UsageError
 from pipeline.simulation.dance_trials import (
     COLUMNS,
     SUBTASKS,
-    Danced,
-    Measured,
-    Timed,
-    dance_through,
+    DanceRecord,
+    MeasuredMove,
+    RetimedPath,
     first_of_each,
-    measure,
+    measure_moves,
     rank_correlation,
+    record_dance,
     same_way,
 )
 from pipeline.spec import Dance, Dancer, Scene
@@ -44,9 +44,9 @@ class Column:
     """
 
     name: str
-    danced: Danced
-    movements: dict[int, Measured]
-    smoothest: dict[int, Timed]
+    danced: DanceRecord
+    movements: dict[int, MeasuredMove]
+    smoothest: dict[int, RetimedPath]
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +158,8 @@ def _trial(
         }
         plain = tuple(task.model_copy(update={"controller": None}) for task in dance.subtasks)
         alone = dance.model_copy(update={"subtasks": plain})
-        danced = dance_through(member.model_copy(update=changed), alone, path, rate, NO_END)
-        movements = first_of_each(measure(danced))
+        danced = record_dance(member.model_copy(update=changed), alone, path, rate, NO_END)
+        movements = first_of_each(measure_moves(danced))
         if column == "force":
             # A force field cannot turn a hand, which then stands still.
             movements = {k: m for k, m in movements.items() if _suits_fields(dance, k)}

@@ -9,15 +9,15 @@ import numpy as np
 
 from pipeline.simulation.dancers.dance_goals import Goal
 from pipeline.simulation.dancers.force_fields import (
-    Fields,
+    HandField,
     Point,
     as_point,
     desired_velocity,
 )
-from pipeline.simulation.dancers.posture_sequence import Passage
-from pipeline.simulation.dancers.stall_recovery import WITHDRAWN, Patience
+from pipeline.simulation.dancers.posture_sequence import PostureSpline
+from pipeline.simulation.dancers.stall_recovery import RETREAT_POSTURES, StallDetector
 from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 EASE, CALM = 20.0, 0.9
@@ -42,7 +42,7 @@ STIFF_WRIST = np.radians([50.0, 0.0, 0.0])
 """How wrists are held while a field pulls the hand [rad]."""
 
 
-class Arm:
+class ArmController:
     """One arm of a dancer.
 
     Args:
@@ -60,7 +60,9 @@ class Arm:
             if it was not held up [s].
     """
 
-    def __init__(self, side: str, torso: Torso, moving: Moving, rate: float, winner: bool) -> None:
+    def __init__(
+        self, side: str, torso: Torso, moving: LinkageSimulation, rate: float, winner: bool
+    ) -> None:
         self.side, self.moving, self.number = side, moving, HANDS.index(side)
         self.palm = moving.pulled[self.number]
         arm, wrist = torso.arm(side), torso.wrist(side)
@@ -72,16 +74,16 @@ class Arm:
         self._before_wrist = wrist.start - arm.start
         self._wrist_targets = moving.targets[wrist]
         self._jacobian = moving.jacobian(self.number)[:, arm]
-        self.fields = Fields(self._hand, rate, winner)
+        self.fields = HandField(self._hand, rate, winner)
         self.by_fields = False
         self.ease: list[float] = moving.q[arm].tolist()
         self.anew_until = -math.inf
-        self._patience = Patience()
+        self._patience = StallDetector()
         self._anew_from = math.inf
-        self._written: Passage | None = None
+        self._written: PostureSpline | None = None
         self._controls = 0
-        self.passage: Passage | None = None
-        self.traced: Passage | None = None
+        self.passage: PostureSpline | None = None
+        self.traced: PostureSpline | None = None
         hinges = torso.linkage.hinges[self.all]
         self.stiffness = np.array([hinge.stiffness for hinge in hinges])
         self.lead = np.array([hinge.damping for hinge in hinges]) / self.stiffness
@@ -131,7 +133,7 @@ class Arm:
             press: how far under a surface the last place is [m].
         """
         self._set_out(held, now, land)
-        self._patience = Patience(0 if touches else len(WITHDRAWN))
+        self._patience = StallDetector(0 if touches else len(RETREAT_POSTURES))
         self.traced = None
         if spots:
             self.fields.go(spots, now, land, self.moving.places, press)
@@ -139,8 +141,8 @@ class Arm:
     def trace(self, places: Array, held: Array, now: float, land: float) -> None:
         """Lead the hand along a curve through places (m, 3) that stay where they are [m]."""
         self._set_out(held, now, land)
-        self._patience = Patience(len(WITHDRAWN))
-        self.traced = Passage([np.array(self.fields.point), *places], now, land)
+        self._patience = StallDetector(len(RETREAT_POSTURES))
+        self.traced = PostureSpline([np.array(self.fields.point), *places], now, land)
 
     def _set_out(self, held: Array, now: float, land: float) -> None:
         self.drive(True)
@@ -156,7 +158,7 @@ class Arm:
         meets: Array | None = None,
     ) -> None:
         """Send the joints through postures (7,), in `meets` of which a hand touches [rad]."""
-        self.passage = Passage([self.desired(now), *postures], now, land, meets)
+        self.passage = PostureSpline([self.desired(now), *postures], now, land, meets)
 
     def hold(self, now: float) -> None:
         """Stay where it is."""
@@ -183,7 +185,7 @@ class Arm:
         if passage is not None and passage is not self._written:
             self._servo(now, passage)
 
-    def _servo(self, now: float, passage: Passage) -> None:
+    def _servo(self, now: float, passage: PostureSpline) -> None:
         """Let servos follow the passage: what leads the angles makes them follow the speeds too."""
         q, speed = passage.at(now)
         if passage.is_over(now):
@@ -209,7 +211,7 @@ class Arm:
             if not self._meets(hand):
                 self._take_back(now)
                 return
-            self._patience = Patience(0)
+            self._patience = StallDetector(0)
         self._controls += 1
         if self._controls % SELDOM and self.traced is None and fields.is_there(now - SETTLES):
             return
@@ -253,7 +255,7 @@ class Arm:
         self.turn_wrist(wrist, now, now)
         self.anew_until = now + AGAIN + AGAIN_BY * math.dist(as_point(self._hand), point)
         if traced is not None:
-            self.traced = Passage([self._hand.copy(), traced.keys[-1]], now, self.anew_until)
+            self.traced = PostureSpline([self._hand.copy(), traced.keys[-1]], now, self.anew_until)
         else:
             self.fields.go(spots[-1:], now, self.anew_until, self.moving.places)
 
@@ -264,7 +266,7 @@ class Arm:
             posture[len(ARM) :] = self.passage.at(now)[0][len(ARM) :]
         goal = posture.copy()
         goal[len(ARM) :] = angles
-        self.passage = Passage([posture, goal], now, land)
+        self.passage = PostureSpline([posture, goal], now, land)
 
 
 def _free(jacobian: list[list[float]]) -> list[float]:

@@ -32,7 +32,7 @@ class Surface:
     aim: Array
 
 
-def body_places(who: Proportions) -> dict[str, Surface]:
+def body_surfaces(who: Proportions) -> dict[str, Surface]:
     """Return the places on the body of a person, by their names."""
     rest = dict(zip(JOINTS, who.rest() / who.height, strict=True))
     ribs = 0.5 * (who.spine + who.shoulder)
@@ -72,13 +72,13 @@ STRIKE = 0.012
 """Likewise of a hand that strikes a drum."""
 
 
-def drum_place(who: Proportions, drum: Drum) -> Surface:
+def drum_surface(who: Proportions, drum: Drum) -> Surface:
     """Return the middle of a drum's top."""
     place, up = np.array(drum.at), np.array([0.0, 1.0, 0.0])
     return Surface("", place, up, place + who.height * (HAND_RADIUS - STRIKE) * up)
 
 
-def in_proportion(who: Proportions, place: tuple[float, float, float]) -> Array:
+def scaled_place(who: Proportions, place: tuple[float, float, float]) -> Array:
     """Return a place (3,) that was given for a grown-up [m]."""
     return np.array(place) * (who.height / ADULT.height)
 

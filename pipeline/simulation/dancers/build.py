@@ -10,7 +10,7 @@ from pipeline.spec.dancer import Build, Dancer
 BUILDS = {"torso": ADULT, "adult": ADULT, "child": CHILD}
 
 
-def proportions_of(member: Dancer) -> Proportions:
+def dancer_proportions(member: Dancer) -> Proportions:
     """Return how a dancer is made."""
     words = member.dancer
     if not isinstance(words, Build):

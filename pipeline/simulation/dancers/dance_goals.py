@@ -16,12 +16,16 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dancers.body_surfaces import (
     Surface,
-    body_places,
-    drum_place,
-    in_proportion,
+    body_surfaces,
+    drum_surface,
     link_number,
+    scaled_place,
 )
-from pipeline.simulation.dancers.reach_limits import beyond_limits, inside, too_far
+from pipeline.simulation.dancers.reach_limits import (
+    beyond_limits,
+    inside_body,
+    out_of_reach,
+)
 from pipeline.simulation.dancers.torso import (
     ARM,
     HAND_RADIUS,
@@ -32,17 +36,17 @@ from pipeline.simulation.dancers.torso import (
     torso_of,
 )
 from pipeline.simulation.dynamics.linkage import Disc, Spot
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask, Where
 
 CHEST = LINKS.index("chest")
 
-REST = {"shoulder_flexion": 4.0, "shoulder_abduction": 9.0, "elbow_flexion": 14.0}
+HANGING_ANGLES = {"shoulder_flexion": 4.0, "shoulder_abduction": 9.0, "elbow_flexion": 14.0}
 """How arms hang, where it is not 0 [degrees]."""
 
-EASY = {
+REACHING_ANGLES = {
     "shoulder_flexion": 35.0,
     "shoulder_abduction": 18.0,
     "shoulder_rotation": 20.0,
@@ -83,7 +87,7 @@ class Goal:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class PlacedSubtask:
     """A subtask of a dance, or of what a dancer is posed in or told.
 
     Attributes:
@@ -115,7 +119,9 @@ class Choreography:
     ready: dict[str, int]
 
 
-def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool) -> Choreography:
+def dance_choreography(
+    who: Proportions, dance: Dance, name: str, compensated: bool
+) -> Choreography:
     """Return a dance on one person.
 
     Args:
@@ -127,28 +133,30 @@ def choreography_of(who: Proportions, dance: Dance, name: str, compensated: bool
     Raises:
         SceneError: a place is out of reach or inside the body, or an angle beyond its joint.
     """
-    ready = Ready(f"dances.{name}", dance.ready)
-    return choreographed(who, parts_of(dance, name), dance.drums, ready, compensated)
+    ready = ReadyPlaces(f"dances.{name}", dance.ready)
+    return build_choreography(who, placed_subtasks(dance, name), dance.drums, ready, compensated)
 
 
-def parts_of(dance: Dance, name: str) -> list[Part]:
+def placed_subtasks(dance: Dance, name: str) -> list[PlacedSubtask]:
     """Return the subtasks of a dance, with their paths."""
-    return [Part(f"dances.{name}.subtasks[{i}]", one) for i, one in enumerate(dance.subtasks)]
+    return [
+        PlacedSubtask(f"dances.{name}.subtasks[{i}]", one) for i, one in enumerate(dance.subtasks)
+    ]
 
 
 @dataclass(frozen=True, slots=True)
-class Ready:
+class ReadyPlaces:
     """Where hands are at first: the path of what says so, and side -> place."""
 
     path: str
     places: Mapping[Hand, Where]
 
 
-def choreographed(
+def build_choreography(
     who: Proportions,
-    parts: Sequence[Part],
+    parts: Sequence[PlacedSubtask],
     drums: Mapping[str, Drum],
-    ready: Ready,
+    ready: ReadyPlaces,
     compensated: bool,
 ) -> Choreography:
     """Return subtasks on one person.
@@ -163,24 +171,24 @@ def choreographed(
     Raises:
         SceneError: a place is out of reach or inside the body, or an angle beyond its joint.
     """
-    surfaces = body_places(who)
-    surfaces |= {drum: drum_place(who, words) for drum, words in drums.items()}
-    plain = Moving(torso_of(who).linkage, 1e-3)
+    surfaces = body_surfaces(who)
+    surfaces |= {drum: drum_surface(who, words) for drum, words in drums.items()}
+    plain = LinkageSimulation(torso_of(who).linkage, 1e-3)
     spots, rows, problems = list[Spot](), list[list[tuple[str, str]]](), list[Problem]()
     for i, part in enumerate(parts):
         own = list(_spots(who, part, i, surfaces, plain))
         positions = _positions(part.words, own)
         rows.append([(spot.name, word if (spot, word) in positions else "") for spot, word in own])
-        problems += too_far(who, part.words.hand, own, part.path, part.said)
-        problems += inside(plain.linkage.links, positions, part.path, part.said)
+        problems += out_of_reach(who, part.words.hand, own, part.path, part.said)
+        problems += inside_body(plain.linkage.links, positions, part.path, part.said)
         if not part.still:
             problems += beyond_limits(part.words.joints, part.path)
         spots += [spot for spot, _ in own]
     for side, place in ready.places.items():
         spots.append(_spot(who, f"ready.{side}", place, surfaces))
         own = [(spots[-1], f"ready.{side}")]
-        problems += too_far(who, side, own, ready.path)
-        problems += inside(plain.linkage.links, own, ready.path)
+        problems += out_of_reach(who, side, own, ready.path)
+        problems += inside_body(plain.linkage.links, own, ready.path)
     if problems:
         raise SceneError(problems)
     discs = tuple(
@@ -195,14 +203,14 @@ def choreographed(
     return Choreography(torso, goals, {side: torso.spot(f"ready.{side}") for side in ready.places})
 
 
-def rest_posture() -> Array:
+def hanging_posture() -> Array:
     """Return (7,) how an arm hangs [rad]."""
-    return np.radians([REST.get(joint, 0.0) for joint in (*ARM, *WRIST)])
+    return np.radians([HANGING_ANGLES.get(joint, 0.0) for joint in (*ARM, *WRIST)])
 
 
-def easy_posture() -> Array:
+def reaching_posture() -> Array:
     """Return (7,) how an arm is held that reaches for something [rad]."""
-    return np.radians([EASY.get(joint, 0.0) for joint in (*ARM, *WRIST)])
+    return np.radians([REACHING_ANGLES.get(joint, 0.0) for joint in (*ARM, *WRIST)])
 
 
 def _goal(
@@ -213,7 +221,7 @@ def _goal(
 ) -> Goal:
     names = (*ARM, *WRIST)
     angles = {word.removesuffix("_deg"): math.radians(a) for word, a in one.joints.items()}
-    easy = easy_posture()
+    easy = reaching_posture()
     held = np.array([angles.get(joint, easy[k]) for k, joint in enumerate(names)])
     given = np.array([joint in angles for joint in names])
     trunk = {joint: angle for joint, angle in angles.items() if joint not in names}
@@ -228,7 +236,11 @@ def _goal(
 
 
 def _spots(
-    who: Proportions, part: Part, i: int, surfaces: dict[str, Surface], plain: Moving
+    who: Proportions,
+    part: PlacedSubtask,
+    i: int,
+    surfaces: dict[str, Surface],
+    plain: LinkageSimulation,
 ) -> Iterator[tuple[Spot, str]]:
     """Yield the places of a subtask and the words that they are said in."""
     one = part.words
@@ -257,7 +269,7 @@ def _spot(who: Proportions, name: str, place: Where, surfaces: dict[str, Surface
     if isinstance(place, str):
         surface = surfaces[place]
         return Spot(name, link_number(surface), surface.aim)
-    return Spot(name, CHEST, in_proportion(who, place))
+    return Spot(name, CHEST, scaled_place(who, place))
 
 
 def _positions(one: Subtask, own: Sequence[tuple[Spot, str]]) -> list[tuple[Spot, str]]:
@@ -267,12 +279,12 @@ def _positions(one: Subtask, own: Sequence[tuple[Spot, str]]) -> list[tuple[Spot
     return [(spot, word) for spot, word in own if word not in named]
 
 
-def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
+def _hand_by_angles(one: Subtask, plain: LinkageSimulation) -> Array:
     """Return (3,) where the hand is when the joints of its arm are as they are given [m]."""
     names = [hinge.name for hinge in plain.linkage.hinges]
     plain.q[:] = 0.0
     for joint in ARM:
-        angle = one.joints.get(f"{joint}_deg", REST.get(joint, 0.0))
+        angle = one.joints.get(f"{joint}_deg", HANGING_ANGLES.get(joint, 0.0))
         plain.q[names.index(sided(joint, one.hand))] = math.radians(angle)
     plain.settle()
     spots = [spot.name for spot in plain.linkage.spots]

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.dancers.build import proportions_of
-from pipeline.simulation.dancers.dance_goals import choreography_of
-from pipeline.simulation.dancers.dance_moves import Move, beat_of, moves_of
-from pipeline.simulation.dancers.dancer_motion import practised
-from pipeline.simulation.dancers.jerk import Jerk, floor_between, jerk_of
-from pipeline.simulation.dancers.minimum_jerk_retiming import Timed, same_way_at_best
+from pipeline.simulation.dancers.build import dancer_proportions
+from pipeline.simulation.dancers.dance_goals import dance_choreography
+from pipeline.simulation.dancers.dance_moves import Move, beat_duration, plan_moves
+from pipeline.simulation.dancers.dancer_motion import rehearsed_motion
+from pipeline.simulation.dancers.jerk import Jerk, measure_jerk, minimum_jerk_between
+from pipeline.simulation.dancers.minimum_jerk_retiming import (
+    RetimedPath,
+    retime_for_minimum_jerk,
+)
 from pipeline.simulation.dancers.torso import HANDS
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance
@@ -26,7 +29,7 @@ AFTER = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Danced:
+class DanceRecord:
     """What a dancer did.
 
     Attributes:
@@ -47,7 +50,7 @@ class Danced:
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
+class MeasuredMove:
     """One movement.
 
     Attributes:
@@ -71,7 +74,7 @@ class Measured:
     missed: float
 
 
-def dance_through(member: Dancer, dance: Dance, path: str, rate: float, until: float) -> Danced:
+def record_dance(member: Dancer, dance: Dance, path: str, rate: float, until: float) -> DanceRecord:
     """Let a dancer dance alone.
 
     Args:
@@ -84,10 +87,10 @@ def dance_through(member: Dancer, dance: Dance, path: str, rate: float, until: f
     Raises:
         SceneError: it cannot.
     """
-    who = proportions_of(member)
-    moves = moves_of(member, dance, until, path)
-    choreography = choreography_of(who, dance, member.dance, member.compensate_gravity)
-    one = practised(member, choreography, moves, beat_of(member, dance), 1.0 / rate)
+    who = dancer_proportions(member)
+    moves = plan_moves(member, dance, until, path)
+    choreography = dance_choreography(who, dance, member.dance, member.compensate_gravity)
+    one = rehearsed_motion(member, choreography, moves, beat_duration(member, dance), 1.0 / rate)
     last = max((move.land for rows in moves.values() for move in rows), default=0.0)
     count = round((min(last, until) + AFTER) * rate)
     moving, palms = one.moving, [arm.palm for arm in one.arms]
@@ -97,48 +100,48 @@ def dance_through(member: Dancer, dance: Dance, path: str, rate: float, until: f
         rows.append((moving.places[palms].copy(), moving.v.copy(), moving.torques(), one.missed()))
     hands, speeds, torques, missed = (np.array(column) for column in zip(*rows, strict=True))
     times = np.arange(count + 1) / rate
-    return Danced(
+    return DanceRecord(
         times, {side: hands[:, k] for k, side in enumerate(HANDS)}, speeds, torques, moves, missed
     )
 
 
-def measure(danced: Danced) -> list[Measured]:
+def measure_moves(danced: DanceRecord) -> list[MeasuredMove]:
     """Measure every move of a dancer, in the order of time."""
     rows = [(move, side) for side, moves in danced.moves.items() for move in moves]
     rows.sort(key=lambda row: (row[0].land, row[1]))
     return [_measured(danced, move, side) for move, side in rows if _is_seen(danced, move)]
 
 
-def first_of_each(measured: Sequence[Measured]) -> dict[int, Measured]:
+def first_of_each(measured: Sequence[MeasuredMove]) -> dict[int, MeasuredMove]:
     """Return the first movement of each subtask, by its number."""
-    found: dict[int, Measured] = {}
+    found: dict[int, MeasuredMove] = {}
     for one in measured:
         found.setdefault(one.subtask, one)
     return found
 
 
-def same_way(danced: Danced, one: Measured) -> Timed:
+def same_way(danced: DanceRecord, one: MeasuredMove) -> RetimedPath:
     """Return the timing of least jerk of a movement, on the path on which it was danced."""
-    return same_way_at_best(danced.times, danced.hands[one.side], *one.span)
+    return retime_for_minimum_jerk(danced.times, danced.hands[one.side], *one.span)
 
 
-def _is_seen(danced: Danced, move: Move) -> bool:
+def _is_seen(danced: DanceRecord, move: Move) -> bool:
     return move.land <= float(danced.times[-1])
 
 
-def _measured(danced: Danced, move: Move, side: str) -> Measured:
+def _measured(danced: DanceRecord, move: Move, side: str) -> MeasuredMove:
     times, hand = danced.times, danced.hands[side]
     span = move.begin, move.land
     inside = (times >= move.begin) & (times <= move.land)
     about = (times >= move.land - ABOUT) & (times <= move.land + ABOUT)
     h = float(times[1] - times[0])
     power = np.abs(danced.torques[inside] * danced.speeds[inside]).sum(axis=1)
-    return Measured(
+    return MeasuredMove(
         move.subtask,
         side,
         span,
-        jerk_of(times, hand, *span),
-        floor_between(times, hand, *span),
+        measure_jerk(times, hand, *span),
+        minimum_jerk_between(times, hand, *span),
         float(power.sum() * h),
         float(np.abs(danced.torques[inside]).max(initial=0.0)),
         float(danced.missed[about, HANDS.index(side)].min(initial=np.inf)),

@@ -13,7 +13,7 @@ SLACK = 1e-6
 """Times nearer than this are the same [s]."""
 
 
-Occasion = tuple[int, int, bool]
+BarPosition = tuple[int, int, bool]
 """Subtask, which of its beats, and whether a bar was danced before."""
 
 
@@ -36,17 +36,17 @@ class Move:
     beat: int = 0
 
     @property
-    def place(self) -> Occasion:
+    def place(self) -> BarPosition:
         """What it is and where in the bar: the same in every bar but the first, which begins."""
         return self.subtask, self.beat, self.bar > 0
 
 
-def beat_of(dancer: Dancer, dance: Dance) -> float:
+def beat_duration(dancer: Dancer, dance: Dance) -> float:
     """Return the duration of a beat [s]."""
     return 60.0 / (dancer.tempo_bpm or dance.tempo_bpm)
 
 
-def moves_of(dancer: Dancer, dance: Dance, until: float, path: str) -> dict[str, list[Move]]:
+def plan_moves(dancer: Dancer, dance: Dance, until: float, path: str) -> dict[str, list[Move]]:
     """Return what each hand does, in the order of time.
 
     Args:
@@ -105,7 +105,7 @@ def _by_beats(
     until: float,
     path: str,
 ) -> list[Move]:
-    beat = beat_of(dancer, dance)
+    beat = beat_duration(dancer, dance)
     landings, bar = list[tuple[float, int, int, int]](), 0
     while dancer.bars is None or bar < dancer.bars:
         first = dancer.start + bar * dance.length * beat
@@ -113,7 +113,7 @@ def _by_beats(
             break
         landings += [
             (first + on * beat, i, k, bar)
-            for i, k, on in onsets_of(dance)
+            for i, k, on in subtask_onsets(dance)
             if times is None or times[i] is not None
         ]
         bar += 1
@@ -134,7 +134,7 @@ def _by_beats(
     return moves
 
 
-def onsets_of(dance: Dance) -> list[tuple[int, int, float]]:
+def subtask_onsets(dance: Dance) -> list[tuple[int, int, float]]:
     """Return subtasks, which of their beats it is, and when that is, in beats from the begin."""
     found, now = list[tuple[int, int, float]](), 0.0
     for i, one in enumerate(dance.subtasks):

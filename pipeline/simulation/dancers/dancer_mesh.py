@@ -34,7 +34,7 @@ FIXED = "pelvis"
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class DancerAppearance:
     """A dancer as it is seen.
 
     Attributes:
@@ -60,12 +60,14 @@ class Look:
         return np.concatenate([frame_origins(self.proportions), *[top[None] for top in tops]])
 
 
-def links_of_frames() -> list[int]:
+def frame_links() -> list[int]:
     """Return the link that each frame of a person goes with."""
     return [LINKS.index(frame if frame in LINKS else FIXED) for frame in FRAMES]
 
 
-def inventory_of(looks: Sequence[Look], torsos: Sequence[Torso], rows: int) -> Inventory:
+def dancer_inventory(
+    looks: Sequence[DancerAppearance], torsos: Sequence[Torso], rows: int
+) -> Inventory:
     """Return what dancers add to a take."""
     nodes, channels = list[Node](), list[Channel]()
     meshes, parts, solids = list[Mesh](), list[Part](), list[Obstacle]()
@@ -90,7 +92,7 @@ def inventory_of(looks: Sequence[Look], torsos: Sequence[Torso], rows: int) -> I
     )
 
 
-def _solids(look: Look, torso: Torso, first: int) -> list[Obstacle]:
+def _solids(look: DancerAppearance, torso: Torso, first: int) -> list[Obstacle]:
     """Return what others run into: the solids of a torso, and its legs below the knees."""
     who, h = look.proportions, look.proportions.height
     rest, found = dict(zip(JOINTS, who.rest(), strict=True)), list[Obstacle]()

@@ -9,24 +9,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.dancers.arm_control import Arm
-from pipeline.simulation.dancers.dance_goals import Choreography, rest_posture
-from pipeline.simulation.dancers.dance_moves import Move, Occasion
+from pipeline.simulation.dancers.arm_control import ArmController
+from pipeline.simulation.dancers.dance_goals import Choreography, hanging_posture
+from pipeline.simulation.dancers.dance_moves import BarPosition, Move
 from pipeline.simulation.dancers.dancer_poses import Poses
-from pipeline.simulation.dancers.force_fields import RATE
-from pipeline.simulation.dancers.hand_contacts import Strike, Touching
-from pipeline.simulation.dancers.key_postures import postures_of, ready_postures
+from pipeline.simulation.dancers.force_fields import FIELD_RATE
+from pipeline.simulation.dancers.hand_contacts import HandContacts, HandStrike
+from pipeline.simulation.dancers.key_postures import key_postures, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
-from pipeline.simulation.dancers.trunk_control import TRUNK, Carriage
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dancers.trunk_control import TRUNK_JOINTS, TrunkController
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Controller
 from pipeline.spec.dancer import Arms, Dancer, Gains
 
-TICKS = 96
+CONTROL_RATE = 96
 """How often a second controllers look at least; what depends on speeds alone acts at every step."""
 
-EARLY = 0.012
+AIM_AHEAD = 0.012
 """How long before its beat a hand aims to touch [s]: a moment late is seen a frame late."""
 
 EXPECTED, LEARNS, MOST_LATE = 0.2, 0.9, 0.25
@@ -38,7 +38,7 @@ ROUNDS, GOOD, CALM = 5, 0.012, 0.025
 far from it one of the body may be later on before more is made up for: less than a frame of a
 film [s]."""
 
-PRACTISED = 1000
+PRACTICE_STEP_RATE = 1000
 """Steps a second with which it practises at most: who is simulated with finer steps has learnt
 the same, and goes the same way."""
 
@@ -47,7 +47,7 @@ NO_POSES = Poses()
 HEAD, CHEST = LINKS.index("head"), LINKS.index("chest")
 
 
-class Dancing:
+class DancerMotion:
     """A dancer in motion.
 
     Args:
@@ -75,22 +75,23 @@ class Dancing:
         moves: Mapping[str, Sequence[Move]],
         beat: float,
         dt: float,
-        late: Mapping[Occasion, float] | None = None,
+        late: Mapping[BarPosition, float] | None = None,
         calm: float = 0.0,
         poses: Poses = NO_POSES,
         hang: Mapping[str, int] | None = None,
     ) -> None:
         self.words, self.goals = words, choreography.goals
-        self.torso = tuned(choreography.torso, words.gains)
-        self.ticks = max(math.ceil(dt * TICKS - 1e-9), 1)
+        self.torso = with_gains(choreography.torso, words.gains)
+        self.ticks = max(math.ceil(dt * CONTROL_RATE - 1e-9), 1)
         self.tick = dt / self.ticks
         self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
-        self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
-        self.postures = postures_of(choreography) if self._needs_postures() else ()
+        self.moving = LinkageSimulation(self.torso.linkage, self.tick / self.substeps)
+        self.postures = key_postures(choreography) if self._needs_postures() else ()
         self._stand(ready_postures(choreography))
-        rate = RATE * words.gains.rate
+        rate = FIELD_RATE * words.gains.rate
         self.arms = [
-            Arm(side, self.torso, self.moving, rate, words.combine == "winner") for side in HANDS
+            ArmController(side, self.torso, self.moving, rate, words.combine == "winner")
+            for side in HANDS
         ]
         self.moves = [list(moves[side]) for side in HANDS]
         self._next = [0] * len(HANDS)
@@ -100,10 +101,10 @@ class Dancing:
         self._trunk_posed: dict[str, float] = {}
         self._posed = [False] * len(HANDS)
         self.late, self.calm = dict(late or {}), calm
-        self.missed_by: dict[Occasion, float] = {}
+        self.missed_by: dict[BarPosition, float] = {}
         self._meant: list[list[Move]] = [[] for _ in HANDS]
-        self.carriage = Carriage(math.radians(words.sway_deg), beat, words.start, words.gaze)
-        self.touching = Touching(self.moving)
+        self.carriage = TrunkController(math.radians(words.sway_deg), beat, words.start, words.gaze)
+        self.touching = HandContacts(self.moving)
         self.count = 0
         for arm in self.arms:
             arm.drive(self._controller(arm.side, None) == "force-field")
@@ -112,16 +113,16 @@ class Dancing:
         self.looks_at: int | None = None
         self.looks_to: Array | None = None
         self._eyes, self._chest = self.moving.place_of(HEAD), self.moving.turned(CHEST)
-        self._trunk = self.moving.targets[: len(TRUNK)]
+        self._trunk = self.moving.targets[: len(TRUNK_JOINTS)]
 
     @property
     def now(self) -> float:
         """The time since it began [s]."""
         return self.count * self.tick
 
-    def advance(self) -> list[Strike]:
+    def advance(self) -> list[HandStrike]:
         """Go on by one step of the world; return what its hands have touched."""
-        found = list[Strike]()
+        found = list[HandStrike]()
         for _ in range(self.ticks):
             now = self.count * self.tick
             self._set_out(now)
@@ -130,9 +131,9 @@ class Dancing:
             self.count += 1
         return found
 
-    def _go(self, now: float) -> list[Strike]:
+    def _go(self, now: float) -> list[HandStrike]:
         """Go on by one tick; return what hands have touched in it."""
-        found, done, step = list[Strike](), 0, self.tick / self.substeps
+        found, done, step = list[HandStrike](), 0, self.tick / self.substeps
         while done < self.substeps:
             before = now + done * step
             done += self.moving.advance(self.substeps - done)
@@ -141,7 +142,7 @@ class Dancing:
             found += strikes
         return found
 
-    def _learn(self, strikes: Sequence[Strike]) -> None:
+    def _learn(self, strikes: Sequence[HandStrike]) -> None:
         """Hear how late hands came, to set out for the same the earlier the next time."""
         for strike in strikes:
             clap = strike.other.startswith("hand")
@@ -151,7 +152,7 @@ class Dancing:
                 move = min(self._meant[k], key=lambda m: abs(strike.time - m.land), default=None)
                 if move is None or not (clap or self.goals[move.subtask].surface):
                     continue
-                late = strike.time - move.land + EARLY
+                late = strike.time - move.land + AIM_AHEAD
                 if abs(late) < EXPECTED:
                     self._meant[k].remove(move)
                     self.missed_by[move.place] = late
@@ -217,7 +218,7 @@ class Dancing:
         sways = any(moves.values())
         self.carriage.sways(math.radians(self.words.sway_deg) if sways else 0.0, beat, start)
 
-    def hears(self, late: Mapping[Occasion, float]) -> None:
+    def hears(self, late: Mapping[BarPosition, float]) -> None:
         """Take in what practice has taught: how late hands come [s]."""
         self.late.update(late)
         self.calm = CALM if self.late else 0.0
@@ -232,7 +233,7 @@ class Dancing:
         """Let the arms hang that are not posed, by `land` [s]; hold trunk and head upright."""
         self.change({}, self.carriage.beat, self.now)
         posed = self._trunk_posed
-        self.carriage.given.update({joint: posed.get(joint, 0.0) for joint in TRUNK})
+        self.carriage.given.update({joint: posed.get(joint, 0.0) for joint in TRUNK_JOINTS})
         for k, arm in enumerate(self.arms):
             # What is not over is not gone back to either.
             self.moves[k], self._next[k] = [], 0
@@ -263,10 +264,10 @@ class Dancing:
         again = replace(done[-1], begin=self.now, land=max(done[-1].land, land))
         self._begin(self.arms[k], again, self.now)
 
-    def _lower(self, arm: Arm, land: float) -> None:
+    def _lower(self, arm: ArmController, land: float) -> None:
         self._begin(arm, Move(self._hang[arm.side], 0, self.now, land), self.now)
 
-    def _begin(self, arm: Arm, move: Move, now: float) -> None:
+    def _begin(self, arm: ArmController, move: Move, now: float) -> None:
         goal = self.goals[move.subtask]
         meant = self._meant[HANDS.index(arm.side)]
         meant[:] = [*meant[-1:], move]
@@ -304,30 +305,30 @@ class Dancing:
     def _stand(self, ready: Mapping[str, Array]) -> None:
         for side in HANDS:
             own = slice(self.torso.arm(side).start, self.torso.wrist(side).stop)
-            self.moving.q[own] = ready.get(side, rest_posture())
+            self.moving.q[own] = ready.get(side, hanging_posture())
         self.moving.targets[:] = self.moving.q
         self.moving.settle()
 
 
-def practised(
+def rehearsed_motion(
     words: Dancer,
     choreography: Choreography,
     moves: Mapping[str, Sequence[Move]],
     beat: float,
     dt: float,
-) -> Dancing:
+) -> DancerMotion:
     """Return a dancer about to begin, who has practised what is to be on a certain beat."""
-    late = lateness(words, choreography, moves, beat, dt)
-    return Dancing(words, choreography, moves, beat, dt, late, CALM if late else 0.0)
+    late = measure_lateness(words, choreography, moves, beat, dt)
+    return DancerMotion(words, choreography, moves, beat, dt, late, CALM if late else 0.0)
 
 
-def lateness(
+def measure_lateness(
     words: Dancer,
     choreography: Choreography,
     moves: Mapping[str, Sequence[Move]],
     beat: float,
     dt: float,
-) -> dict[Occasion, float]:
+) -> dict[BarPosition, float]:
     """Return how late the hands of a dancer come, as it finds by practice [s].
 
     It goes through the first bar again and again, or through two where it strikes on beats of
@@ -340,11 +341,11 @@ def lateness(
     touches = any(goal.surface is not None for goal in goals)
     if not strikes and not (touches and _is_in_time(words)):
         return {}
-    steps = min(words.steps_a_second, PRACTISED)
+    steps = min(words.steps_a_second, PRACTICE_STEP_RATE)
     words = words.model_copy(update={"steps_a_second": steps})
-    late, tried = dict[Occasion, float](), dict[Occasion, list[tuple[float, float]]]()
+    late, tried = dict[BarPosition, float](), dict[BarPosition, list[tuple[float, float]]]()
     for _ in range(ROUNDS):
-        trial = Dancing(words, choreography, moves, beat, dt, late)
+        trial = DancerMotion(words, choreography, moves, beat, dt, late)
         _go_through(trial, 2 if strikes else 1)
         for place, error in trial.missed_by.items():
             tried.setdefault(place, []).append((late.get(place, 0.0), error))
@@ -373,7 +374,7 @@ def _next(tried: Sequence[tuple[float, float]], learnt: float) -> float:
     return low + (high - low) * over / (over - under)
 
 
-def _go_through(trial: Dancing, bars: int) -> None:
+def _go_through(trial: DancerMotion, bars: int) -> None:
     """Let a dancer dance some bars, and go on for a while after the last move of them."""
     lands = [m.land for rows in trial.moves for m in rows if m.bar < bars]
     until = max(lands, default=0.0) + EXPECTED
@@ -386,7 +387,7 @@ def _is_in_time(words: Dancer) -> bool:
     return words.durations is None or words.tempo_bpm is not None
 
 
-def tuned(torso: Torso, gains: Gains) -> Torso:
+def with_gains(torso: Torso, gains: Gains) -> Torso:
     """Return a torso whose servos and fields work as hard as the author says."""
     if gains == Gains():
         return torso

@@ -10,7 +10,7 @@ from itertools import groupby
 import numpy as np
 
 from pipeline.errors import SceneError
-from pipeline.simulation.dancers.dance_goals import Part
+from pipeline.simulation.dancers.dance_goals import PlacedSubtask
 from pipeline.simulation.dancers.reach_limits import beyond_limits
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.spec.dance import Hand, Subtask
@@ -53,13 +53,13 @@ class Poses:
     trunk: Sequence[tuple[float, Mapping[str, float] | None]] = ()
 
 
-def poses_of(
+def pose_moves(
     keys: Sequence[PoseKey],
     who: Proportions,
     own: Callable[[Place], Place],
     first: int,
     path: str,
-) -> tuple[Poses, list[Part]]:
+) -> tuple[Poses, list[PlacedSubtask]]:
     """Return the poses of a dancer, and the subtasks that they consist of.
 
     Args:
@@ -79,7 +79,7 @@ def poses_of(
     ]
     if problems:
         raise SceneError(problems)
-    parts, hands = list[Part](), dict[str, list[PoseMove]]()
+    parts, hands = list[PlacedSubtask](), dict[str, list[PoseMove]]()
     trunk = list[tuple[float, Mapping[str, float] | None]]()
     order = sorted(range(len(keys)), key=lambda k: keys[k].at)
     for side in BOTH:
@@ -96,7 +96,7 @@ def poses_of(
             begin = last if held else max(key.at - key.blend, last)
             rows.append(PoseMove(begin, key.at, first + len(parts)))
             at = f"{path}[{k}]"
-            parts.append(Part(at, words, still=True, said=f"{at}.reach"))
+            parts.append(PlacedSubtask(at, words, still=True, said=f"{at}.reach"))
             held, last = True, key.at
     for at, some in groupby(order, key=lambda k: keys[k].at):
         for k in some:

@@ -7,8 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.simulation.dancers.dance_schedule import STILL, Plan, Programme, Wish
-from pipeline.simulation.dancers.dancer_motion import Dancing, lateness
+from pipeline.simulation.dancers.dance_schedule import (
+    STAND_STILL,
+    DancePlan,
+    DanceRequest,
+    DanceSchedule,
+)
+from pipeline.simulation.dancers.dancer_motion import DancerMotion, measure_lateness
 from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.repertoire import SIDES
 from pipeline.simulation.dancers.torso import HANDS
@@ -22,7 +27,7 @@ LOWERS, REACHES = 1.2, 0.9
 """How long arms take to hang, and to a place that they are told [s]."""
 
 
-class Directed:
+class ScriptedDancer:
     """A dancer that is told what to do.
 
     Args:
@@ -33,7 +38,11 @@ class Directed:
     """
 
     def __init__(
-        self, dancing: Dancing, programme: Programme, own: Callable[[Place], Place], dt: float
+        self,
+        dancing: DancerMotion,
+        programme: DanceSchedule,
+        own: Callable[[Place], Place],
+        dt: float,
     ) -> None:
         self.dancing, self.programme, self.own, self.dt = dancing, programme, own, dt
         self._practised = {programme.plan.wish}
@@ -57,7 +66,7 @@ class Directed:
         if isinstance(do, str):
             self._say(do)
         elif isinstance(do, words.Perform):
-            self._begin(programme.change(Wish(do.dance, do.tempo_bpm, do.bars), now))
+            self._begin(programme.change(DanceRequest(do.dance, do.tempo_bpm, do.bars), now))
         elif isinstance(do, words.Wait):
             programme.pause(now)
             self.dancing.freeze()
@@ -76,11 +85,11 @@ class Directed:
         """Do what one word says."""
         now, programme = self.dancing.now, self.programme
         if do == "stop":
-            programme.change(STILL, now)
+            programme.change(STAND_STILL, now)
             self._let_go(HANDS)
             self.dancing.hang(now + LOWERS)
         elif do == "freeze":
-            programme.change(STILL, now)
+            programme.change(STAND_STILL, now)
             self.dancing.freeze()
         elif do == "dance":
             self._begin(programme.change(programme.own, now))
@@ -90,14 +99,14 @@ class Directed:
         elif do == "let_go":
             self._let_go(HANDS)
 
-    def _begin(self, plan: Plan) -> None:
+    def _begin(self, plan: DancePlan) -> None:
         if plan.wish.dance is None:
             self.dancing.hang(self.dancing.now + LOWERS)
             return
         self._practise(plan.wish)
         self.dancing.change(plan.moves, plan.beat, plan.start)
 
-    def _practise(self, wish: Wish) -> None:
+    def _practise(self, wish: DanceRequest) -> None:
         """Learn how late hands come in what is danced for the first time.
 
         That is found when it is told, and depends on nothing that happened before: it is the
@@ -110,7 +119,7 @@ class Directed:
         plan = self.programme.planned(replace(wish, bars=None), PAUSE)
         # What it is told is danced on beats.
         member = self.programme.member.model_copy(update={"durations": None})
-        late = lateness(
+        late = measure_lateness(
             member, self.programme.repertoire.choreography, plan.moves, plan.beat, self.dt
         )
         one.hears(late)

@@ -13,14 +13,18 @@ from functools import partial
 import numpy as np
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.dancers.build import is_child, proportions_of
-from pipeline.simulation.dancers.dance_schedule import Programme
-from pipeline.simulation.dancers.dancer_mesh import Look, inventory_of, links_of_frames
-from pipeline.simulation.dancers.dancer_motion import CALM, Dancing, lateness
+from pipeline.simulation.dancers.build import dancer_proportions, is_child
+from pipeline.simulation.dancers.dance_schedule import DanceSchedule
+from pipeline.simulation.dancers.dancer_mesh import (
+    DancerAppearance,
+    dancer_inventory,
+    frame_links,
+)
+from pipeline.simulation.dancers.dancer_motion import CALM, DancerMotion, measure_lateness
 from pipeline.simulation.dancers.dancer_poses import Place
-from pipeline.simulation.dancers.dancer_script import Directed
-from pipeline.simulation.dancers.hand_contacts import Strike
-from pipeline.simulation.dancers.repertoire import SIDES, repertoire_of
+from pipeline.simulation.dancers.dancer_script import ScriptedDancer
+from pipeline.simulation.dancers.hand_contacts import HandStrike
+from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.people.person_mesh import clothes_of
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
@@ -46,22 +50,24 @@ class Dancers(Troupe):
         self.members = [member for _, member in cast]
         self.R_WB = [heading(math.radians(member.heading_deg)) for member in self.members]
         self.p_WB = [_place(member, world) for member in self.members]
-        self.looks, self.directed = list[Look](), list[Directed]()
+        self.looks, self.directed = list[DancerAppearance](), list[ScriptedDancer]()
         for k, (i, member) in enumerate(cast):
             own = partial(_own, self.R_WB[k], self.p_WB[k])
-            who, path = proportions_of(member), f"cast[{i}]"
-            repertoire = repertoire_of(member, who, dances, world.script, world.directed, own, path)
+            who, path = dancer_proportions(member), f"cast[{i}]"
+            repertoire = build_repertoire(
+                member, who, dances, world.script, world.directed, own, path
+            )
             until = float(clock.time_of(clock.last_step))
-            programme = Programme(member, repertoire, until, path)
+            programme = DanceSchedule(member, repertoire, until, path)
             dancing = _ready(member, programme, clock.dt)
-            self.directed.append(Directed(dancing, programme, own, clock.dt))
+            self.directed.append(ScriptedDancer(dancing, programme, own, clock.dt))
             self.looks.append(_look(member, who, repertoire.drums, world.seed))
         self.dancing = [one.dancing for one in self.directed]
         torsos = [one.torso for one in self.dancing]
-        self.inventory = inventory_of(self.looks, torsos, clock.rows)
-        self._links = links_of_frames()
+        self.inventory = dancer_inventory(self.looks, torsos, clock.rows)
+        self._links = frame_links()
         self._rows: list[tuple[Array, Array, Array]] = []
-        self._step, self._strikes = 0, list[tuple[int, Strike]]()
+        self._step, self._strikes = 0, list[tuple[int, HandStrike]]()
         self._arrived = list[str]()
 
     def read(self, orders: Orders) -> None:
@@ -131,7 +137,7 @@ class Dancers(Troupe):
         places[fixed] = rest[fixed]
         return R[self._links], places
 
-    def _contact(self, k: int, strike: Strike) -> Contact:
+    def _contact(self, k: int, strike: HandStrike) -> Contact:
         look, member = self.looks[k], self.members[k]
         dt = self.world.clock.dt
         begin = self._step * dt
@@ -161,13 +167,13 @@ class Dancers(Troupe):
         )
 
 
-def _ready(member: Dancer, programme: Programme, dt: float) -> Dancing:
+def _ready(member: Dancer, programme: DanceSchedule, dt: float) -> DancerMotion:
     """Return a dancer about to begin, who has practised what it dances."""
     repertoire, plan = programme.repertoire, programme.plan
     choreography = repertoire.choreography
-    late = lateness(member, choreography, plan.moves, plan.beat, dt)
+    late = measure_lateness(member, choreography, plan.moves, plan.beat, dt)
     poses, hang = repertoire.poses, repertoire.hang
-    return Dancing(
+    return DancerMotion(
         *(member, choreography, plan.moves, plan.beat, dt, late),
         calm=CALM if late else 0.0,
         poses=poses,
@@ -180,11 +186,13 @@ def _own(R: Array, p: Array, place: Place) -> Place:
     return _three((R.T * (np.array(place) - p)).sum(axis=1))
 
 
-def _look(member: Dancer, who: Proportions, drums: Mapping[str, Drum], seed: int) -> Look:
+def _look(
+    member: Dancer, who: Proportions, drums: Mapping[str, Drum], seed: int
+) -> DancerAppearance:
     clothes = clothes_of(member.name, seed, is_child(member))
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
-    return Look(member.name, who, clothes, dict(drums))
+    return DancerAppearance(member.name, who, clothes, dict(drums))
 
 
 def _place(member: Dancer, world: World) -> Array:

@@ -33,10 +33,10 @@ Point = tuple[float, float, float]
 
 STILL: Point = (0.0, 0.0, 0.0)
 
-RATE = 18.0
+FIELD_RATE = 18.0
 """k: speed by distance to the point [1/s]."""
 
-FASTEST = 4.0
+SPEED_LIMIT = 4.0
 """Speed that no desired velocity exceeds [m/s]."""
 
 SLOWER = 0.4
@@ -48,14 +48,14 @@ OVERLAP = 0.55
 NEAR = 0.6
 """The next begins when the hand is as near to a sub-goal as this, in lengths of the leg to it."""
 
-MOST_UNDER = 0.6
+SURFACE_FRACTION_LIMIT = 0.6
 """Most of a leg that may lie under a surface."""
 
 SHORTEST = 0.12
 """Least time that a leg takes [s]."""
 
 
-def combined(points: Sequence[Point], weights: Sequence[float]) -> Point:
+def weighted_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
     """Return the point of a weighted sum of fields, in the hull of their points [m]."""
     x = y = z = 0.0
     for (a, b, c), w in zip(points, weights, strict=True):
@@ -63,7 +63,7 @@ def combined(points: Sequence[Point], weights: Sequence[float]) -> Point:
     return x, y, z
 
 
-def strongest(points: Sequence[Point], weights: Sequence[float]) -> Point:
+def strongest_point(points: Sequence[Point], weights: Sequence[float]) -> Point:
     """Return the point of the field that acts alone where the winner takes all [m]."""
     return points[max(range(len(weights)), key=lambda i: weights[i])]
 
@@ -81,11 +81,11 @@ def desired_velocity(point: Point, x: Point, rate: float, own: Point = STILL) ->
     v = rate * (point[1] - x[1]) + own[1]
     w = rate * (point[2] - x[2]) + own[2]
     # Never faster than the fastest, in the same direction.
-    share = 1.0 / math.sqrt(1.0 + (u * u + v * v + w * w) / FASTEST**2)
+    share = 1.0 / math.sqrt(1.0 + (u * u + v * v + w * w) / SPEED_LIMIT**2)
     return u * share, v * share, w * share
 
 
-def smooth(s: float) -> tuple[float, float]:
+def minimum_jerk_step(s: float) -> tuple[float, float]:
     """Return the smooth step of least jerk at `s`, and its slope."""
     if s <= 0.0:
         return 0.0, 0.0
@@ -94,12 +94,12 @@ def smooth(s: float) -> tuple[float, float]:
     return s * s * s * (10.0 + s * (6.0 * s - 15.0)), 30.0 * s * s * (1.0 - s) * (1.0 - s)
 
 
-def phase_of(s: float) -> float:
+def minimum_jerk_phase(s: float) -> float:
     """Return where the smooth step has come to `s`, between 0 and 1."""
     low, high = 0.0, 1.0
     for _ in range(40):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if smooth(middle)[0] < s else (low, middle)
+        low, high = (middle, high) if minimum_jerk_step(middle)[0] < s else (low, middle)
     return high
 
 
@@ -112,7 +112,7 @@ class Leg:
     time: float
 
 
-class Fields:
+class HandField:
     """The fields of one hand.
 
     Args:
@@ -169,7 +169,7 @@ class Fields:
         weights, points, before, last = [1.0], [self.anchor], self.anchor, 1.0
         u = v = w = 0.0
         for leg in self.legs:
-            s, slope = smooth((now - leg.begin) / leg.time)
+            s, slope = minimum_jerk_step((now - leg.begin) / leg.time)
             if s > last:
                 # No weight is less than none.
                 s, slope = last, 0.0
@@ -183,9 +183,9 @@ class Fields:
             weights.append(s)
             points.append(here)
             before, last = here, s
-        self.point = combined(points, weights)
+        self.point = weighted_point(points, weights)
         if self.winner:
-            return desired_velocity(strongest(points, weights), x, SLOWER * self.rate)
+            return desired_velocity(strongest_point(points, weights), x, SLOWER * self.rate)
         return desired_velocity(self.point, x, self.rate, (u, v, w))
 
     def _switch(self, x: Point, now: float, places: Array) -> None:
@@ -217,8 +217,8 @@ class Fields:
         time = max((self.land - now) * shares[0] / whole, SHORTEST)
         if done == len(self.spots) - 1 and self.press:
             # The surface is met before the point below it is reached.
-            under = min(self.press / max(math.dist(*ways), self.press), MOST_UNDER)
-            time /= phase_of(1.0 - under)
+            under = min(self.press / max(math.dist(*ways), self.press), SURFACE_FRACTION_LIMIT)
+            time /= minimum_jerk_phase(1.0 - under)
         self.legs.append(Leg(self.spots[done], now, time))
         self._seen, self._near = (now, math.inf), math.inf
         if len(self.legs) == len(self.spots):

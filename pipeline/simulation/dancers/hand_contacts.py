@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from pipeline.simulation.dynamics.mujoco_linkage import Moving, Touch
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation, SolidContact
 from pipeline.simulation.spatial import Array
 
 AGAIN = 0.09
@@ -19,7 +19,7 @@ LEAST = 0.003
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Strike:
+class HandStrike:
     """A hand has touched something.
 
     Attributes:
@@ -39,16 +39,16 @@ class Strike:
     speed: float
 
 
-class Touching:
+class HandContacts:
     """What the hands of a torso touch."""
 
-    def __init__(self, moving: Moving) -> None:
+    def __init__(self, moving: LinkageSimulation) -> None:
         self.moving = moving
         self._now: set[tuple[str, str]] = set()
         self._left: dict[tuple[str, str], float] = {}
         self._felt: dict[str, float] = {}
 
-    def look(self, now: float, step: float, since: float) -> list[Strike]:
+    def look(self, now: float, step: float, since: float) -> list[HandStrike]:
         """Return what hands have begun to touch.
 
         Args:
@@ -58,7 +58,7 @@ class Touching:
         """
         if not self.moving.has_changed:
             return []
-        then, before, found = now - step, self._now, list[Strike]()
+        then, before, found = now - step, self._now, list[HandStrike]()
         self._now = set()
         for touch in self.moving.touches():
             strike = self._strike(touch, then, since, before)
@@ -69,8 +69,8 @@ class Touching:
         return found
 
     def _strike(
-        self, touch: Touch, then: float, since: float, before: set[tuple[str, str]]
-    ) -> Strike | None:
+        self, touch: SolidContact, then: float, since: float, before: set[tuple[str, str]]
+    ) -> HandStrike | None:
         hand, other, normal = touch.one, touch.other, -touch.normal
         if not hand.startswith("hand"):
             hand, other, normal = other, hand, touch.normal
@@ -85,4 +85,4 @@ class Touching:
         self._felt[hand] = then
         # It touched when it was less deep, at the speed it came with.
         time = max(then - touch.depth / touch.speed, since)
-        return Strike(time, hand, other, touch.place, normal, touch.speed)
+        return HandStrike(time, hand, other, touch.place, normal, touch.speed)

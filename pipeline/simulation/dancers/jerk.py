@@ -104,7 +104,7 @@ def third_derivative(p: Array, rate: float = RATE) -> Array:
     return np.concatenate([inner[:1], inner[:1], inner, inner[-1:], inner[-1:]])
 
 
-def jerk_of(times: Array, p: Array, begin: float, end: float) -> Jerk:
+def measure_jerk(times: Array, p: Array, begin: float, end: float) -> Jerk:
     """Return the smoothness of a movement from `begin` to `end` within a longer record.
 
     Args:
@@ -126,7 +126,7 @@ def total_square_jerk(x: Array, rows: NDArray[np.int64]) -> float:
     return _integral((third_derivative(x)[rows] ** 2).sum(axis=1), 1.0 / RATE)
 
 
-def floor_between(times: Array, p: Array, begin: float, end: float) -> float:
+def minimum_jerk_between(times: Array, p: Array, begin: float, end: float) -> float:
     """Return C of the smoothest movement with the same ends: their places, speeds, accelerations.
 
     That is a polynomial of degree five; no movement between these ends has less [m²/s⁵].

@@ -15,16 +15,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from pipeline.simulation.dancers.arm_control import Arm
+from pipeline.simulation.dancers.arm_control import ArmController
 from pipeline.simulation.dancers.dance_goals import (
     Choreography,
     Goal,
-    easy_posture,
-    rest_posture,
+    hanging_posture,
+    reaching_posture,
 )
-from pipeline.simulation.dancers.force_fields import RATE
+from pipeline.simulation.dancers.force_fields import FIELD_RATE
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 STEP, TICK = 0.002, 2
@@ -38,7 +38,7 @@ WAY, REST = 0.45, 0.35
 
 
 @dataclass(frozen=True, eq=False)
-class Rehearsed:
+class KeyPostures:
     """The postures of one subtask.
 
     Attributes:
@@ -51,16 +51,16 @@ class Rehearsed:
 
 
 @lru_cache(maxsize=4)
-def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
+def key_postures(choreography: Choreography) -> tuple[KeyPostures, ...]:
     """Return the postures of every subtask; who practises asks for the same several times."""
     torso = choreography.torso
-    moving = Moving(torso.linkage, STEP)
-    arms = {side: Arm(side, torso, moving, RATE, False) for side in HANDS}
+    moving = LinkageSimulation(torso.linkage, STEP)
+    arms = {side: ArmController(side, torso, moving, FIELD_RATE, False) for side in HANDS}
     ready = ready_postures(choreography)
     for side, arm in arms.items():
-        moving.q[arm.all] = moving.targets[arm.all] = ready.get(side, rest_posture())
+        moving.q[arm.all] = moving.targets[arm.all] = ready.get(side, hanging_posture())
     moving.settle()
-    found, now = list[Rehearsed](), 0.0
+    found, now = list[KeyPostures](), 0.0
     for goal in choreography.goals:
         arm = arms[goal.words.hand]
         if goal.words.is_of_joints:
@@ -72,7 +72,7 @@ def postures_of(choreography: Choreography) -> tuple[Rehearsed, ...]:
             met = moving.q[arm.all].copy()
             beyond = moving.given()[arm.all] / arm.stiffness
             keys.append(met + np.clip(beyond, -BEYOND, BEYOND))
-        found.append(Rehearsed(tuple(keys), met if goal.surface is not None else None))
+        found.append(KeyPostures(tuple(keys), met if goal.surface is not None else None))
     return tuple(found)
 
 
@@ -83,16 +83,21 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
         return {}
     linkage = replace(choreography.torso.linkage, discs=())
     torso = replace(choreography.torso, linkage=linkage)
-    moving, found = Moving(linkage, STEP), dict[str, Array]()
+    moving, found = LinkageSimulation(linkage, STEP), dict[str, Array]()
     for side, spot in choreography.ready.items():
-        arm = Arm(side, torso, moving, RATE, False)
-        bring(arm, moving, easy_posture(), spot, 0.0)
+        arm = ArmController(side, torso, moving, FIELD_RATE, False)
+        pull_to_spot(arm, moving, reaching_posture(), spot, 0.0)
         found[side] = moving.q[arm.all].copy()
     return found
 
 
-def bring(
-    arm: Arm, moving: Moving, held: Array, spot: int, now: float, touches: bool = False
+def pull_to_spot(
+    arm: ArmController,
+    moving: LinkageSimulation,
+    held: Array,
+    spot: int,
+    now: float,
+    touches: bool = False,
 ) -> float:
     """Let a field bring a hand to a place until it rests there.
 
@@ -120,16 +125,18 @@ def bring(
     return now
 
 
-def _taken_up(arm: Arm, moving: Moving, goal: Goal) -> Rehearsed:
+def _taken_up(arm: ArmController, moving: LinkageSimulation, goal: Goal) -> KeyPostures:
     """Put an arm into angles that are given."""
     posture = np.where(goal.given, goal.held, moving.q[arm.all])
     arm.drive(False)
     moving.targets[arm.all] = moving.q[arm.all] = posture
     moving.v[arm.all] = 0.0
     moving.settle()
-    return Rehearsed((posture,))
+    return KeyPostures((posture,))
 
 
-def _visit(arm: Arm, moving: Moving, goal: Goal, spot: int, now: float) -> float:
+def _visit(
+    arm: ArmController, moving: LinkageSimulation, goal: Goal, spot: int, now: float
+) -> float:
     """Bring the hand to one place of a subtask; return the time then."""
-    return bring(arm, moving, goal.held, spot, now, goal.surface is not None)
+    return pull_to_spot(arm, moving, goal.held, spot, now, goal.surface is not None)

@@ -56,7 +56,7 @@ HEAVY = 1e4
 
 
 @dataclass(frozen=True, eq=False)
-class Timed:
+class RetimedPath:
     """The same way, at the speeds of least jerk.
 
     Attributes:
@@ -72,7 +72,7 @@ class Timed:
     places: Array
 
 
-def same_way_at_best(times: Array, p: Array, begin: float, end: float) -> Timed:
+def retime_for_minimum_jerk(times: Array, p: Array, begin: float, end: float) -> RetimedPath:
     """Return the timing of least jerk of a movement from `begin` to `end`, on its own path.
 
     It never has more than what was danced, which is one of the timings that are compared.
@@ -87,9 +87,9 @@ def same_way_at_best(times: Array, p: Array, begin: float, end: float) -> Timed:
     x = low_passed(x)
     rows = np.flatnonzero((t >= begin - 1e-9) & (t <= end + 1e-9))
     if len(rows) < 2:
-        return Timed(0.0, 0.0, t[rows], x[rows])
+        return RetimedPath(0.0, 0.0, t[rows], x[rows])
     danced = total_square_jerk(x, rows)
-    best = Timed(danced, danced, t[rows], x[rows])
+    best = RetimedPath(danced, danced, t[rows], x[rows])
     for slow in SLOW:
         problem = _Problem.of(t, x, begin, end, slow)
         try:
@@ -101,7 +101,7 @@ def same_way_at_best(times: Array, p: Array, begin: float, end: float) -> Timed:
         places[rows] = problem.path.at(np.interp(t[rows], problem.times, s))
         integral = total_square_jerk(places, rows)
         if integral < best.integral:
-            best = Timed(integral, danced, t[rows], places[rows])
+            best = RetimedPath(integral, danced, t[rows], places[rows])
     return best
 
 

@@ -13,11 +13,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pipeline.simulation.dancers.force_fields import MOST_UNDER, phase_of, smooth
+from pipeline.simulation.dancers.force_fields import (
+    SURFACE_FRACTION_LIMIT,
+    minimum_jerk_phase,
+    minimum_jerk_step,
+)
 from pipeline.simulation.spatial import Array
 
 
-class Passage:
+class PostureSpline:
     """The way of some joints through postures.
 
     Args:
@@ -45,8 +49,8 @@ class Passage:
             # In the last piece, by how far the shoulder and the elbow have come of it.
             left, whole = (np.abs(self.keys[-1] - one)[:4].max() for one in (meets, self.keys[-2]))
             left = float(left / max(whole, 1e-3))
-            under = min(left, MOST_UNDER) * (1.0 - self.knots[-2])
-            self.time /= phase_of(1.0 - under)
+            under = min(left, SURFACE_FRACTION_LIMIT) * (1.0 - self.knots[-2])
+            self.time /= minimum_jerk_phase(1.0 - under)
         self._still = np.zeros(self.keys.shape[1])
 
     def is_over(self, now: float) -> bool:
@@ -57,7 +61,7 @@ class Passage:
         """Return angles (n,) and their speeds (n,) [rad], [rad/s]."""
         if self.is_over(now):
             return self.keys[-1], self._still
-        u, slope = smooth((now - self.begin) / self.time)
+        u, slope = minimum_jerk_step((now - self.begin) / self.time)
         i = min(bisect_right(self.knots, u), len(self._powers)) - 1
         a, b, c, d = self._powers[i]
         x = u - self.knots[i]
@@ -69,13 +73,13 @@ class Passage:
 
 def _cubics(knots: Array, keys: Array) -> list[tuple[Array, Array, Array, Array]]:
     """Return the natural cubic spline, piece by piece, as powers of the way from its knot."""
-    m, h = natural_bends(knots, keys), np.diff(knots)[:, None]
+    m, h = natural_spline_curvatures(knots, keys), np.diff(knots)[:, None]
     slope = np.diff(keys, axis=0) / h - h * (2.0 * m[:-1] + m[1:]) / 6.0
     cube = np.diff(m, axis=0) / (6.0 * h)
     return list(zip(keys[:-1], slope, 0.5 * m[:-1], cube, strict=True))
 
 
-def natural_bends(knots: Array, keys: Array) -> Array:
+def natural_spline_curvatures(knots: Array, keys: Array) -> Array:
     """Return the second derivatives (m, n) at the knots of the natural cubic spline.
 
     Args:

@@ -21,7 +21,7 @@ BODY = ("pelvis", "chest", "head")
 SIDES = ("_r_", "_l_")
 
 
-def too_far(
+def out_of_reach(
     who: Proportions, side: str, own: Sequence[tuple[Spot, str]], path: str, said: str = ""
 ) -> Iterator[Problem]:
     """Yield places that are farther from the shoulder than an arm is long.
@@ -45,7 +45,7 @@ def too_far(
             yield Problem(said or f"{path}.{word}", message)
 
 
-def inside(
+def inside_body(
     links: Sequence[Link], own: Sequence[tuple[Spot, str]], path: str, said: str = ""
 ) -> Iterator[Problem]:
     """Yield places that lie inside the body, which hands do not go through.

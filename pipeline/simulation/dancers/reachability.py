@@ -14,24 +14,26 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.errors import Problem
-from pipeline.simulation.dancers.arm_control import Arm
+from pipeline.simulation.dancers.arm_control import ArmController
 from pipeline.simulation.dancers.dance_goals import (
     Choreography,
-    Part,
-    easy_posture,
-    rest_posture,
+    PlacedSubtask,
+    hanging_posture,
+    reaching_posture,
 )
-from pipeline.simulation.dancers.force_fields import RATE
-from pipeline.simulation.dancers.key_postures import STEP, bring
+from pipeline.simulation.dancers.force_fields import FIELD_RATE
+from pipeline.simulation.dancers.key_postures import STEP, pull_to_spot
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 OFF = 0.06
 """How far from a place a hand may stay that is stopped by the body or sways along with it [m]."""
 
 
-def unreached(choreography: Choreography, parts: Sequence[Part], ready: str) -> Iterator[Problem]:
+def unreachable_places(
+    choreography: Choreography, parts: Sequence[PlacedSubtask], ready: str
+) -> Iterator[Problem]:
     """Yield places that are said as positions and that no hand comes to.
 
     Args:
@@ -46,7 +48,7 @@ def unreached(choreography: Choreography, parts: Sequence[Part], ready: str) -> 
                 path = part.said or f"{part.path}.{word}"
                 yield from tried.problem(goal.words.hand, spot, goal.held, path)
     for side, spot in choreography.ready.items():
-        yield from tried.problem(side, spot, easy_posture(), f"{ready}.ready.{side}")
+        yield from tried.problem(side, spot, reaching_posture(), f"{ready}.ready.{side}")
 
 
 class _Trial:
@@ -55,25 +57,27 @@ class _Trial:
     def __init__(self, choreography: Choreography) -> None:
         linkage = replace(choreography.torso.linkage, discs=())
         torso = replace(choreography.torso, linkage=linkage)
-        self._moving = Moving(linkage, STEP)
-        self._arms = {side: Arm(side, torso, self._moving, RATE, False) for side in HANDS}
+        self._moving = LinkageSimulation(linkage, STEP)
+        self._arms = {
+            side: ArmController(side, torso, self._moving, FIELD_RATE, False) for side in HANDS
+        }
         self._home = self._moving.q.copy()
         for arm in self._arms.values():
-            self._home[arm.all] = rest_posture()
+            self._home[arm.all] = hanging_posture()
         self._known = set[tuple[str, bytes]]()
 
     def problem(self, side: str, spot: int, held: Array, path: str) -> Iterator[Problem]:
         """Yield what is to be said of a place, held near a posture (7,), if that is anything."""
         moving, arm = self._moving, self._arms[side]
         moving.q[:], moving.v[:], moving.targets[:] = self._home, 0.0, self._home
-        moving.q[arm.all] = easy_posture()
+        moving.q[arm.all] = reaching_posture()
         moving.settle()
         place = moving.places[spot].copy()
         known = side, place.tobytes()
         if known in self._known:
             return
         self._known.add(known)
-        bring(arm, moving, held, spot, 0.0)
+        pull_to_spot(arm, moving, held, spot, 0.0)
         off = float(np.linalg.norm(moving.places[arm.palm] - place))
         arm.drive(False)
         if off > OFF:

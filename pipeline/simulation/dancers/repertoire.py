@@ -11,15 +11,15 @@ from dataclasses import dataclass
 
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.dancers.dance_goals import (
-    REST,
+    HANGING_ANGLES,
     Choreography,
-    Part,
-    Ready,
-    choreographed,
-    parts_of,
+    PlacedSubtask,
+    ReadyPlaces,
+    build_choreography,
+    placed_subtasks,
 )
-from pipeline.simulation.dancers.dancer_poses import Place, Poses, poses_of
-from pipeline.simulation.dancers.reachability import unreached
+from pipeline.simulation.dancers.dancer_poses import Place, Poses, pose_moves
+from pipeline.simulation.dancers.reachability import unreachable_places
 from pipeline.simulation.dancers.torso import ARM, HANDS, WRIST
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask
@@ -53,7 +53,7 @@ class Repertoire:
     choreography: Choreography
 
 
-def repertoire_of(
+def build_repertoire(
     member: Dancer,
     who: Proportions,
     dances: Mapping[str, Dance],
@@ -80,23 +80,23 @@ def repertoire_of(
     asked = {i: one.do for i, one in enumerate(script) if one.who == member.name}
     known = _known(member, dances, asked.values(), bool(asked) or directed)
     drums = _drums(known)
-    parts, first = list[Part](), dict[str, int]()
+    parts, first = list[PlacedSubtask](), dict[str, int]()
     for name, dance in known.items():
         first[name] = len(parts)
-        parts += parts_of(dance, name)
+        parts += placed_subtasks(dance, name)
     told, hang = dict[tuple[Place, str], int](), dict[str, int]()
     for (place, side), said in sorted(_reaches(asked).items()):
         told[place, side] = len(parts)
         words = Subtask.model_construct(hand=side, reach=own(place))
-        parts.append(Part(said, words, still=True, said=said))
-    poses, posed = poses_of(member.pose, who, own, len(parts), f"{path}.pose")
+        parts.append(PlacedSubtask(said, words, still=True, said=said))
+    poses, posed = pose_moves(member.pose, who, own, len(parts), f"{path}.pose")
     parts += posed
     if asked or directed or member.pose:
         hang = {side: len(parts) + k for k, side in enumerate(HANDS)}
-        parts += [Part(path, words) for words in _hanging()]
-    ready = Ready(f"dances.{member.dance}", dances[member.dance].ready)
-    choreography = choreographed(who, parts, drums, ready, member.compensate_gravity)
-    refused = list(unreached(choreography, parts, ready.path))
+        parts += [PlacedSubtask(path, words) for words in _hanging()]
+    ready = ReadyPlaces(f"dances.{member.dance}", dances[member.dance].ready)
+    choreography = build_choreography(who, parts, drums, ready, member.compensate_gravity)
+    refused = list(unreachable_places(choreography, parts, ready.path))
     if refused:
         raise SceneError(refused)
     return Repertoire(known, first, drums, hang, told, poses, choreography)
@@ -144,5 +144,5 @@ def _drums(dances: Mapping[str, Dance]) -> dict[str, Drum]:
 
 def _hanging() -> Iterable[Subtask]:
     """Return the subtasks that let the arms hang, in the order of `HANDS`."""
-    angles = {f"{joint}_deg": REST.get(joint, 0.0) for joint in (*ARM, *WRIST)}
+    angles = {f"{joint}_deg": HANGING_ANGLES.get(joint, 0.0) for joint in (*ARM, *WRIST)}
     return [Subtask.model_construct(hand=side, joints=angles) for side in ("r", "l")]

@@ -22,7 +22,7 @@ STAYS, WAIT = 0.01, 0.25
 
 _DEGREES = ((-30.0, 20.0, 20.0, 40.0), (150.0, 30.0, 0.0, 60.0), (20.0, 80.0, 0.0, 60.0))
 
-WITHDRAWN: tuple[list[float] | None, ...] = (
+RETREAT_POSTURES: tuple[list[float] | None, ...] = (
     None,
     *(np.radians(angles).tolist() for angles in _DEGREES),
 )
@@ -32,14 +32,14 @@ anyway, then low behind the body, high above it, and aside [rad]."""
 NOWHERE: Point = (math.inf, math.inf, math.inf)
 
 
-class Patience:
+class StallDetector:
     """The patience of one hand on its way to one place.
 
     Args:
         tries: how often it is taken back at most.
     """
 
-    def __init__(self, tries: int = len(WITHDRAWN)) -> None:
+    def __init__(self, tries: int = len(RETREAT_POSTURES)) -> None:
         self._left = tries
         self._place, self._since = NOWHERE, 0.0
 
@@ -53,7 +53,7 @@ class Patience:
 
     def withdraws_to(self, held: Sequence[float]) -> list[float]:
         """Return the angles (4,) to take the arm back to, which is `held` near others [rad]."""
-        posture = WITHDRAWN[len(WITHDRAWN) - self._left]
+        posture = RETREAT_POSTURES[len(RETREAT_POSTURES) - self._left]
         self._left -= 1
         self._place = NOWHERE
         return list(held if posture is None else posture)

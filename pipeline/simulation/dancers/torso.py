@@ -14,7 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.simulation.dynamics.linkage import Capsule, Disc, Hinge, Link, Linkage, Meets, Spot
+from pipeline.simulation.dynamics.linkage import (
+    Capsule,
+    CollisionGroup,
+    Disc,
+    Hinge,
+    Link,
+    Linkage,
+    Spot,
+)
 from pipeline.simulation.people.proportions import JOINTS, SEGMENT_MASSES, Proportions
 from pipeline.simulation.spatial import Array
 
@@ -70,7 +78,7 @@ GAINS = {
 """Stiffness [N m/rad], damping [N m s/rad] and strength [N m] of a grown-up's servos, chosen by
 hand and the same all the time."""
 
-DRAG, MOST_FORCE = 230.0, 320.0
+FIELD_GAIN, FIELD_FORCE_LIMIT = 230.0, 320.0
 """Gain c of the fields [N s/m], and their greatest force along an axis [N], of a grown-up."""
 
 PALM = 0.45
@@ -79,7 +87,7 @@ PALM = 0.45
 HAND_RADIUS = 0.013
 """Of a hand's solid, as a part of the height."""
 
-GROWN_UP = 68.0
+REFERENCE_MASS = 68.0
 """Mass that the gains are chosen for [kg]."""
 
 
@@ -148,13 +156,13 @@ def torso_of(
         for side in HANDS
         for one, other in (("upper_arm", "hand"), ("upper_arm", "forearm"), ("forearm", "hand"))
     )
-    scale = proportions.mass / GROWN_UP
+    scale = proportions.mass / REFERENCE_MASS
     linkage = Linkage(
         links,
         tuple(sorted((*palms, *spots), key=lambda spot: spot.link)),
         tuple(palm.name for palm in palms),
-        DRAG * scale,
-        MOST_FORCE * scale,
+        FIELD_GAIN * scale,
+        FIELD_FORCE_LIMIT * scale,
         apart,
         discs,
     )
@@ -205,7 +213,7 @@ def _arm(
         ("forearm", elbow, np.stack([elbow, wrist]), 0.021, "limb", "elbow"),
         ("hand", wrist, fingers, HAND_RADIUS, "limb", "wrist"),
     )
-    links, meets = list[Link](), dict[str, Meets](limb="limb", trunk="trunk")
+    links, meets = list[Link](), dict[str, CollisionGroup](limb="limb", trunk="trunk")
     for k, (name, place, ends, radius, kind, hinges) in enumerate(kinds):
         solid = Capsule(f"{name}_{side}", ends, radius * h, meets[kind])
         mass = who.mass * SEGMENT_MASSES[name]
@@ -217,7 +225,7 @@ def _arm(
 
 def _hinges(stem: str, who: Proportions, side: str = "") -> tuple[Hinge, ...]:
     # Torques go with mass times height, inertia with mass times height squared.
-    scale = who.mass / GROWN_UP
+    scale = who.mass / REFERENCE_MASS
     stiffness, damping, strength = (value * scale for value in GAINS[stem])
     found = list[Hinge]()
     for joint in AXES:
@@ -237,7 +245,7 @@ def _capsule(
     other: tuple[float, float],
     radius: float,
     h: float,
-    meets: Meets,
+    meets: CollisionGroup,
 ) -> Capsule:
     """Return a capsule in the middle plane, given as forward and up in heights."""
     ends = np.array([[*one, 0.0], [*other, 0.0]])

@@ -9,7 +9,7 @@ import math
 
 from pipeline.simulation.spatial import Array
 
-TRUNK = (
+TRUNK_JOINTS = (
     *("waist_rotation", "waist_flexion", "waist_bend"),
     *("neck_rotation", "neck_flexion", "neck_bend"),
 )
@@ -26,7 +26,7 @@ LAG, TRUNK_LAG = 0.16, 0.12
 """Time constants with which the head and the waist follow [s]."""
 
 
-class Carriage:
+class TrunkController:
     """How a dancer holds its trunk and head.
 
     Args:
@@ -38,9 +38,9 @@ class Carriage:
 
     def __init__(self, sway: float, beat: float, start: float, gaze: bool) -> None:
         self.sway, self.beat, self.start, self.gaze = sway, beat, start, gaze
-        self.given = dict.fromkeys(TRUNK, 0.0)
-        self._now = [0.0] * len(TRUNK)
-        self._soon = [0.0] * len(TRUNK)
+        self.given = dict.fromkeys(TRUNK_JOINTS, 0.0)
+        self._now = [0.0] * len(TRUNK_JOINTS)
+        self._soon = [0.0] * len(TRUNK_JOINTS)
 
     def sways(self, sway: float, beat: float, start: float) -> None:
         """Sway with another beat from now on; arguments as at first."""

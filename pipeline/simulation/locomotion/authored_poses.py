@@ -91,7 +91,7 @@ class AuthoredPoses:
                 wanted = TipPlacement(goals[row, legs]), PreferredValues(REST_PULL)
                 first = row == 0 and c not in self._legs
                 pursued = track_goals(
-                    batch, before, wanted, most=FIRST_POSE_STEPS if first else TRACKING_STEPS
+                    batch, before, wanted, max_steps=FIRST_POSE_STEPS if first else TRACKING_STEPS
                 )
                 q[row, legs] = before = pursued.pose.q
                 residual[row, legs] = pursued.error * batch.lengths

@@ -30,7 +30,7 @@ MATERIALS = ("oak", "stone", "steel", "glass", "rubber", "bone", "soil", "grass"
 
 
 def score_at(rate: Fraction) -> Score:
-    """Return twenty blows of all kinds of materials, half a second apart, a frame more or less."""
+    """Return twenty impacts of various materials, about half a second apart."""
     frames = [1 + round(float(rate) * APART * (k + 1)) + k % 2 for k in range(EVENTS)]
     events = tuple(
         ScoreEvent(
@@ -50,7 +50,7 @@ def score_at(rate: Fraction) -> Score:
 
 
 def decoded(film: Path) -> tuple[list[Fraction], NDArray[np.float64]]:
-    """Return when white frames are shown [s], and the sound (N,) from time 0 on."""
+    """Return the times of white frames [s], and the sound from time 0 on: (N,)."""
     flashes, blocks = [], []
     with av.open(str(film)) as container:
         for frame in container.decode(video=0):
@@ -62,14 +62,14 @@ def decoded(film: Path) -> tuple[list[Fraction], NDArray[np.float64]]:
             blocks.append((first, block.to_ndarray().mean(axis=0)))
     heard = np.zeros(blocks[-1][0] + blocks[-1][1].size)
     for first, block in blocks:
-        # What comes before time 0 is not played.
+        # Players skip what precedes time 0.
         cut = max(-first, 0)
         heard[first + cut : first + block.size] = block[cut:]
     return flashes, heard
 
 
 def lag(heard: NDArray[np.float64], sound: NDArray[np.float64], onset: int) -> int:
-    """Return how late a sound is heard [samples]: where it fits best."""
+    """Return the lag of a sound [samples] by correlation."""
     pattern = sound[onset : onset + WINDOW]
     around = heard[onset - REACH : onset + WINDOW + REACH]
     return int(np.argmax(np.correlate(around, pattern, "valid"))) - REACH
@@ -77,7 +77,7 @@ def lag(heard: NDArray[np.float64], sound: NDArray[np.float64], onset: int) -> i
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rate", [Fraction(24), Fraction(30000, 1001), Fraction(60)], ids=str)
-def test_twenty_sounds_are_heard_within_a_millisecond_of_their_frames(
+def test_sounds_in_the_film_are_within_a_millisecond_of_their_frames(
     tmp_path: Path, rate: Fraction
 ) -> None:
     score = score_at(rate)
@@ -100,7 +100,7 @@ def test_twenty_sounds_are_heard_within_a_millisecond_of_their_frames(
         assert abs(late) / SAMPLE_RATE < 1e-3
 
 
-def test_the_filter_sees_a_sound_that_is_late(tmp_path: Path) -> None:
+def test_the_lag_filter_detects_a_late_sound(tmp_path: Path) -> None:
     score = score_at(Fraction(24))
     write_wav(score, tmp_path / "s.wav")
     with av.open(str(tmp_path / "s.wav")) as container:

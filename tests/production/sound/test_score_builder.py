@@ -1,4 +1,4 @@
-"""Scores: every event as the listener hears it, and none lost in silence."""
+"""Score builder: events relative to the listener; every cause is audible."""
 
 from __future__ import annotations
 
@@ -52,11 +52,11 @@ def heard(
         ((2, 0, -2), math.pi / 4),
         ((-2, 0, -2), -math.pi / 4),
         ((2, 0, 2), 3 * math.pi / 4),
-        # Height moves nothing to a side.
+        # Height does not change the azimuth.
         ((2, 7, -2), math.pi / 4),
     ],
 )
-def test_what_is_right_in_the_picture_is_heard_from_the_right(
+def test_sounds_on_the_right_of_the_picture_come_from_the_right(
     scene: Scene, take: Take, place: Sequence[float], azimuth: float
 ) -> None:
     found, distance = heard(scene, take, place, AHEAD)
@@ -64,18 +64,16 @@ def test_what_is_right_in_the_picture_is_heard_from_the_right(
     assert distance == pytest.approx(math.hypot(*place))
 
 
-def test_a_camera_that_looks_elsewhere_hears_the_same_from_elsewhere(
-    scene: Scene, take: Take
-) -> None:
+def test_turning_the_camera_changes_the_azimuth_only(scene: Scene, take: Take) -> None:
     back = CameraPose((0.0, 0.0, 0.0), (0.0, 0.0, 5.0))
     assert heard(scene, take, (3, 0, 0), back)[0] == pytest.approx(-math.pi / 2)
     down = CameraPose((0.0, 5.0, 0.0), (0.0, 0.0, 0.0), up=(1.0, 0.0, 0.0))
-    # +X is up in this picture, so +Z is to the right; what is looked at is 5 m ahead.
+    # +X is up in this picture, so +Z is to the right; the target is 5 m ahead.
     assert heard(scene, take, (0, 0, 3), down)[0] == pytest.approx(math.atan2(3, 5))
     assert heard(scene, take, (0, 0, -3), down)[0] == pytest.approx(-math.atan2(3, 5))
 
 
-def test_a_listener_may_stand_elsewhere(unmade: Studio, take: Take) -> None:
+def test_a_listener_at_a_configured_place(unmade: Studio, take: Take) -> None:
     scene = unmade.load("sound.listener=[10,0,0]")
     azimuth, distance = heard(scene, take, (7, 0, -4), AHEAD)
     assert distance == pytest.approx(5.0)
@@ -92,7 +90,7 @@ def test_events_after_the_last_frame_are_dropped_and_counted(scene: Scene, take:
     assert [line["frame"] for line in lines] == [7, 8]
 
 
-def test_a_score_keeps_times_and_words_of_its_events(scene: Scene, take: Take) -> None:
+def test_a_score_keeps_the_times_and_names_of_its_events(scene: Scene, take: Take) -> None:
     score, dropped = build_score(scene, take, [AHEAD] * take.header.frames)
     assert (score.rate, score.frames, score.title) == (Fraction(24), 8, "Tiny")
     assert len(score.events) + dropped == len(take.events) > 0
@@ -103,8 +101,8 @@ def test_a_score_keeps_times_and_words_of_its_events(scene: Scene, take: Take) -
         assert not event.part.startswith("bug")
 
 
-def test_what_passes_by_is_heard_where_it_comes_nearest(scene: Scene, take: Take) -> None:
-    """Its row's frame says where the camera is then."""
+def test_a_passing_sound_is_placed_at_its_nearest_point(scene: Scene, take: Take) -> None:
+    """The camera is that of the row's frame."""
     samples = take.header.samples
     turned = replace(AHEAD, p_WC=(0.0, 0.0, 10.0), p_WT=(0.0, 0.0, 5.0))
     poses = [AHEAD] * 2 + [turned] * (take.header.frames - 2)
@@ -124,7 +122,7 @@ def test_what_passes_by_is_heard_where_it_comes_nearest(scene: Scene, take: Take
 
 
 @pytest.mark.parametrize("cause", Detect.model_fields)
-def test_every_cause_that_is_detected_is_heard(scene: Scene, take: Take, cause: str) -> None:
+def test_every_detected_cause_is_audible(scene: Scene, take: Take, cause: str) -> None:
     event = replace(take.events[0], cause=cause, frame=1, step=0, fraction=0.0, place=(0, 0, -2))
     poses = [AHEAD] * take.header.frames
     score, _ = build_score(scene, replace(take, events=(event,)), poses)
@@ -134,5 +132,5 @@ def test_every_cause_that_is_detected_is_heard(scene: Scene, take: Take, cause: 
     sound = synthesize(blow, 1)
     assert np.isfinite(sound).all()
     assert np.abs(sound).max() == pytest.approx(1.0)
-    # Not the blow that stands for what is unknown.
+    # Not the impact of an unknown cause.
     assert bool(cause_voice(cause) or cause_voice(cause)) != (cause in ("footfall", "collision"))

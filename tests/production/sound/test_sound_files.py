@@ -1,4 +1,4 @@
-"""What stands beside MIDI and sound, each judged by its reader: tables, markers, labels, edits."""
+"""Files beside MIDI and WAV, checked by independent readers: tables, labels, edit lists."""
 
 from __future__ import annotations
 
@@ -44,19 +44,19 @@ RATES = [Fraction(n) for n in (24, 25, 30, 48, 50, 60)] + NTSC
 AHEAD = CameraPose((0.0, 0.0, 0.0), (0.0, 0.0, -5.0))
 
 
-def event(frame: int, **words: object) -> ScoreEvent:
-    return replace(ScoreEvent(frame, Fraction(0), "footfall", "Käfer", "l1", "terrain"), **words)  # type: ignore[arg-type]
+def event(frame: int, **fields: object) -> ScoreEvent:
+    return replace(ScoreEvent(frame, Fraction(0), "footfall", "Käfer", "l1", "terrain"), **fields)  # type: ignore[arg-type]
 
 
-def scored(events: tuple[ScoreEvent, ...] = (), **words: object) -> Score:
-    facts: dict[str, object] = {"rate": Fraction(24), "frames": 240, "sound": Sound(), **words}
+def scored(events: tuple[ScoreEvent, ...] = (), **fields: object) -> Score:
+    facts: dict[str, object] = {"rate": Fraction(24), "frames": 240, "sound": Sound(), **fields}
     return Score(events=events, **facts)  # type: ignore[arg-type]
 
 
 # --- events ------------------------------------------------------------------------
 
 
-def test_the_table_says_what_the_lines_say(take: Take) -> None:
+def test_csv_and_json_lines_agree(take: Take) -> None:
     named = tuple(replace(e, who='Käfer "甲", 1') for e in take.events)
     told = replace(take, events=named)
     lines = [json.dumps(json.loads(line)) for line in events_jsonl(told).splitlines()]
@@ -69,13 +69,13 @@ def test_the_table_says_what_the_lines_say(take: Take) -> None:
         assert row == {name: str(value) for name, value in words.items()}
 
 
-def test_no_events_are_a_table_of_names_alone(take: Take) -> None:
+def test_without_events_the_csv_has_only_its_header(take: Take) -> None:
     none = replace(take, events=())
     assert events_jsonl(none) == b""
     assert events_csv(none).count(b"\n") == 1
 
 
-def test_an_event_that_lasts_says_how_long(take: Take) -> None:
+def test_a_sustained_event_has_a_duration(take: Take) -> None:
     rolls = replace(take.events[0], track=(4, 22))
     (words,) = map(json.loads, events_jsonl(replace(take, events=(rolls,))).splitlines())
     assert words["duration"] == 18 / 4 / 24
@@ -84,16 +84,16 @@ def test_an_event_that_lasts_says_how_long(take: Take) -> None:
 # --- markers -----------------------------------------------------------------------
 
 
-def test_markers_stand_at_the_first_frames_of_cuts_and_none_at_the_begin(
+def test_markers_are_at_the_first_frames_of_cuts_but_not_of_the_film(
     unmade: Studio, take: Take
 ) -> None:
     cuts = "[{}, {start: 0.05, view: side}, {start: 0.0625, follow: bug, view: top}, {start: 9}]"
     scene = unmade.load(f"camera={cuts}")
-    # The second cut is over before a frame shows it: both begin on frame 3 of 24 a second.
+    # The second cut is never visible: both start on frame 3 at 24 frames a second.
     assert film_markers(scene, take) == (Marker(3, "cut", "top of bug"),)
 
 
-def test_markers_stand_where_the_script_speaks_also_when_it_waits(unmade: Studio) -> None:
+def test_markers_are_at_script_instructions_also_after_waits(unmade: Studio) -> None:
     scene = unmade.load(
         "frames=72",
         "cast.bug.walk.path=[[0.2, 0]]",
@@ -109,7 +109,7 @@ def test_markers_stand_where_the_script_speaks_also_when_it_waits(unmade: Studio
     assert [one.text for one in take.told] == ["speed 0.5", "turn_deg 90"]
 
 
-def test_what_is_told_after_the_last_frame_has_no_marker(unmade: Studio, take: Take) -> None:
+def test_an_instruction_after_the_last_frame_has_no_marker(unmade: Studio, take: Take) -> None:
     late = replace(take, told=(Told(28, "bug", "stop"), Told(29, "bug", "walk")))
     assert film_markers(unmade.load(), late) == (Marker(8, "script", "bug: stop"),)
 
@@ -129,12 +129,12 @@ def test_labels_are_seconds_tab_seconds_tab_text() -> None:
     )
 
 
-def test_labels_stand_where_the_sound_does() -> None:
+def test_labels_are_at_the_times_of_the_sounds() -> None:
     exact = scored((event(25, time=Fraction(95, 96)),), subframe=True)
     assert audacity_labels(exact).startswith(b"0.989583\t")
 
 
-def test_what_is_muted_has_no_label_and_no_locator() -> None:
+def test_muted_events_have_no_label_and_no_locator() -> None:
     score = scored((event(25),), sound=Sound.model_validate({"voices": [{"mute": True}]}))
     assert audacity_labels(score) == b""
     assert b"LOC" not in (edit_list(score, "f.mp4") or b"")
@@ -144,7 +144,7 @@ def test_what_is_muted_has_no_label_and_no_locator() -> None:
 
 
 @pytest.mark.parametrize("rate", RATES, ids=str)
-def test_an_edit_list_is_read_by_others_to_the_frame(rate: Fraction) -> None:
+def test_another_reader_reads_the_edit_list_to_the_frame(rate: Fraction) -> None:
     count = timecode_base(rate)
     assert count is not None
     frames = 3700 * count
@@ -195,7 +195,7 @@ def test_a_film_of_more_than_a_day_has_no_edit_list() -> None:
     assert edit_list(scored(rate=Fraction(2), frames=day + 1), "f.mp4") is None
 
 
-def test_an_edit_list_of_an_earlier_rate_is_taken_away(tmp_path: Path) -> None:
+def test_an_outdated_edit_list_is_deleted(tmp_path: Path) -> None:
     outputs = Outputs(tmp_path, "f")
     assert write_cues(outputs, scored(), "f.mp4")
     assert not write_cues(outputs, scored(), "f.mp4")

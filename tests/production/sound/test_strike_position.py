@@ -1,4 +1,4 @@
-"""Contact spots: a plank that falls on its end is struck there, a foot at its tip."""
+"""Strike positions: a plank that falls on its end, and a foot that lands on its tip."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_a_plank_that_falls_tilted_is_struck_at_its_lower_end(tilt: float) -> No
     first = next(event for event in take.events if event.cause == "collision")
     spot = StrikePositions(take).position(first)
     assert spot is not None
-    # The first end is at -x of the plank, which a turn about +z lowers.
+    # The first end is at -x of the plank, which a rotation about +z lowers.
     assert spot == pytest.approx(0.0 if tilt > 0 else 1.0, abs=0.02)
 
 

@@ -1,4 +1,4 @@
-"""Channels: notes share, differ or give way, and what gives way is counted."""
+"""Channel allocation: notes share, change or lose channels, and every compromise is counted."""
 
 from dataclasses import replace
 
@@ -16,21 +16,21 @@ def note(track=0, start=0, end=10, program=0, pan=64, pitch=60, velocity=80, **r
     return ChannelNote(track, start, end, program, pan, pitch, velocity, **rest)
 
 
-def slide(start=0, end=10, **words):
-    """Return a note that sinks and fades from tick to tick."""
-    gesture = tuple(
+def slide(start=0, end=10, **fields):
+    """Return a note whose pitch and loudness fall from tick to tick."""
+    curve = tuple(
         ControllerPoint(t, -100 * (t - start), 127 - (t - start)) for t in range(start, end)
     )
-    return note(start=start, end=end, curve=gesture, **words)
+    return note(start=start, end=end, curve=curve, **fields)
 
 
-def placed(*notes):
+def allocated(*notes):
     ordered = sorted(notes, key=lambda n: (n.start, n.track))
     return allocate_channels([replace(n) for n in ordered], TAIL)
 
 
 def messages(played):
-    """Return (tick, track, place, kind, note): a player's order, ends before onsets in a track."""
+    """Return (tick, track, order, kind, note) in playing order, ends before onsets in a track."""
     ends = [(n.end, n.track, (0, i), "off", n) for i, n in enumerate(played)]
     onsets = [(n.start, n.track, (1, i), "on", n) for i, n in enumerate(played)]
     return sorted(ends + onsets, key=lambda m: m[:3])
@@ -43,7 +43,7 @@ def check(played):
             assert sounding.pop((n.channel, n.pitch)) is n
             assert tick > n.start
             continue
-        assert (n.channel, n.pitch) not in sounding, "struck while it sounds"
+        assert (n.channel, n.pitch) not in sounding, "a note that sounds already"
         if n.drum:
             assert n.channel == DRUM_CHANNEL
             assert not any((n.sets_program, n.sets_pan, n.sets_send, n.curve))
@@ -53,9 +53,9 @@ def check(played):
         held = [key for key in sounding if key[0] == n.channel]
         told = program.get(n.channel), pan.get(n.channel), send.get(n.channel)
         changes = told != (n.program, n.pan, n.send)
-        assert not (held and changes), "changed under a sounding note"
-        assert not (held and (n.curve or n.channel in moved)), "bent under a sounding note"
-        assert not any(sounding[key].curve for key in held), "plays along with a gesture"
+        assert not (held and changes), "a change under a sounding note"
+        assert not (held and (n.curve or n.channel in moved)), "a bend under a sounding note"
+        assert not any(sounding[key].curve for key in held), "a note beside a controller curve"
         if n.curve:
             assert n.start == n.curve[0].tick
             assert n.curve[-1].tick < n.end
@@ -71,8 +71,8 @@ def check(played):
         sounding[n.channel, n.pitch] = n
 
 
-def check_words(played):
-    """Hold that one track alone says which program and pan its notes have, and where it rests."""
+def check_track_alone(played):
+    """Assert that a track alone sets the controllers of its notes."""
     program, pan, send, ranged, moved = {}, {}, {}, set(), set()
     for n in played:
         if n.drum:
@@ -110,78 +110,78 @@ def check_words(played):
         max_size=80,
     )
 )
-def test_however_notes_meet_a_player_hears_each_with_its_program_and_pan(notes):
-    played, losses = placed(*notes)
+def test_any_notes_are_played_with_their_program_and_pan(notes):
+    played, losses = allocated(*notes)
     check(played)
     for track in range(4):
-        check_words([n for n in played if n.track == track])
+        check_track_alone([n for n in played if n.track == track])
     assert len(played) + len(losses.merged) == len(notes)
-    # One that is struck at its moment, or at the tick before, stands for each that is merged.
+    # Every merged note has an equal one at its tick or at the tick before.
     struck = {n.start for n in played}
     assert all(tick in struck or tick - 1 in struck for tick in losses.merged)
 
 
 def test_notes_of_one_program_and_pan_share_a_channel():
-    played, _ = placed(note(pitch=60), note(pitch=64), note(pitch=67))
+    played, _ = allocated(note(pitch=60), note(pitch=64), note(pitch=67))
     assert len({n.channel for n in played}) == 1
     assert [n.sets_program for n in played] == [True, False, False]
 
 
-def test_the_same_pitch_again_has_another_channel_and_keeps_its_tail():
-    played, losses = placed(note(start=0, end=10), note(start=5, end=15))
+def test_a_repeated_pitch_gets_another_channel_and_keeps_its_tail():
+    played, losses = allocated(note(start=0, end=10), note(start=5, end=15))
     assert played[0].channel != played[1].channel
     assert played[0].end == 10
     assert losses.cut_short == 0
 
 
 def test_an_end_in_a_later_track_does_not_silence_an_onset_on_its_tick():
-    played, _ = placed(note(track=1, end=10), note(track=0, start=10, end=20))
+    played, _ = allocated(note(track=1, end=10), note(track=0, start=10, end=20))
     assert played[0].channel != played[1].channel
     check(played)
 
 
 def test_an_end_in_an_earlier_track_leaves_the_channel_for_its_tick():
     held = [note(program=i, end=99) for i in range(1, 15)]
-    played, losses = placed(note(track=0, end=10), *held, note(track=1, start=10, end=20))
+    played, losses = allocated(note(track=0, end=10), *held, note(track=1, start=10, end=20))
     assert played[0].channel == played[-1].channel
     assert (played[0].end, losses.cut_short) == (10, 0)
 
 
-def test_equal_onsets_merge_into_the_harder_one():
-    played, losses = placed(note(velocity=50), note(velocity=90))
+def test_equal_notes_merge_into_the_louder_one():
+    played, losses = allocated(note(velocity=50), note(velocity=90))
     assert [n.velocity for n in played] == [90]
     assert losses.merged == [0]
 
 
-def test_equal_onsets_of_two_tracks_merge_only_where_no_channel_is_silent():
+def test_equal_notes_of_two_tracks_merge_only_without_a_silent_channel():
     twins = [note(velocity=50), note(track=1, velocity=90)]
-    played, losses = placed(*twins)
+    played, losses = allocated(*twins)
     assert [(n.track, n.velocity) for n in played] == [(0, 50), (1, 90)]
     assert losses.merged == []
-    played, losses = placed(*twins, *(note(program=i) for i in range(1, 15)))
+    played, losses = allocated(*twins, *(note(program=i) for i in range(1, 15)))
     assert [n.velocity for n in played if n.program == 0] == [90]
     assert losses.merged == [0]
 
 
-def test_a_sixteenth_program_at_one_moment_is_told_by_the_note_most_like_it():
+def test_a_sixteenth_program_at_once_merges_with_the_most_similar_note():
     crowd = [note(track=i, program=i, pitch=60 + i) for i in range(15)]
-    played, losses = placed(*crowd, note(track=15, program=15, pitch=66, velocity=99))
+    played, losses = allocated(*crowd, note(track=15, program=15, pitch=66, velocity=99))
     assert len(played) == 15
     assert losses.merged == [0]
     assert {n.pitch: n.velocity for n in played} == {n.pitch: 80 for n in crowd} | {66: 99}
 
 
-def test_a_sixteenth_program_later_takes_the_channel_that_was_struck_first():
+def test_a_sixteenth_program_later_steals_the_oldest_channel():
     crowd = [note(start=i, end=50, program=i) for i in (3, 1, 2, *range(4, 16))]
-    played, losses = placed(*crowd, note(start=20, end=60, program=99))
+    played, losses = allocated(*crowd, note(start=20, end=60, program=99))
     first = next(n for n in played if n.program == 1)
     assert (first.end, first.channel) == (20, played[-1].channel)
     assert (losses.cut_short, losses.merged) == (1, [])
     check(played)
 
 
-def test_a_gesture_has_its_channel_to_itself_and_leaves_it_as_it_was():
-    played, _ = placed(
+def test_a_note_with_a_curve_has_its_channel_alone_and_resets_it():
+    played, _ = allocated(
         slide(), note(start=5, pitch=64), note(start=40, end=50, pitch=62), slide(60, 70)
     )
     slid, beside, after, again = played
@@ -199,32 +199,32 @@ def test_a_gesture_has_its_channel_to_itself_and_leaves_it_as_it_was():
     check(played)
 
 
-def test_a_note_that_comes_back_to_a_channel_finds_it_as_it_was():
+def test_a_note_on_a_used_channel_restores_its_controllers():
     others = [note(start=20, end=99, program=i) for i in range(1, 15)]
-    played, _ = placed(slide(), *others, note(start=50, end=60))
+    played, _ = allocated(slide(), *others, note(start=50, end=60))
     assert (played[0].channel, played[-1].resets_controllers) == (played[-1].channel, True)
     check(played)
 
 
-def test_a_gesture_is_given_up_where_no_channel_is_silent():
+def test_a_curve_is_dropped_without_a_silent_channel():
     held = [note(program=i, end=50) for i in range(15)]
-    played, losses = placed(*held, slide(0, 60, program=3, pitch=64))
+    played, losses = allocated(*held, slide(0, 60, program=3, pitch=64))
     assert played[-1].curve == ()
     assert (played[-1].channel, losses.without_curve) == (played[3].channel, 1)
     check(played)
 
 
-def test_a_gesture_silences_what_was_struck_before_but_no_other_gesture():
+def test_a_note_with_a_curve_steals_an_older_channel_without_one():
     held = [slide(0, 99), *(note(start=i, end=99, program=i) for i in range(1, 15))]
-    played, losses = placed(*held, slide(20, 60, program=20))
+    played, losses = allocated(*held, slide(20, 60, program=20))
     assert (played[0].end, played[1].end, played[-1].channel) == (99, 20, played[1].channel)
     assert bool(played[-1].curve)
     assert (losses.without_curve, losses.cut_short) == (0, 1)
     check(played)
 
 
-def test_each_track_says_for_itself_what_its_notes_need():
-    played, _ = placed(
+def test_each_track_sets_the_controllers_of_its_own_notes():
+    played, _ = allocated(
         note(program=5, pan=0), note(track=1, start=40, end=50, program=5, pan=0), slide(60, 70),
         note(track=1, start=80, end=90),
     )  # fmt: skip
@@ -232,12 +232,12 @@ def test_each_track_says_for_itself_what_its_notes_need():
     assert other.channel == first.channel
     assert (other.sets_program, other.sets_pan) == (True, True)
     for track in (0, 1):
-        check_words([n for n in played if n.track == track])
+        check_track_alone([n for n in played if n.track == track])
     assert back.resets_controllers == (back.channel == slid.channel)
 
 
-def test_drums_have_their_channel_and_one_key_sounds_once():
-    played, losses = placed(
+def test_drums_use_their_channel_and_a_key_sounds_once():
+    played, losses = allocated(
         *(note(drum=True, pitch=38, program=i, pan=p) for i, p in ((0, 0), (5, 127))),
         note(start=5, end=15, drum=True, pitch=38),
         note(start=5, end=15, drum=True, pitch=42),
@@ -250,47 +250,47 @@ def test_drums_have_their_channel_and_one_key_sounds_once():
     check(played)
 
 
-def test_a_sixteenth_direction_moves_to_the_nearest():
+def test_a_sixteenth_pan_moves_to_the_nearest():
     pans = [8 * i for i in range(15)]
-    played, losses = placed(*(note(pan=p) for p in pans), note(track=1, pan=27, pitch=61))
+    played, losses = allocated(*(note(pan=p) for p in pans), note(track=1, pan=27, pitch=61))
     assert played[-1].pan == 24
     assert (losses.pan_changed, losses.merged) == (1, [])
 
 
-def test_another_share_of_the_reverb_has_another_channel_while_there_is_one():
-    played, losses = placed(note(send=0), note(send=64, pitch=64), note(send=0, pitch=67))
+def test_another_reverb_send_gets_another_channel_if_one_is_free():
+    played, losses = allocated(note(send=0), note(send=64, pitch=64), note(send=0, pitch=67))
     assert [n.channel for n in played][::2] == [played[0].channel] * 2
     assert played[1].channel != played[0].channel
     assert [n.sets_send for n in played] == [True, True, False]
     assert losses.reverb_changed == 0
 
 
-def test_with_no_channel_left_a_note_takes_the_nearest_share_of_the_reverb():
+def test_without_a_free_channel_a_note_takes_the_nearest_reverb_send():
     held = [note(pan=0, send=s) for s in (0, 32)] + [note(program=i) for i in range(1, 14)]
-    played, losses = placed(*held, note(track=1, pan=0, send=96, pitch=61))
+    played, losses = allocated(*held, note(track=1, pan=0, send=96, pitch=61))
     assert (played[-1].pan, played[-1].send) == (0, 32)
     assert (losses.pan_changed, losses.reverb_changed, losses.merged) == (0, 1, [])
     check(played)
 
 
-def test_with_all_channels_held_a_pitch_struck_again_cuts_the_earlier_one():
+def test_without_a_free_channel_a_repeated_pitch_cuts_the_earlier_note():
     held = [note(program=i, end=50) for i in range(15)]
-    played, losses = placed(*held, note(start=20, end=60, program=3))
+    played, losses = allocated(*held, note(start=20, end=60, program=3))
     assert (played[3].end, played[15].start) == (20, 20)
     assert losses.cut_short == 1
     check(played)
-    played, _ = placed(
+    played, _ = allocated(
         *(replace(n, track=1) for n in held), note(track=0, start=20, end=60, program=3)
     )
     assert played[3].end == 19
     check(played)
 
 
-def test_a_dying_tail_is_taken_over_only_when_nothing_is_quiet():
+def test_a_ringing_channel_is_reused_only_if_none_is_quiet():
     held = [note(program=i, end=10) for i in range(15)]
-    _, losses = placed(*held, note(start=10 + TAIL, end=60, program=20))
+    _, losses = allocated(*held, note(start=10 + TAIL, end=60, program=20))
     assert losses.tails_cut == 0
-    _, losses = placed(*held, note(start=9 + TAIL, end=60, program=20))
+    _, losses = allocated(*held, note(start=9 + TAIL, end=60, program=20))
     assert losses.tails_cut == 1
-    _, losses = placed(*held[:14], note(start=11, end=60, program=20))
+    _, losses = allocated(*held[:14], note(start=11, end=60, program=20))
     assert losses.tails_cut == 0

@@ -1,4 +1,4 @@
-"""Cues: what is seen, where the camera goes, and the notes of the score, for goldens."""
+"""Cue facts: visible parts, camera poses and notes of a film."""
 
 from __future__ import annotations
 
@@ -11,35 +11,35 @@ from typing import Any, Final
 
 from audio.midi_file import NoteOn
 from pipeline.errors import StoreError
-from pipeline.production.goldens.golden_card import AGAIN
+from pipeline.production.goldens.golden_card import RESTORE_HINT
 from pipeline.production.reports.stills import spread
 from pipeline.simulation.take import Part
 from render.shot import CameraPose
 
-CAMERA: Final = 2e-3
-"""Of the camera's place and of what it looks at [m]."""
+CAMERA_TOLERANCE: Final = 2e-3
+"""Of the camera's place and its target [m]."""
 
-ANGLE: Final = 0.02
-"""Of its field of view [degrees]."""
+ANGLE_TOLERANCE: Final = 0.02
+"""Of the field of view [degrees]."""
 
-_UP: Final = 2e-3
-"""Of the direction that is up."""
+_UP_TOLERANCE: Final = 2e-3
+"""Of the components of the up direction."""
 
-MOST_POSES: Final = 240
-"""Of a long film, so many are kept, spread evenly."""
+MAX_POSES: Final = 240
+"""Poses that are kept of a long film, spread evenly."""
 
 _DIGITS: Final = 5
-_FEW: Final = 6
-"""Differences that are told one by one."""
+_MAX_LISTED: Final = 6
+"""Differences that are listed one by one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Cues:
-    """What cameras and instruments do.
+    """Camera poses, notes and parts.
 
     Attributes:
-        camera: frame -> place, what is looked at, up, field of view, as ten numbers.
-        ticks: of the score, a frame; a fraction in words.
+        camera: frame -> place, target, up and field of view, as ten numbers.
+        ticks: per frame of the score, a fraction as text.
         notes: of the score.
         parts: visible solid -> its material, in the order of the take.
     """
@@ -50,7 +50,7 @@ class Cues:
     parts: dict[str, str]
 
     def encoded(self) -> str:
-        """Return them as JSON, a line for each pose and note."""
+        """Return the cues as JSON, one line per pose and note."""
         poses = ",\n".join(f'  "{f}": {json.dumps(pose)}' for f, pose in self.camera.items())
         rows = (json.dumps(astuple(note), ensure_ascii=False) for note in self.notes)
         notes = ",\n".join(f"  {row}" for row in rows)
@@ -63,9 +63,9 @@ class Cues:
 def cues_of(
     poses: Sequence[CameraPose], ticks: str, notes: tuple[NoteOn, ...], parts: Sequence[Part]
 ) -> Cues:
-    """Return the cues of a film whose camera stands at `poses`, by frame."""
+    """Return the cues of a film with one camera pose per frame."""
     return Cues(
-        {frame: _numbers(poses[frame - 1]) for frame in spread(len(poses), MOST_POSES)},
+        {frame: _numbers(poses[frame - 1]) for frame in spread(len(poses), MAX_POSES)},
         ticks,
         notes,
         {part.name: part.material for part in parts},
@@ -81,48 +81,48 @@ def read_cues(path: Path) -> Cues:
     """Read cues.
 
     Raises:
-        StoreError: they are damaged.
+        StoreError: the file is damaged.
     """
     try:
-        words: Any = json.loads(path.read_text(encoding="utf-8"))
-        camera = {int(frame): tuple(map(float, pose)) for frame, pose in words["camera"].items()}
-        notes = tuple(NoteOn(*row) for row in words["notes"])
-        return Cues(camera, str(words["ticks"]), notes, dict(words["parts"]))
+        members: Any = json.loads(path.read_text(encoding="utf-8"))
+        camera = {int(frame): tuple(map(float, pose)) for frame, pose in members["camera"].items()}
+        notes = tuple(NoteOn(*row) for row in members["notes"])
+        return Cues(camera, str(members["ticks"]), notes, dict(members["parts"]))
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise StoreError(f"{path}: the golden is damaged ({error}); {AGAIN}") from None
+        raise StoreError(f"{path}: the golden is damaged ({error}); {RESTORE_HINT}") from None
 
 
-def differences(golden: Cues, new: Cues, exact: bool) -> Iterator[str]:
-    """Give what differs, in words, the first first.
+def cue_differences(golden: Cues, new: Cues, exact: bool) -> Iterator[str]:
+    """Yield the differences of cues from their golden as text, in order of time.
 
     Args:
-        golden: what is to be.
-        new: what is.
-        exact: whether notes have to agree to the tick; elsewhere a cause may fall into the
-            next frame.
+        golden: expected cues.
+        new: present cues.
+        exact: whether notes have to agree to the tick; on other machines a cause can fall into
+            the next frame.
     """
-    yield from _of_parts(golden.parts, new.parts)
-    yield from _of_cameras(golden.camera, new.camera)
+    yield from _part_differences(golden.parts, new.parts)
+    yield from _camera_differences(golden.camera, new.camera)
     if golden.ticks != new.ticks:
         yield f"the score has {new.ticks} ticks a frame, the golden {golden.ticks}"
     elif exact:
-        yield from _of_notes(golden.notes, new.notes)
+        yield from _note_differences(golden.notes, new.notes)
     else:
-        yield from _of_counts(golden.notes, new.notes)
+        yield from _count_differences(golden.notes, new.notes)
 
 
-def _of_parts(then: dict[str, str], now: dict[str, str]) -> Iterator[str]:
+def _part_differences(then: dict[str, str], now: dict[str, str]) -> Iterator[str]:
     for name in then | now:
         old, new = then.get(name), now.get(name)
         if old != new:
-            told = "is gone" if new is None else f"is new, of {new}" if old is None else ""
-            yield f"part {name} {told or f'is of {new}, in the golden of {old}'}"
+            text = "is gone" if new is None else f"is new, of {new}" if old is None else ""
+            yield f"part {name} {text or f'is of {new}, in the golden of {old}'}"
 
 
-def _of_cameras(
+def _camera_differences(
     then: dict[int, tuple[float, ...]], now: dict[int, tuple[float, ...]]
 ) -> Iterator[str]:
-    bounds = (*(CAMERA,) * 6, *(_UP,) * 3, ANGLE)
+    bounds = (*(CAMERA_TOLERANCE,) * 6, *(_UP_TOLERANCE,) * 3, ANGLE_TOLERANCE)
     names = (*("stands",) * 3, *("looks",) * 3, *("is turned",) * 3, "sees")
     if then.keys() != now.keys():
         yield f"the camera has {len(now)} poses, the golden {len(then)}"
@@ -140,21 +140,21 @@ def _of_cameras(
             return
 
 
-def _of_notes(then: Sequence[NoteOn], now: Sequence[NoteOn]) -> Iterator[str]:
+def _note_differences(then: Sequence[NoteOn], now: Sequence[NoteOn]) -> Iterator[str]:
     gone, new = Counter(then) - Counter(now), Counter(now) - Counter(then)
     pairs = [("is gone", note) for note in gone.elements()]
     pairs += [("is new", note) for note in new.elements()]
     pairs.sort(key=lambda pair: (pair[1], pair[0]))
-    for fate, note in pairs[:_FEW]:
+    for fate, note in pairs[:_MAX_LISTED]:
         yield (
             f"note {note.pitch} of {note.track!r} at tick {note.tick}, velocity "
             f"{note.velocity}: {fate}"
         )
-    if len(pairs) > _FEW:
-        yield f"and {len(pairs) - _FEW} more notes are gone or new"
+    if len(pairs) > _MAX_LISTED:
+        yield f"and {len(pairs) - _MAX_LISTED} more notes are gone or new"
 
 
-def _of_counts(then: Sequence[NoteOn], now: Sequence[NoteOn]) -> Iterator[str]:
+def _count_differences(then: Sequence[NoteOn], now: Sequence[NoteOn]) -> Iterator[str]:
     counts = [Counter((note.track, note.pitch) for note in notes) for notes in (then, now)]
     for track, pitch in sorted(counts[0].keys() | counts[1].keys()):
         before, after = (count[track, pitch] for count in counts)

@@ -1,9 +1,11 @@
-"""What lasts follows its course: Doppler, distance, direction, speed."""
+"""Source motion: Doppler shift, distance, direction and speed of sustained sounds."""
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from audio.dsp import resample
+from audio.dsp import pan_gains, resample
 from audio.score import Bearing
 from audio.source_motion import SPEED_OF_SOUND, moving_gains, speed_profile
 from audio.wav_file import write_wav
@@ -12,7 +14,7 @@ RATE = 48_000
 
 
 def pass_by(speed, aside=2.0, reach=10.0, count=65):
-    """Return a course that passes the listener from left to right, and how long it takes."""
+    """Return a course past the listener from left to right, and its duration [s]."""
     x = np.linspace(-reach, reach, count)
     d = np.hypot(x, aside)
     bearings = [
@@ -23,15 +25,15 @@ def pass_by(speed, aside=2.0, reach=10.0, count=65):
 
 
 @pytest.fixture
-def heard(step, score_of, read_wav, tmp_path):
-    """Give a writer and reader of one event: both sides."""
+def render(step, score_of, read_wav, tmp_path):
+    """Return a function that renders one event: (N, 2)."""
 
-    def hear(**words):
-        score = score_of([step(1, **words)], 72, sound={"room": "dry", "master": "off"})
+    def play(**fields):
+        score = score_of([step(1, **fields)], 72, sound={"room": "dry", "master": "off"})
         write_wav(score, tmp_path / "c.wav")
         return read_wav(tmp_path / "c.wav")
 
-    return hear
+    return play
 
 
 def strongest(sound, first, last):
@@ -48,22 +50,22 @@ def centroid(sound, first, last):
 
 
 @pytest.mark.parametrize("speed", [10.0, 20.0, 40.0])
-def test_a_whistle_that_passes_falls_by_the_law_of_doppler(heard, speed):
+def test_a_passing_whistle_falls_by_the_doppler_ratio(render, speed):
     course, seconds = pass_by(speed)
-    sound = heard(
+    sound = render(
         cause="whistle", strength=speed, duration=seconds, distance=2.0, size=0.1,
         speeds=(speed,) * len(course), course=course,
     )  # fmt: skip
     coming = strongest(sound, 0.02 * seconds, 0.2 * seconds)
     going = strongest(sound, 0.8 * seconds, 0.98 * seconds)
     v = speed * 8 / np.hypot(8, 2)
-    # The tone itself wanders by two per cent.
+    # The tone itself drifts by two per cent.
     assert coming / going == pytest.approx((SPEED_OF_SOUND + v) / (SPEED_OF_SOUND - v), rel=0.04)
 
 
-def test_what_passes_comes_from_the_left_and_goes_to_the_right_and_is_loudest_near(heard):
+def test_a_passing_sound_moves_from_left_to_right_and_is_loudest_near(render):
     course, seconds = pass_by(20.0)
-    sound = heard(
+    sound = render(
         cause="swoosh", strength=20.0, duration=seconds, distance=2.0,
         speeds=(20.0,) * len(course), course=course,
     )  # fmt: skip
@@ -76,7 +78,7 @@ def test_what_passes_comes_from_the_left_and_goes_to_the_right_and_is_loudest_ne
     assert whole[2] > 5 * max(whole[0], whole[4])
 
 
-def test_gains_go_with_one_over_distance_and_keep_power():
+def test_moving_gains_are_inverse_to_distance_and_keep_power():
     course, seconds = pass_by(20.0)
     left, right = moving_gains(course, 2.0, seconds, int(seconds * RATE))
     at = np.linspace(0, left.size - 1, len(course)).astype(int)
@@ -88,9 +90,9 @@ def test_gains_go_with_one_over_distance_and_keep_power():
 
 
 @pytest.mark.parametrize("cause", ["roll", "slide", "scuff", "swoosh", "squeak", "squawk"])
-def test_what_slows_down_gets_softer_and_lower(heard, cause):
+def test_a_slowing_source_gets_softer_and_lower(render, cause):
     speeds = tuple(np.linspace(1.0, 0.1, 33))
-    sound = heard(
+    sound = render(
         cause=cause, strength=10.0 if cause == "swoosh" else 1.0, duration=2.0, speeds=speeds,
         material="wood", surface="gravel", size=0.3,
     )  # fmt: skip
@@ -99,12 +101,12 @@ def test_what_slows_down_gets_softer_and_lower(heard, cause):
         for a, b in ((0.1, 0.5), (1.5, 1.9))
     ]
     assert loud[0] > 1.5 * loud[1]
-    # The modes of what squeaks stay where they are; how often it slips is measured by itself.
+    # A squeak keeps its modes; its slip rate has tests of its own.
     if cause not in ("squeak", "squawk"):
         assert centroid(sound, 0.1, 0.5) > 1.1 * centroid(sound, 1.5, 1.9)
 
 
-def test_the_band_of_a_slide_is_that_of_its_profile_read_as_fast():
+def test_resampling_at_half_rate_halves_the_spectrum():
     rng = np.random.default_rng(0)
     profile = np.convolve(rng.standard_normal(96_000), np.hanning(24), "same")
     whole = np.stack([resample(profile, np.full(48_000, pace)) for pace in (1.0, 0.5)])
@@ -114,7 +116,7 @@ def test_the_band_of_a_slide_is_that_of_its_profile_read_as_fast():
 
 @pytest.mark.parametrize("cause", ["roll", "slide", "swoosh", "whistle", "squeak", "squawk"])
 @pytest.mark.parametrize("speeds", [(), (0.0, 1.0), (1.0, 0.0), (0.0, 0.0), (1.0, 0.0, 1.0)])
-def test_every_course_begins_on_its_sample_and_ends_in_time(
+def test_every_course_starts_on_its_sample_and_ends_in_time(
     step, score_of, read_wav, tmp_path, cause, speeds
 ):
     course = tuple(Bearing(3.0 + i, 0.5 * i, 400.0 * (1 - i)) for i in range(len(speeds)))
@@ -129,7 +131,7 @@ def test_every_course_begins_on_its_sample_and_ends_in_time(
     assert not sound[4000 + 19_201 :].any()
 
 
-def test_a_drive_goes_through_its_speeds_and_stays_at_the_last():
+def test_a_speed_profile_interpolates_and_holds_the_last_speed():
     drive = speed_profile(RATE, 0.5, (1.0, 4.0, 2.0), ())
     assert drive.relative_speed[[0, 12_000, 24_000, 47_999]] == pytest.approx([0.25, 1.0, 0.5, 0.5])
     assert (drive.doppler == 1).all()
@@ -138,11 +140,23 @@ def test_a_drive_goes_through_its_speeds_and_stays_at_the_last():
     assert near.is_steady
 
 
-def test_a_profile_read_at_its_own_pace_is_itself():
+def test_resampling_at_rate_one_is_the_identity_and_at_half_interpolates():
     profile = np.random.default_rng(1).standard_normal(500)
     assert np.array_equal(resample(profile, np.ones(500)), profile)
     t = np.arange(2000)
     curve = np.sin(2 * np.pi * t / 97)
     half = resample(curve, np.full(1900, 0.5))
-    # About its first sample it is taken to come round again.
+    # At its first sample the input wraps around.
     assert half[2:] == pytest.approx(np.sin(np.pi * t[2:1900] / 97), abs=2e-3)
+
+
+@given(st.floats(-1, 1))
+def test_pan_gains_keep_power(pan):
+    left, right = pan_gains(pan)
+    assert left**2 + right**2 == pytest.approx(1)
+    assert (right > left) == (pan > 1e-16) or abs(pan) < 1e-15
+
+
+def test_a_full_pan_silences_the_other_side():
+    assert pan_gains(-1)[1] == 0
+    assert pan_gains(1)[0] == 0

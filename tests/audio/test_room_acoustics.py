@@ -1,4 +1,4 @@
-"""Rooms: reflections come after the direct sound, from where their walls are, and die away."""
+"""Room acoustics: early reflections by geometry, and the decay of reverberation."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ RATE, SOUND = 48_000, 343.0
     azimuth=st.floats(-4, 4),
     size=st.floats(1e-9, 1e9),
 )
-def test_no_reflection_comes_before_or_louder_than_its_sound(step, preset, distance, azimuth, size):
+def test_no_reflection_precedes_or_exceeds_the_direct_sound(step, preset, distance, azimuth, size):
     event = step(1, distance=distance, azimuth=azimuth, size=size)
     images = list(early_reflections(event, room_acoustics(Room(preset=preset))))
     assert len(images) == (1 if preset == "open" else 6)
@@ -32,7 +32,7 @@ def test_no_reflection_comes_before_or_louder_than_its_sound(step, preset, dista
         assert -1 <= image.pan <= 1
 
 
-def test_the_reflections_of_a_box_are_where_geometry_has_them(step):
+def test_the_reflections_of_a_box_match_its_geometry(step):
     room = room_acoustics(Room(preset="hall", size=(10, 8, 20), absorption=0))
     event = step(1, distance=4.0, azimuth=0.0, size=1.6)
     paths = sorted(4.0 + image.delay * SOUND / RATE for image in early_reflections(event, room))
@@ -42,7 +42,7 @@ def test_the_reflections_of_a_box_are_where_geometry_has_them(step):
     assert paths == pytest.approx(sorted([ground, top, side, side, 16, 24]), abs=0.008)
 
 
-def test_walls_send_back_less_the_more_they_take(step):
+def test_reflections_weaken_with_absorption(step):
     def gains(absorption):
         room = room_acoustics(Room(preset="room", absorption=absorption))
         return [image.gain for image in early_reflections(step(1), room)]
@@ -51,7 +51,7 @@ def test_walls_send_back_less_the_more_they_take(step):
     assert gains(1.0) == []
 
 
-def test_a_wall_on_the_left_is_heard_on_the_left(step):
+def test_the_reflection_of_a_left_wall_is_panned_left(step):
     pans = [
         i.pan for i in early_reflections(step(1, azimuth=0.0), room_acoustics(Room(preset="room")))
     ]
@@ -61,7 +61,7 @@ def test_a_wall_on_the_left_is_heard_on_the_left(step):
 
 
 @pytest.mark.parametrize("seconds", [0.4, 1.0, 2.5])
-def test_a_reverberation_falls_by_sixty_decibels_in_its_time(seconds):
+def test_reverberation_falls_by_60_db_in_its_time(seconds):
     for side in (0, 1):
         tail = reverb_response(seconds, side)
         assert np.sum(tail**2) == pytest.approx(1)
@@ -72,14 +72,14 @@ def test_a_reverberation_falls_by_sixty_decibels_in_its_time(seconds):
         assert 2 * (at[1] - at[0]) == pytest.approx(seconds, rel=0.15)
 
 
-def test_both_sides_of_a_reverberation_are_apart_and_always_the_same():
+def test_both_sides_of_reverberation_are_uncorrelated_and_reproducible():
     left, right = reverb_response(1.0, 0), reverb_response(1.0, 1)
     assert abs(np.sum(left * right)) < 0.1
     assert np.array_equal(left, reverb_response(1.0, 0))
 
 
 @pytest.mark.parametrize("preset", ["open", "room", "hall"])
-def test_a_room_answers_after_the_onset_and_the_more_the_more_it_is_sent(step, preset):
+def test_reverberation_follows_the_onset_and_grows_with_the_send(step, preset):
     click, event = np.ones(8), step(1, distance=3.0)
     power = []
     for send in (0.0, 0.25, 1.0):
@@ -92,7 +92,7 @@ def test_a_room_answers_after_the_onset_and_the_more_the_more_it_is_sent(step, p
     assert power == sorted(set(power))
 
 
-def test_a_dry_room_gives_nothing_back(step):
+def test_a_dry_room_adds_nothing(step):
     space = Reverberator(room_acoustics(Room(preset="dry")), 4800)
     space.feed(step(1), 0, np.ones(100), 1.0, 1.0)
     stereo = np.zeros((4800, 2))
@@ -100,7 +100,7 @@ def test_a_dry_room_gives_nothing_back(step):
     assert not stereo.any()
 
 
-def test_a_room_in_full_is_its_preset_but_for_what_is_said():
+def test_a_preset_supplies_what_a_room_does_not_give():
     hall = room_acoustics(Room(preset="hall"))
     said = room_acoustics(Room(preset="hall", seconds=4.0, wet_db=-20))
     assert (said.size, said.reflectance, said.seconds) == (hall.size, hall.reflectance, 4.0)

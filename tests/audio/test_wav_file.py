@@ -1,4 +1,4 @@
-"""The sound: on its sample, below the ceiling, and after its cause."""
+"""The WAV file: onsets on their samples, loudness, direction, spectrum and decay."""
 
 import hashlib
 import os
@@ -20,21 +20,21 @@ RATES = [10, 12, 15, 16, 18, 24, 25, 30, 48, 50, 60, 72, 90, 100, 120, 144, 240]
 RATES = [Fraction(r) for r in RATES] + [Fraction(r * 1000, 1001) for r in (24, 30, 60)]
 CEILING = 10 ** (-1 / 20)
 BY_DAY = ("wood", "metal", "cloth", "gravel")
-"""Materials of every kind of sound; the others wait for the night."""
+"""Materials of every kind of sound; the others are nightly."""
 
 PLAIN = {"room": "dry", "master": "off"}
 
 
 @pytest.fixture
-def heard(tmp_path, read_wav, score_of):
-    """Give a writer and reader of scores, in a dry room and as loud as they are: both sides."""
+def render(tmp_path, read_wav, score_of):
+    """Return a function that renders events in a dry room without mastering: (N, 2)."""
 
-    def hear(*args, sound=None, **words):
+    def play(*args, sound=None, **fields):
         said = {**PLAIN, **(sound or {})}
-        write_wav(score_of(*args, sound=said, **words), tmp_path / "heard.wav")
-        return read_wav(tmp_path / "heard.wav")
+        write_wav(score_of(*args, sound=said, **fields), tmp_path / "render.wav")
+        return read_wav(tmp_path / "render.wav")
 
-    return hear
+    return play
 
 
 def centroid(sound):
@@ -48,22 +48,22 @@ def db(level):
 
 
 @pytest.mark.parametrize("rate", RATES, ids=str)
-def test_a_blow_is_heard_from_the_sample_of_its_frame_on(step, heard, rate):
+def test_an_impact_starts_on_the_sample_of_its_frame(step, render, rate):
     frames = 2 * int(rate) + 3
     for frame in (2, int(rate) + 2, frames):
-        sound = heard([step(frame)], frames, rate)
+        sound = render([step(frame)], frames, rate)
         at = sample_of_frame(frame, rate)
         assert len(sound) == sample_of_frame(frames + 1, rate)
         assert not sound[:at].any()
         assert np.abs(sound[at]).min() > 1e-4
-        # Within a millisecond it stands: at least a third of the whole blow's peak.
+        # Within a millisecond it reaches a third of its peak.
         assert np.abs(sound[at : at + 48]).max() > np.abs(sound).max() / 3
 
 
 @pytest.mark.parametrize("rate", RATES, ids=str)
-def test_below_frames_a_blow_is_heard_from_the_sample_of_its_cause_on(step, heard, rate):
+def test_a_subframe_impact_starts_on_the_sample_of_its_cause(step, render, rate):
     time = Fraction(19, 7) / rate
-    sound = heard([step(4, time=time)], 2 * int(rate) + 3, rate, subframe=True)
+    sound = render([step(4, time=time)], 2 * int(rate) + 3, rate, subframe=True)
     at = int(time * 48_000 + Fraction(1, 2))
     assert not sound[:at].any()
     assert np.abs(sound[at]).min() > 1e-4
@@ -77,14 +77,14 @@ def test_below_frames_a_blow_is_heard_from_the_sample_of_its_cause_on(step, hear
         for name in sorted(FAMILIES)
     ],
 )
-def test_every_material_on_every_ground_starts_at_once_and_dies_away(step, heard, material):
+def test_every_material_pair_starts_at_once_and_decays(step, render, material):
     for surface in FAMILIES:
-        sound = heard([step(2, material=material, surface=surface)], 24 * 8, 24)
+        sound = render([step(2, material=material, surface=surface)], 24 * 8, 24)
         loudest = np.abs(sound).max()
         assert not sound[:2000].any()
         assert np.abs(sound[2000]).min() > 0.002 * loudest
         assert not sound[-48:].any()
-        # No constant pressure: the mean is far below what is heard.
+        # No constant pressure: the mean is far below the peak.
         assert np.abs(sound.mean(axis=0)).max() < 1e-5
 
 
@@ -96,8 +96,8 @@ def test_no_events_give_silence_of_exact_length(score_of, read_wav, tmp_path):
     assert (report.peak_db, report.rms_db, report.events) == (-np.inf, -np.inf, 0)
 
 
-def test_between_events_there_is_silence(step, heard):
-    sound = heard([step(1), step(49)], 72, 24)
+def test_between_events_there_is_silence(step, render):
+    sound = render([step(1), step(49)], 72, 24)
     assert not sound[60_000:96_000].any()
     assert sound[96_000:].any()
 
@@ -161,11 +161,11 @@ def test_the_order_of_events_does_not_matter(step, score_of, tmp_path):
     assert (tmp_path / "a.wav").read_bytes() == (tmp_path / "b.wav").read_bytes()
 
 
-def test_an_event_sounds_the_same_whatever_else_happens(step, heard):
-    alone = heard([step(20)], 48)
-    after = heard([step(1, who="cow", material="steel", part="x"), step(20)], 48)
-    before = heard([step(1, who="cow", material="steel", part="x")], 48)
-    # Each is rounded to 24 bits by itself.
+def test_an_event_sounds_the_same_whatever_the_other_events(step, render):
+    alone = render([step(20)], 48)
+    after = render([step(1, who="cow", material="steel", part="x"), step(20)], 48)
+    before = render([step(1, who="cow", material="steel", part="x")], 48)
+    # Each is rounded to 24 bits separately.
     assert np.abs(after - before - alone).max() <= 2 / 2**23
 
 
@@ -205,9 +205,9 @@ def test_two_processes_write_the_same_bytes(tmp_path):
     assert len(digests) == 1
 
 
-def test_the_seed_and_the_moment_vary_a_blow_but_little(step, heard):
+def test_seed_and_time_vary_an_impact_slightly(step, render):
     def blow(frame, seed):
-        sound = heard([step(frame)], 24, seed=seed)
+        sound = render([step(frame)], 24, seed=seed)
         return sound[2000 * (frame - 1) :][:8000]
 
     first, reseeded, later = blow(1, 0), blow(1, 1), blow(3, 0)
@@ -217,9 +217,9 @@ def test_the_seed_and_the_moment_vary_a_blow_but_little(step, heard):
         assert 0.5 < centroid(first) / centroid(other) < 2
 
 
-def test_left_is_left_right_is_right_and_power_is_kept(step, heard):
+def test_azimuth_sets_the_side_and_keeps_power(step, render):
     def power(azimuth):
-        return (heard([step(1, azimuth=azimuth)]) ** 2).sum(axis=0)
+        return (render([step(1, azimuth=azimuth)]) ** 2).sum(axis=0)
 
     left, ahead, right, behind = (power(a) for a in (-np.pi / 2, 0, np.pi / 2, np.pi))
     assert left[0] > 0
@@ -236,19 +236,19 @@ def test_left_is_left_right_is_right_and_power_is_kept(step, heard):
     ("field", "values"),
     [("strength", (0.05, 0.2, 1.0)), ("distance", (24, 8, 3)), ("energy", (0.02, 0.2, 2))],
 )
-def test_stronger_nearer_and_heavier_is_louder(step, heard, field, values):
-    peaks = [np.abs(heard([step(1, **{field: value})])).max() for value in values]
+def test_stronger_nearer_and_heavier_is_louder(step, render, field, values):
+    peaks = [np.abs(render([step(1, **{field: value})])).max() for value in values]
     assert peaks == sorted(set(peaks))
 
 
-def test_twice_as_far_is_six_decibels_softer(step, heard):
-    near, far = (np.abs(heard([step(1, distance=d)])).max() for d in (3, 6))
+def test_twice_the_distance_is_6_db_softer(step, render):
+    near, far = (np.abs(render([step(1, distance=d)])).max() for d in (3, 6))
     assert db(near / far) == pytest.approx(6.02, abs=0.01)
 
 
-def test_far_is_duller_and_small_is_brighter(step, heard):
+def test_distance_dulls_and_small_size_brightens(step, render):
     def brightness(**changes):
-        return centroid(heard([step(1, surface="rock", **changes)], 48))
+        return centroid(render([step(1, surface="rock", **changes)], 48))
 
     assert brightness(distance=400) < 0.9 * brightness(distance=4)
     small, middle, large = (brightness(size=size) for size in (0.02, 0.1, 0.6))
@@ -260,23 +260,23 @@ def test_far_is_duller_and_small_is_brighter(step, heard):
     ("brighter", "duller"),
     [("rock", "dry soil"), ("sand", "snow"), ("glass", "wood"), ("gravel", "mud")],
 )
-def test_grounds_differ_in_brightness(step, heard, brighter, duller):
+def test_grounds_differ_in_brightness(step, render, brighter, duller):
     bright, dull = (
-        np.mean([centroid(heard([step(f, surface=ground)])) for f in range(1, 9)])
+        np.mean([centroid(render([step(f, surface=ground)])) for f in range(1, 9)])
         for ground in (brighter, duller)
     )
     assert bright > 1.25 * dull
 
 
 @pytest.mark.nightly
-def test_every_pair_of_materials_has_its_own_spectrum(step, heard):
-    # Third-octave levels of falling blocks, averaged over variants.
+def test_every_pair_of_materials_has_its_own_spectrum(step, render):
+    # Third-octave levels of successive blocks, averaged over variants.
     edges = 100 * 2 ** (np.arange(22) / 3)
     bands = {}
     for name in FAMILIES:
         power = 0
         for frame in (1, 3, 5, 7):
-            sound = heard([step(frame, material=name, surface="concrete", size=0.1)], 96)
+            sound = render([step(frame, material=name, surface="concrete", size=0.1)], 96)
             spectrum = np.abs(np.fft.rfft(sound[:, 0])) ** 2
             power = (
                 power
@@ -292,9 +292,9 @@ def test_every_pair_of_materials_has_its_own_spectrum(step, heard):
     assert min(distance.values()) > 1.0, min(distance, key=distance.get)
 
 
-def test_metal_rings_longer_than_wood_and_wood_longer_than_rubber(step, heard):
+def test_metal_rings_longer_than_wood_and_wood_longer_than_rubber(step, render):
     def ringing(material):
-        sound = heard([step(1, material=material, surface="concrete", size=0.1)], 96)
+        sound = render([step(1, material=material, surface="concrete", size=0.1)], 96)
         energy = np.cumsum((sound**2).sum(axis=1))
         return int(np.searchsorted(energy, 0.999 * energy[-1]))
 
@@ -302,9 +302,9 @@ def test_metal_rings_longer_than_wood_and_wood_longer_than_rubber(step, heard):
     assert metal > 3 * wood > 3 * rubber
 
 
-def test_a_pitch_that_the_author_gives_tunes_the_ring(step, heard):
+def test_a_configured_pitch_tunes_the_ring(step, render):
     for pitch, hertz in ((57, 220.0), (81, 880.0)):
-        sound = heard(
+        sound = render(
             [step(1, material="steel", surface="steel")],
             96,
             sound={"voices": [{"pitch": pitch}]},
@@ -315,9 +315,9 @@ def test_a_pitch_that_the_author_gives_tunes_the_ring(step, heard):
         assert f[near][spectrum[near].argmax()] == pytest.approx(hertz, rel=0.01)
 
 
-def test_a_length_that_the_author_gives_ends_the_ring(step, heard):
+def test_a_configured_length_ends_the_ring(step, render):
     def ringing(length):
-        sound = heard(
+        sound = render(
             [step(1, material="steel", surface="steel")],
             24 * 8,
             sound={"voices": [{"length": length}]},
@@ -328,9 +328,9 @@ def test_a_length_that_the_author_gives_ends_the_ring(step, heard):
     assert 1 < ringing(3.0) < 4
 
 
-def test_mute_and_gain_are_obeyed(step, heard, score_of, tmp_path):
-    plain = np.abs(heard([step(1)])).max()
-    louder = np.abs(heard([step(1)], sound={"volume_db": -3, "voices": [{"gain_db": 9}]})).max()
+def test_mute_and_gain_apply(step, render, score_of, tmp_path):
+    plain = np.abs(render([step(1)])).max()
+    louder = np.abs(render([step(1)], sound={"volume_db": -3, "voices": [{"gain_db": 9}]})).max()
     assert db(louder / plain) == pytest.approx(6, abs=0.01)
     report = write_wav(score_of([step(1)], sound={"voices": [{"mute": True}]}), tmp_path / "m.wav")
     assert (report.events, report.muted, report.peak_db) == (0, 1, -np.inf)
@@ -339,8 +339,8 @@ def test_mute_and_gain_are_obeyed(step, heard, score_of, tmp_path):
 @pytest.mark.parametrize(
     "cause", ["swoosh", "whistle", "squeak", "squawk", "boing", "push off", "breath", "cry"]
 )
-def test_motions_last_as_long_as_they_do_and_begin_on_their_frame(step, heard, cause):
-    sound = heard([step(3, cause=cause, duration=0.5, strength=3.0)], 48)
+def test_motion_sounds_start_on_their_frame_and_have_their_duration(step, render, cause):
+    sound = render([step(3, cause=cause, duration=0.5, strength=3.0)], 48)
     loud = np.flatnonzero(np.abs(sound).max(axis=1) > np.abs(sound).max() / 300)
     assert not sound[:4000].any()
     assert sound[4000:4048].any()
@@ -348,10 +348,10 @@ def test_motions_last_as_long_as_they_do_and_begin_on_their_frame(step, heard, c
     assert not sound[4000 + 24_001 :].any()
 
 
-def test_a_cry_is_a_voice_higher_of_a_child_and_a_hug_is_dull(step, heard):
+def test_a_cry_is_higher_for_a_child_and_a_hug_is_dull(step, render):
     def tone(size, strength=3.0):
-        sound = heard([step(1, cause="cry", size=size, strength=strength)], 24).sum(axis=1)
-        # Of its middle, where it is loudest, the time after which it is most like itself.
+        sound = render([step(1, cause="cry", size=size, strength=strength)], 24).sum(axis=1)
+        # The lag of the greatest autocorrelation in its loudest part.
         part = sound[6000:14_000]
         like = np.correlate(part, part, "full")[len(part) - 1 :]
         lags = np.arange(60, 320)
@@ -362,20 +362,20 @@ def test_a_cry_is_a_voice_higher_of_a_child_and_a_hug_is_dull(step, heard):
     assert 350 < child < 600
     assert 0.65 * child < adult < 0.95 * child
     assert periodic > 0.7
-    cry, hug = (heard([step(1, cause=c, size=0.15, strength=1.0)], 24) for c in ("cry", "hug"))
+    cry, hug = (render([step(1, cause=c, size=0.15, strength=1.0)], 24) for c in ("cry", "hug"))
     assert centroid(cry) > 4 * centroid(hug)
 
 
-def test_a_roll_lasts_as_long_as_it_does(step, heard):
-    sound = heard([step(3, cause="roll", duration=1.0, material="wood")], 48)
+def test_a_roll_has_its_duration(step, render):
+    sound = render([step(3, cause="roll", duration=1.0, material="wood")], 48)
     assert np.abs(sound[4000]).min() > 1e-6
     middle, late = (np.sqrt((sound[a : a + 4800] ** 2).mean()) for a in (20_000, 45_000))
     assert abs(db(middle / late)) < 3
     assert not sound[4000 + 48_001 :].any()
 
 
-def test_a_sound_cut_by_the_end_does_not_click(step, heard):
-    sound = heard([step(23, material="steel", surface="steel")], 24)
+def test_a_sound_cut_by_the_end_does_not_click(step, render):
+    sound = render([step(23, material="steel", surface="steel")], 24)
     body = np.abs(np.diff(sound[44_000:47_700, 0])).max()
     assert np.abs(sound[-400:-200]).max() > 0.01 * np.abs(sound).max()
     assert np.abs(sound[-1]).max() < 1e-6
@@ -391,7 +391,7 @@ def test_an_equal_file_is_left_alone(step, score_of, tmp_path):
     assert write_wav(score_of([step(1)], seed=1), path).changed
 
 
-def test_a_failure_leaves_the_earlier_file(step, score_of, tmp_path, monkeypatch):
+def test_a_failure_keeps_the_earlier_file(step, score_of, tmp_path, monkeypatch):
     path = tmp_path / "score.wav"
     write_wav(score_of([step(1)]), path)
     earlier = path.read_bytes()
@@ -408,9 +408,9 @@ def test_a_failure_leaves_the_earlier_file(step, score_of, tmp_path, monkeypatch
     assert [p.name for p in tmp_path.iterdir()] == ["score.wav"]
 
 
-def test_a_scuff_begins_on_its_frame_is_soon_over_and_softer_than_a_blow(step, heard):
+def test_a_scuff_starts_on_its_frame_and_is_short_and_soft(step, render):
     scuff, blow = (
-        heard([step(3, cause=cause, surface="gravel")], 48) for cause in ("scuff", "footfall")
+        render([step(3, cause=cause, surface="gravel")], 48) for cause in ("scuff", "footfall")
     )
     assert not scuff[:4000].any()
     assert scuff[4000:4048].any()
@@ -420,6 +420,6 @@ def test_a_scuff_begins_on_its_frame_is_soon_over_and_softer_than_a_blow(step, h
 
 
 @pytest.mark.parametrize(("coarse", "fine"), [("gravel", "mud"), ("rock", "dry soil")])
-def test_a_scuff_is_as_bright_as_its_ground(step, heard, coarse, fine):
-    bright, dull = (centroid(heard([step(3, cause="scuff", surface=s)])) for s in (coarse, fine))
+def test_a_scuff_is_as_bright_as_its_ground(step, render, coarse, fine):
+    bright, dull = (centroid(render([step(3, cause="scuff", surface=s)])) for s in (coarse, fine))
     assert bright > 1.1 * dull

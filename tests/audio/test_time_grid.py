@@ -1,4 +1,4 @@
-"""The grid of notes is exact, or refused."""
+"""Time grids are exact, or refused."""
 
 from fractions import Fraction
 
@@ -25,7 +25,7 @@ def test_the_tempo_of_ntsc():
 
 
 @pytest.mark.parametrize("rate", [18, 72, 90, 144])
-def test_rates_of_nines_have_9_frames_a_beat(rate):
+def test_multiples_of_18_have_9_frames_a_beat(rate):
     grid = tick_grid(Fraction(rate))
     assert (grid.ticks_per_beat, grid.frames_per_beat, grid.ticks_per_frame) == (954, 9, 106)
 
@@ -37,7 +37,7 @@ def test_rates_of_nines_have_9_frames_a_beat(rate):
     ),
     st.integers(1, 10**7),
 )
-def test_a_grid_is_exact_and_legal_or_refused(rate, frame):
+def test_a_grid_is_exact_and_valid_or_refused(rate, frame):
     try:
         grid = tick_grid(rate)
     except GridError:
@@ -52,17 +52,17 @@ def test_a_grid_is_exact_and_legal_or_refused(rate, frame):
 
 
 @pytest.mark.parametrize("rate", [Fraction(0), Fraction(-24), Fraction(314159265, 10**7)])
-def test_a_rate_without_a_grid_is_an_audio_error_that_names_it(rate):
+def test_a_rate_without_a_grid_is_refused_by_name(rate):
     with pytest.raises(AudioError, match=str(rate)):
         tick_grid(rate)
 
 
 @given(st.integers(1, 10**7), st.sampled_from(USUAL + NTSC + [Fraction(7), Fraction(18)]))
-def test_a_frame_begins_at_the_nearest_sample_and_half_goes_up(frame, rate):
+def test_a_frame_starts_at_the_nearest_sample(frame, rate):
     off = sample_of_frame(frame, rate) - (frame - 1) * SAMPLE_RATE / rate
     assert -Fraction(1, 2) < off <= Fraction(1, 2)
 
 
-def test_half_a_sample_goes_up():
+def test_half_a_sample_rounds_up():
     assert sample_of_frame(2, Fraction(96_000)) == 1
     assert sample_of_frame(4, Fraction(96_000)) == 2

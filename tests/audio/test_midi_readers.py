@@ -1,4 +1,4 @@
-"""The MIDI file as other people's libraries read it: exactly what was meant, for hours."""
+"""The MIDI file in other libraries: exact onsets over hours, names and instruments."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RATES += [Fraction(144), Fraction(240), *NTSC]
 
 
 def with_mido(data: bytes) -> list[Fraction]:
-    """Return the exact times of all onsets [s], by ticks and tempo as mido reads them."""
+    """Return the exact times of all onsets [s] from ticks and tempo as mido reads them."""
     file = mido.MidiFile(file=io.BytesIO(data), charset="utf-8")
     assert file.type == 1
     (tempo,) = [m.tempo for track in file.tracks for m in track if m.type == "set_tempo"]
@@ -36,7 +36,7 @@ def with_mido(data: bytes) -> list[Fraction]:
 
 
 def with_symusic(data: bytes) -> list[Fraction]:
-    """Return the same, by ticks and tempo as symusic reads them."""
+    """Return the exact times of all onsets [s] from ticks and tempo as symusic reads them."""
     score = symusic.Score.from_midi(data)
     (tempo,) = score.tempos
     tick = Fraction(tempo.mspq, score.ticks_per_quarter * 1_000_000)
@@ -48,13 +48,13 @@ READERS = {"mido": with_mido, "symusic": with_symusic}
 
 @pytest.fixture(params=READERS.values(), ids=READERS)
 def times(request: pytest.FixtureRequest) -> Callable[[bytes], list[Fraction]]:
-    """Give a reader of exact onsets."""
+    """Return a reader of exact onsets."""
     reader: Callable[[bytes], list[Fraction]] = request.param
     return reader
 
 
 @pytest.mark.parametrize("rate", RATES, ids=str)
-def test_onsets_are_exact_to_every_reader(
+def test_every_reader_finds_exact_onsets(
     step: Any, score_of: Any, times: Any, rate: Fraction
 ) -> None:
     shown = [1, 2, 3, 24, 1001, 2998, 3000]
@@ -63,7 +63,7 @@ def test_onsets_are_exact_to_every_reader(
 
 
 @pytest.mark.parametrize("rate", RATES, ids=str)
-def test_pretty_midi_hears_them_within_a_microsecond(
+def test_pretty_midi_reads_onsets_within_a_microsecond(
     step: Any, score_of: Any, rate: Fraction
 ) -> None:
     shown = [1, 2, 3, 24, 1001, 2998, 3000]
@@ -93,7 +93,7 @@ def test_three_hours_at_sixty_frames_a_second_stay_exact(
 
 
 def test_pretty_midi_stops_at_ten_million_ticks(step: Any, score_of: Any) -> None:
-    """The users' pages say so."""
+    """Pins a limit that the documentation mentions."""
     last = 10_000_000 // 40 - 1
     pretty_midi.PrettyMIDI(io.BytesIO(midi_bytes(score_of([step(1)], last))))
     with pytest.raises(ValueError, match="largest tick"):
@@ -110,11 +110,11 @@ def test_one_event_on_the_last_frame_is_one_note_as_long_as_that_frame(
     assert (note.time, note.duration) == (47 * 40, 40)
 
 
-def test_nothing_is_read_from_a_score_without_events(score_of: Any, times: Any) -> None:
+def test_a_score_without_events_has_no_notes(score_of: Any, times: Any) -> None:
     assert times(midi_bytes(score_of(frames=48))) == []
 
 
-def test_names_are_read_as_they_are_written(step: Any, score_of: Any) -> None:
+def test_names_survive_a_round_trip(step: Any, score_of: Any) -> None:
     who = "Käfer ☃ 甲虫"
     data = midi_bytes(score_of([step(1, who=who)], title="Über"))
     assert [track.name for track in symusic.Score.from_midi(data).tracks] == [who]
@@ -122,7 +122,7 @@ def test_names_are_read_as_they_are_written(step: Any, score_of: Any) -> None:
     assert [track.name for track in file.tracks] == ["Über", who]
 
 
-def test_each_track_is_read_with_its_own_instruments(step: Any, score_of: Any) -> None:
+def test_each_track_keeps_its_instruments_in_other_readers(step: Any, score_of: Any) -> None:
     happened = [
         step(1 + 3 * i, who=f"bug {i % 7}", material=("steel", "glass")[i % 2], azimuth=i % 3 - 1)
         for i in range(200)
@@ -137,7 +137,7 @@ def test_each_track_is_read_with_its_own_instruments(step: Any, score_of: Any) -
         assert {track.name for track in tracks} == {f"bug {i}" for i in range(7)}
 
 
-def test_drums_are_drums_to_others(step: Any, score_of: Any) -> None:
+def test_other_readers_recognise_drums(step: Any, score_of: Any) -> None:
     sound = {"voices": [{"drum": "cowbell"}]}
     data = midi_bytes(score_of([step(1), step(9)], sound=sound))
     (track,) = symusic.Score.from_midi(data).tracks

@@ -1,4 +1,4 @@
-"""Shapes of modes: as closed forms have them, and heard where a body is struck."""
+"""Mode shapes against closed forms, and the effect of the point of impact."""
 
 import numpy as np
 import pytest
@@ -12,14 +12,14 @@ X = (np.arange(2000) + 0.5) / 2000
 
 
 @pytest.mark.parametrize("name", sorted(ALL))
-def test_every_mode_has_a_shape_whose_most_is_one(name):
+def test_every_mode_shape_has_a_maximum_of_one(name):
     shape = ALL[name]
     moves = np.array([shape.displacement(x, 0.0) for x in np.linspace(0, 1, 401)])
     assert moves.shape == (401, len(shape.ratios))
     assert np.abs(moves).max(axis=0) == pytest.approx(1, abs=0.01)
 
 
-def test_the_modes_of_a_bar_are_orthogonal_and_move_neither_its_mass_nor_its_balance():
+def test_the_modes_of_a_free_bar_are_orthogonal_and_keep_both_momenta_zero():
     moves = np.array([BAR.displacement(x, 0.0) for x in X])
     products = moves.T @ moves / X.size
     assert products == pytest.approx(0.25 * np.eye(6), abs=1e-3)
@@ -28,7 +28,7 @@ def test_the_modes_of_a_bar_are_orthogonal_and_move_neither_its_mass_nor_its_bal
 
 
 def test_a_bar_is_silent_at_its_nodes():
-    # Where a xylophone's bars lie on their cords: 0.2242 of the length from each end.
+    # A xylophone's bars rest at their nodes: 0.2242 of the length from each end.
     for x in (0.2242, 0.7758):
         assert BAR.displacement(x, 0.0)[0] == pytest.approx(0, abs=1e-3)
     assert BAR.displacement(0.5, 0.0)[1::2] == pytest.approx(0, abs=1e-9)
@@ -40,7 +40,7 @@ def test_the_frequencies_of_a_bar_are_its_roots_squared():
     assert (beta / beta[0]) ** 2 == pytest.approx(BAR.ratios, rel=2e-3)
 
 
-def test_a_membrane_moves_as_bessel_functions_do():
+def test_membrane_modes_are_bessel_functions():
     order = np.array([0, 1, 2, 0, 3, 1, 4, 2])
     zero = np.array([2.4048, 3.8317, 5.1356, 5.5201, 6.3802, 7.0156, 7.5883, 8.4172])
     assert zero / zero[0] == pytest.approx(MEMBRANE.ratios, rel=3e-3)
@@ -52,7 +52,7 @@ def test_a_membrane_moves_as_bessel_functions_do():
 
 
 @pytest.mark.slow
-def test_where_a_bar_is_struck_is_heard(step, score_of, read_wav, tmp_path):
+def test_the_point_of_impact_changes_the_spectrum_of_a_bar(step, score_of, read_wav, tmp_path):
     def lowest_over_next(spot):
         share = []
         for frame in range(1, 12):
@@ -69,6 +69,6 @@ def test_where_a_bar_is_struck_is_heard(step, score_of, read_wav, tmp_path):
         return float(np.mean(share))
 
     end, node, middle = (lowest_over_next(spot) for spot in (0.0, 0.2242, 0.5))
-    # At its node the lowest mode all but goes; in the middle the second one does.
+    # At its node the lowest mode almost vanishes; in the middle the second one does.
     assert node < end - 6
     assert middle > end + 6

@@ -1,4 +1,4 @@
-"""Gestures: pitch and loudness of a note that lasts follow its speed."""
+"""Controller curves: pitch bend and expression follow the speed of a sustained sound."""
 
 from fractions import Fraction
 from math import log2
@@ -16,20 +16,20 @@ from audio.time_grid import tick_grid
 GRID = tick_grid(Fraction(24))
 
 
-def rolls(step, speeds, frame=1, **words):
+def rolls(step, speeds, frame=1, **fields):
     return step(
-        frame, cause="roll", strength=max(speeds), duration=1.0, speeds=tuple(speeds), **words
+        frame, cause="roll", strength=max(speeds), duration=1.0, speeds=tuple(speeds), **fields
     )
 
 
 def curves(track):
-    """Return bends [semitones] and expressions by frame, as another reader has them."""
+    """Return bends [semitones] and expressions by frame, as symusic reads them."""
     bends = {bend.time // 40: 12 * bend.value / 8192 for bend in track.pitch_bends}
     fades = {c.time // 40: c.value for c in track.controls if c.number == 11}
     return bends, fades
 
 
-def test_half_the_speed_is_half_an_octave_lower_and_as_soft_as_a_blow_of_it(step, score_of):
+def test_half_the_speed_is_half_an_octave_lower_and_as_soft_as_its_impact(step, score_of):
     happened = rolls(step, [2.0, 1.0, 0.5])
     (track,) = symusic.Score.from_midi(midi_bytes(score_of([happened]))).tracks
     bends, fades = curves(track)
@@ -41,12 +41,12 @@ def test_half_the_speed_is_half_an_octave_lower_and_as_soft_as_a_blow_of_it(step
     assert 40 * log2(fades[12] / 127) * 0.30103 == pytest.approx(softer, abs=0.1)
 
 
-def test_a_gesture_begins_with_its_note_at_the_pitch_of_its_top_speed(step, score_of, read_smf):
+def test_a_curve_starts_with_its_note_relative_to_the_top_speed(step, score_of, read_smf):
     smf = read_smf(midi_bytes(score_of([rolls(step, [0.25, 1.0])])))
     voice = [(t, status & 0xF0, data) for t, status, data in smf.tracks[1] if status < 0xFF00]
     onset = next(i for i, (_, kind, _) in enumerate(voice) if kind == 0x90)
     before = [(kind, data[0]) for _, kind, data in voice[:onset]]
-    # Program, pan, reverb, the wheel's range of twelve semitones, then wheel and expression.
+    # Program, pan, reverb, the bend range of twelve semitones, then bend and expression.
     assert before == [
         (0xC0, 122),
         (0xB0, 10),
@@ -59,7 +59,7 @@ def test_a_gesture_begins_with_its_note_at_the_pitch_of_its_top_speed(step, scor
     assert voice[onset - 2][2] == bytes([0, 0]), "an octave below"
 
 
-def test_what_comes_after_a_gesture_is_at_rest_again(step, score_of, read_smf, check_laws):
+def test_the_note_after_a_curve_has_reset_controllers(step, score_of, read_smf, check_laws):
     happened = [rolls(step, [2.0, 0.1]), step(60, cause="roll", strength=2.0)]
     smf = read_smf(midi_bytes(score_of(happened, 72)))
     check_laws(smf, 72, Fraction(24))
@@ -68,7 +68,7 @@ def test_what_comes_after_a_gesture_is_at_rest_again(step, score_of, read_smf, c
     assert {s & 15 for _, s, _ in smf.tracks[1] if s < 0xFF00} == {0}
 
 
-def test_sixteen_rolls_at_once_keep_their_notes_and_say_whose_gesture_is_lost(
+def test_sixteen_rolls_at_once_keep_their_notes_and_lose_one_curve(
     step, score_of, read_smf, check_laws, tmp_path
 ):
     happened = [rolls(step, [1.0, 0.3], part=f"p{i}", size=0.05 + i / 10) for i in range(16)]
@@ -76,8 +76,8 @@ def test_sixteen_rolls_at_once_keep_their_notes_and_say_whose_gesture_is_lost(
     report = write_midi(score_of(happened, 48), path)
     smf = read_smf(path.read_bytes())
     check_laws(smf, 48, Fraction(24))
-    assert report.without_curve == 1
-    assert report.notes + report.merged == 16
+    assert report.losses.without_curve == 1
+    assert report.notes + len(report.losses.merged) == 16
 
 
 @given(
@@ -86,17 +86,17 @@ def test_sixteen_rolls_at_once_keep_their_notes_and_say_whose_gesture_is_lost(
     st.integers(0, 1000),
     st.integers(1, 2000),
 )
-def test_any_gesture_is_legal_and_lies_within_its_note(step, speeds, duration, start, length):
+def test_any_curve_is_valid_and_within_its_note(step, speeds, duration, start, length):
     event = step(1, speeds=speeds, duration=duration)
-    moments = controller_curve(event, GRID, start, start + length)
-    assert [m.tick for m in moments] == sorted({m.tick for m in moments})
-    assert all((m.tick - start) % 40 == 0 for m in moments)
-    assert all(start <= m.tick < start + length for m in moments)
-    assert all(-8192 <= m.bend <= 0 and 1 <= m.expression <= 127 for m in moments)
-    assert bool(moments) == (len(speeds) > 1 and max(speeds) > 0 and duration > 0)
+    points = controller_curve(event, GRID, start, start + length)
+    assert [m.tick for m in points] == sorted({m.tick for m in points})
+    assert all((m.tick - start) % 40 == 0 for m in points)
+    assert all(start <= m.tick < start + length for m in points)
+    assert all(-8192 <= m.bend <= 0 and 1 <= m.expression <= 127 for m in points)
+    assert bool(points) == (len(speeds) > 1 and max(speeds) > 0 and duration > 0)
 
 
-def test_an_even_speed_is_said_once(step):
+def test_a_constant_speed_gives_one_point(step):
     event = step(1, speeds=(0.7,) * 9, duration=2.0)
-    (moment,) = controller_curve(event, GRID, 0, 1920)
-    assert (moment.bend, moment.expression) == (0, 127)
+    (point,) = controller_curve(event, GRID, 0, 1920)
+    assert (point.bend, point.expression) == (0, 127)

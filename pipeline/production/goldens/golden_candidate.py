@@ -1,10 +1,9 @@
-"""Proof: what a scene gives now, to be compared with its golden or to become one."""
+"""Golden candidate: the present results of a scene, to be compared with its golden or recorded."""
 
 from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -12,38 +11,35 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from audio.errors import AudioError
 from audio.midi_file import midi_bytes, read_note_list
 from audio.score import Score
 from audio.time_grid import tick_grid
 from audio.wav_file import write_wav
-from pipeline.errors import FilmingError, ScoringError
-from pipeline.production.goldens.cue_files import Cues, cues_of
-from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film
-from pipeline.production.goldens.frame_slates import slate
+from pipeline.production.goldens.cue_facts import Cues, cues_of
+from pipeline.production.goldens.film_facts import FilmFacts, facts_of_film, slate
 from pipeline.production.goldens.golden_card import Framing
 from pipeline.production.reports.stills import spread
 from pipeline.production.run.interrupts import held_back
+from pipeline.production.run.production import translated_errors
 from pipeline.production.shots.shot_builder import Shooting
 from pipeline.production.sound.score_builder import build_score
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import Scene
 from render.codecs import CODECS
-from render.errors import RenderError
 from render.film_encoder import Picture, write_film
 from render.renderer import Renderer
 from render.shot import Shot
 
 WIDTH = 256
-"""Of a golden's frames unless the scene says otherwise [pixels]."""
+"""Default width of a golden's frames [pixels]."""
 
-_SEEDS_APART = 104_729
-"""Between the seeds of pictures that differ in noise alone."""
+_SEED_STEP = 104_729
+"""Between the seeds of pictures that differ by noise alone."""
 
 
 def framing_of(scene: Scene) -> Framing:
-    """Return which frames the scene wants to have compared."""
+    """Return the frames of a scene's golden."""
     width, height = scene.film.resolved().size
     # Both sides even, and no side shorter than a tile.
     size = scene.golden.size or (WIDTH, max(2 * round(WIDTH * height / width / 2), 16))
@@ -51,24 +47,24 @@ def framing_of(scene: Scene) -> Framing:
     return Framing(numbers=tuple(sorted(set(numbers))), size=size, samples=scene.golden.samples)
 
 
-def filmed_for(scene: Scene, framing: Framing) -> Scene:
-    """Return the scene with the film of its golden's frames: as they are before the denoiser."""
-    words = {
+def golden_scene(scene: Scene, framing: Framing) -> Scene:
+    """Return the scene with the film settings of its golden's frames, without denoiser."""
+    settings = {
         "size": framing.size,
         "samples": framing.samples,
         "soft_light": "full",
         "denoise": "off",
         "format": "png",
     }
-    return scene.model_copy(update={"film": scene.film.model_copy(update=words)})
+    return scene.model_copy(update={"film": scene.film.model_copy(update=settings)})
 
 
-class Proof:
-    """What a scene gives now; each thing is made when it is first asked for.
+class Candidate:
+    """The present results of a scene, each made when first needed.
 
     Args:
         scene: as its author wrote it.
-        take: its take, if there is one already.
+        take: of the scene, if there is one already.
     """
 
     def __init__(self, scene: Scene, take: Take | None = None) -> None:
@@ -77,12 +73,12 @@ class Proof:
 
     @cached_property
     def take(self) -> Take:
-        """How everything moves."""
+        """The take."""
         return self._take or simulate(self.scene)
 
     @cached_property
     def score(self) -> Score:
-        """What is heard."""
+        """The score."""
         return build_score(self.scene, self.take, self._shooting.poses)[0]
 
     @cached_property
@@ -91,17 +87,17 @@ class Proof:
 
     @cached_property
     def cues(self) -> Cues:
-        """The camera's way and the notes of the score."""
-        with _told():
+        """Camera poses and notes of the score."""
+        with translated_errors():
             notes = read_note_list(midi_bytes(self.score))
             ticks = str(tick_grid(self.score.rate).tick(2) - tick_grid(self.score.rate).tick(1))
         return cues_of(self._shooting.poses, ticks, notes, self.take.parts)
 
     @cached_property
     def film(self) -> FilmFacts:
-        """What its film is, with slates for pictures: no frame is rendered for it."""
+        """Facts of the film, with slates instead of rendered frames."""
         codec = CODECS[self.scene.film.resolved().suffix]
-        with _told(), tempfile.TemporaryDirectory(prefix="pronk-") as folder:
+        with translated_errors(), tempfile.TemporaryDirectory(prefix="pronk-") as folder:
             wav = Path(folder, "sound.wav")
             self.write_sound(wav)
             path = Path(folder, f"film{self.scene.film.resolved().suffix}")
@@ -112,47 +108,36 @@ class Proof:
         """Write the sound of the film."""
         write_wav(self.score, path)
 
-    def order(self) -> Sequence[int]:
+    def frame_order(self) -> Sequence[int]:
         """Return the frames of the film in the order in which they are shown."""
         return range(1, self.scene.n_frames + 1)
 
     def _slates(self, bits: int) -> Iterator[Picture]:
-        for number in self.order():
+        for number in self.frame_order():
             picture = slate(number)
-            # 255 stays white: each value is repeated in the lower byte.
+            # 257 = 65535 / 255, so that white stays white.
             yield picture.astype(np.uint16) * 257 if bits == 16 else picture
 
     def frames(
         self, framing: Framing, renderer: Renderer, seed: int = 0
     ) -> Iterator[tuple[int, NDArray[np.uint8]]]:
-        """Render the frames of a golden, without a denoiser, and yield each as it is done.
+        """Render the frames of a golden and yield each.
 
         Args:
-            framing: which, and how.
-            renderer: that makes them.
-            seed: 0 for the golden's own noise, another number for another noise.
+            framing: numbers, size and samples.
+            renderer: of the frames.
+            seed: 0 for the golden's noise, another number for other noise.
 
         Raises:
             FilmingError: a frame cannot be rendered.
         """
         for number, shot in self.shots(framing):
-            with _told(), held_back():
-                other = replace(shot, seed=shot.seed + _SEEDS_APART * seed)
+            with translated_errors(), held_back():
+                other = replace(shot, seed=shot.seed + _SEED_STEP * seed)
                 yield number, renderer.render(other).srgb8
 
     def shots(self, framing: Framing) -> Iterator[tuple[int, Shot]]:
-        """Yield the frames of a golden as the renderer is given them."""
-        shooting = Shooting(filmed_for(self.scene, framing), self.take)
+        """Yield the numbers and shots of a golden's frames."""
+        shooting = Shooting(golden_scene(self.scene, framing), self.take)
         for number in framing.numbers:
             yield number, shooting.shot(number)
-
-
-@contextmanager
-def _told() -> Iterator[None]:
-    """Turn what the lower floors raise into our own errors."""
-    try:
-        yield
-    except RenderError as error:
-        raise FilmingError(str(error)) from error
-    except AudioError as error:
-        raise ScoringError(str(error)) from error

@@ -49,12 +49,14 @@ def record(
 ) -> None:
     """Write the goldens of scenes that have none."""
     from pipeline.production.goldens import golden_record
-    from pipeline.production.goldens.golden_case import Lab, cases_of, layers_of
+    from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of, layers_of
 
     reporter = options.reporter()
-    lab = Lab(backend.value)
+    renderer = GoldenRenderer(backend.value)
     for case in cases_of(scenes, goldens, Path("out"), sets or []):
-        reporter.result(golden_record.record(case, lab, reporter, layers_of(layers), seeds, again))
+        reporter.result(
+            golden_record.record(case, renderer, reporter, layers_of(layers), seeds, again)
+        )
 
 
 @golden.command()
@@ -74,8 +76,8 @@ def check(
     Ends with 0 if all hold, 1 if something changed, 5 if a golden is missing, 6 if this
     machine cannot judge.
     """
-    from pipeline.production.goldens.check_run import run_checks
     from pipeline.production.goldens.golden_case import cases_of, layers_of
+    from pipeline.production.goldens.golden_check import run_checks
 
     reporter = options.reporter()
     cases = cases_of(scenes or [], goldens, out, sets or [])
@@ -94,12 +96,12 @@ def approve(
     layers: Layers = None,
 ) -> None:
     """Make what the last check found to differ the golden, as it was looked at."""
-    from pipeline.production.goldens import approval
+    from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import cases_of, layers_of
 
     reporter = options.reporter()
     for case in cases_of(scenes, goldens, out):
-        reporter.result(approval.approve(case, layers_of(layers)))
+        reporter.result(golden_record.approve(case, layers_of(layers)))
 
 
 @golden.command(name="list")
@@ -109,10 +111,9 @@ def list_(
     goldens: Goldens = None,
 ) -> None:
     """Say which goldens there are, what they hold and what they weigh."""
-    from pipeline.production.goldens.golden_files import FOLDER
-    from pipeline.production.goldens.golden_list import listed
+    from pipeline.production.goldens.golden_case import GOLDENS_FOLDER, golden_list
 
-    text, facts = listed(goldens or Path(FOLDER))
+    text, facts = golden_list(goldens or Path(GOLDENS_FOLDER))
     options.reporter().result(text, goldens=facts)
 
 
@@ -128,9 +129,9 @@ def calibrate(
 ) -> None:
     """Propose limits from pictures that differ in noise alone."""
     from pipeline.production.goldens import golden_record
-    from pipeline.production.goldens.golden_case import Lab, cases_of
+    from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of
 
     reporter = options.reporter()
-    lab = Lab(backend.value)
+    renderer = GoldenRenderer(backend.value)
     for case in cases_of(scenes or [], goldens, Path("out")):
-        reporter.result(golden_record.calibrate(case, lab, reporter, seeds, write))
+        reporter.result(golden_record.calibrate(case, renderer, reporter, seeds, write))

@@ -362,7 +362,7 @@ MISTAKES = [
     ("{copy: [hip], §trnslate: [0, 1]}", ".trnslate", "unknown key, did you mean 'translate'?"),
     ("{copy: [hip], translate: §[0]}", ".translate", "must hold 2 values, holds 1"),
     ("{copy: [hip], rotate_deg: §a}", ".rotate_deg", "should be a number, is the text 'a'"),
-    ("§{copy: [hip]}", "", "says not where to; give one of mirror, scale, scale_xy, rotate_deg, "
+    ("§{copy: [hip]}", "", "moves nothing; give one of mirror, scale, scale_xy, rotate_deg, "
      "rotate_abs_deg, translate"),
     ("{copy: [foot_l], rotate_deg: 4, about: §hipp}", ".about", "no node is called 'hipp', did "
      "you mean 'hip'?"),

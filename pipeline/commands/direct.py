@@ -42,12 +42,12 @@ def direct(
 
     Leaves a take, and a scene that does the same by itself.
     """
-    from pipeline.production.direct.recording import place_of
+    from pipeline.production.direct.recording import recorder_for
     from pipeline.production.direct.server import direct as serve
-    from pipeline.production.direct.transport import door_of
+    from pipeline.production.direct.transport import transport_for
     from pipeline.spec import find_scene, load_scene
 
     reporter_of(False, quiet, verbose, stopped="the take is given up, the commands are kept")
     file = find_scene(scene).resolve()
-    place = place_of(file, name, out, quiet, verbose)
-    serve(load_scene(file, sets or []), place, door_of(socket, port, host))
+    recorder = recorder_for(file, name, out, quiet, verbose)
+    serve(load_scene(file, sets or []), recorder, transport_for(socket, port, host))

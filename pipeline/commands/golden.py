@@ -52,12 +52,12 @@ def record(
 ) -> None:
     """Write the goldens of scenes that have none."""
     from pipeline.production.goldens import golden_record
-    from pipeline.production.goldens.golden_case import Lab, cases_of, layers_of
+    from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of, layers_of
 
     reporter = reporter_of(json_lines, quiet, verbose)
-    lab = Lab(backend.value)
+    renderer = GoldenRenderer(backend.value)
     for case in cases_of(scenes, goldens, Path("out"), sets or []):
-        told = golden_record.record(case, lab, reporter, layers_of(layers), seeds, again)
+        told = golden_record.record(case, renderer, reporter, layers_of(layers), seeds, again)
         reporter.result(told)
 
 
@@ -79,8 +79,8 @@ def check(
     Ends with 0 if all hold, 1 if something changed, 5 if a golden is missing, 6 if this
     machine cannot judge.
     """
-    from pipeline.production.goldens.check_run import run_checks
     from pipeline.production.goldens.golden_case import cases_of, layers_of
+    from pipeline.production.goldens.golden_check import run_checks
 
     reporter = reporter_of(json_lines, quiet, verbose)
     cases = cases_of(scenes or [], goldens, out, sets or [])
@@ -100,12 +100,12 @@ def approve(
     verbose: VerboseFlag = False,
 ) -> None:
     """Make what the last check found to differ the golden, as it was looked at."""
-    from pipeline.production.goldens import approval
+    from pipeline.production.goldens import golden_record
     from pipeline.production.goldens.golden_case import cases_of, layers_of
 
     reporter = reporter_of(json_lines, quiet, verbose)
     for case in cases_of(scenes, goldens, out):
-        reporter.result(approval.approve(case, layers_of(layers)))
+        reporter.result(golden_record.approve(case, layers_of(layers)))
 
 
 @golden.command(name="list")
@@ -116,10 +116,9 @@ def list_(
     verbose: VerboseFlag = False,
 ) -> None:
     """Say which goldens there are, what they hold and what they weigh."""
-    from pipeline.production.goldens.golden_files import FOLDER
-    from pipeline.production.goldens.golden_list import listed
+    from pipeline.production.goldens.golden_case import GOLDENS_FOLDER, golden_list
 
-    text, facts = listed(goldens or Path(FOLDER))
+    text, facts = golden_list(goldens or Path(GOLDENS_FOLDER))
     reporter_of(json_lines, quiet, verbose).result(text, goldens=facts)
 
 
@@ -136,9 +135,9 @@ def calibrate(
 ) -> None:
     """Propose limits from pictures that differ in noise alone."""
     from pipeline.production.goldens import golden_record
-    from pipeline.production.goldens.golden_case import Lab, cases_of
+    from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of
 
     reporter = reporter_of(json_lines, quiet, verbose)
-    lab = Lab(backend.value)
+    renderer = GoldenRenderer(backend.value)
     for case in cases_of(scenes or [], goldens, Path("out")):
-        reporter.result(golden_record.calibrate(case, lab, reporter, seeds, write))
+        reporter.result(golden_record.calibrate(case, renderer, reporter, seeds, write))

@@ -77,7 +77,9 @@ class Leap:
         leaping = trip is not None and trip.stage == "leaping" and trip.simulation is not None
         self.stages.append("walking" if trip is None else trip.stage)
         hopping = trip.simulation if trip is not None and leaping else None
-        self.down.append(~walkers.feet.swinging if hopping is None else hopping.state.down.copy())
+        self.down.append(
+            ~walkers.stepping.feet.swinging if hopping is None else hopping.state.down.copy()
+        )
 
     @property
     def changes(self) -> list[int]:
@@ -265,7 +267,7 @@ def test_jump_to_a_point_then_the_next_order() -> None:
         assert isinstance(walkers, Walkers)
         trip = walkers.leaps.trips.get(0)
         if trip is not None and trip.stage == "landed" and landed is None:
-            landed = walkers.feet.end[:, [0, 2]].mean(axis=0)
+            landed = walkers.stepping.feet.end[:, [0, 2]].mean(axis=0)
     assert landed is not None
     assert np.linalg.norm(landed - [2.5, -0.5]) < 0.02
     np.testing.assert_allclose(simulation.take().positions[-1, 0, [0, 2]], [4, 1], atol=1e-3)

@@ -36,7 +36,7 @@ from pipeline.simulation.dancers.torso import (
     torso_of,
 )
 from pipeline.simulation.dynamics.linkage import Disc, Spot
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask, Where
@@ -173,7 +173,7 @@ def build_choreography(
     """
     surfaces = body_surfaces(who)
     surfaces |= {drum: drum_surface(who, words) for drum, words in drums.items()}
-    plain = Moving(torso_of(who).linkage, 1e-3)
+    plain = LinkageSimulation(torso_of(who).linkage, 1e-3)
     spots, rows, problems = list[Spot](), list[list[tuple[str, str]]](), list[Problem]()
     for i, part in enumerate(parts):
         own = list(_spots(who, part, i, surfaces, plain))
@@ -236,7 +236,11 @@ def _goal(
 
 
 def _spots(
-    who: Proportions, part: PlacedSubtask, i: int, surfaces: dict[str, Surface], plain: Moving
+    who: Proportions,
+    part: PlacedSubtask,
+    i: int,
+    surfaces: dict[str, Surface],
+    plain: LinkageSimulation,
 ) -> Iterator[tuple[Spot, str]]:
     """Yield the places of a subtask and the words that they are said in."""
     one = part.words
@@ -275,7 +279,7 @@ def _positions(one: Subtask, own: Sequence[tuple[Spot, str]]) -> list[tuple[Spot
     return [(spot, word) for spot, word in own if word not in named]
 
 
-def _hand_by_angles(one: Subtask, plain: Moving) -> Array:
+def _hand_by_angles(one: Subtask, plain: LinkageSimulation) -> Array:
     """Return (3,) where the hand is when the joints of its arm are as they are given [m]."""
     names = [hinge.name for hinge in plain.linkage.hinges]
     plain.q[:] = 0.0

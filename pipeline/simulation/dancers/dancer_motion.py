@@ -18,7 +18,7 @@ from pipeline.simulation.dancers.hand_contacts import HandContacts, HandStrike
 from pipeline.simulation.dancers.key_postures import key_postures, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dancers.trunk_control import TRUNK_JOINTS, TrunkController
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Controller
 from pipeline.spec.dancer import Arms, Dancer, Gains
@@ -85,7 +85,7 @@ class DancerMotion:
         self.ticks = max(math.ceil(dt * CONTROL_RATE - 1e-9), 1)
         self.tick = dt / self.ticks
         self.substeps = max(math.ceil(self.tick * words.steps_a_second - 1e-9), 1)
-        self.moving = Moving(self.torso.linkage, self.tick / self.substeps)
+        self.moving = LinkageSimulation(self.torso.linkage, self.tick / self.substeps)
         self.postures = key_postures(choreography) if self._needs_postures() else ()
         self._stand(ready_postures(choreography))
         rate = FIELD_RATE * words.gains.rate

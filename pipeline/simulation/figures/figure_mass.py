@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.bones import WORLD, Bone, Joint
 from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_solid, volume_of_solid
+from pipeline.simulation.dynamics.ragdoll_model import WORLD, Bone, Joint
 from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree

@@ -148,7 +148,7 @@ def test_a_bird_may_carry_the_camera() -> None:
     take = simulate(scene)
     (node,) = mounts_of(scene, take.nodes)
     assert take.nodes[node].name == "they.1"
-    with pytest.raises(SceneError, match=r"say which of them, as they.0"):
+    with pytest.raises(SceneError, match=r"name a member, such as they.0"):
         mounts_of(read_scene(text.replace("PART", "they")), take.nodes)
 
 

@@ -43,11 +43,11 @@ def direct(
 
     Leaves a take, and a scene that does the same by itself.
     """
-    from pipeline.production.direct.recording import place_of
+    from pipeline.production.direct.recording import recorder_for
     from pipeline.production.direct.server import direct as serve
-    from pipeline.production.direct.transport import door_of
+    from pipeline.production.direct.transport import transport_for
     from pipeline.spec import find_scene, load_scene
 
     file = find_scene(scene).resolve()
-    place = place_of(file, name, options.out, options.quiet, options.verbose)
-    serve(load_scene(file, options.sets or []), place, door_of(socket, port, host))
+    place = recorder_for(file, name, options.out, options.quiet, options.verbose)
+    serve(load_scene(file, options.sets or []), place, transport_for(socket, port, host))

@@ -140,7 +140,7 @@ class MeshBody(Matter):
     scale: Length = Field(1.0, description="Metres a unit of the file.")
 
 
-BodyWords = Annotated[
+BodyShape = Annotated[
     Box | Brick | Cube | Regular | Upright | Sphere | HullBody | MeshBody,
     Field(discriminator="shape"),
 ]
@@ -174,7 +174,7 @@ def _body_from_name(words: Any) -> Any:
 
 
 OfWhat = Annotated[
-    BodyWords, BeforeValidator(_body_from_name, json_schema_input_type=ShapeName | BodyWords)
+    BodyShape, BeforeValidator(_body_from_name, json_schema_input_type=ShapeName | BodyShape)
 ]
 
 
@@ -288,7 +288,7 @@ def _laid_out(words: Any) -> Any:
     return {"layout": "wall", **words} if isinstance(words, Mapping) else words
 
 
-ManyWords = Annotated[
+Layout = Annotated[
     Wall | Pyramid | Stack | Row | Heap,
     Field(discriminator="layout"),
     BeforeValidator(_laid_out),
@@ -298,7 +298,7 @@ ManyWords = Annotated[
 class Body(Performer):
     """A rigid thing that falls, bounces and rolls by itself."""
 
-    body: BodyWords = Field(description="Its shape, and what it is made of.")
+    body: BodyShape = Field(description="Its shape, and what it is made of.")
     at: At = Field(
         (0.0, 0.0),
         description="Where its centre of mass begins, [x, y, z]; [x, z] puts it on the ground [m].",
@@ -329,7 +329,7 @@ class Body(Performer):
 class Many(Performer):
     """Bodies of one kind that begin in some order and meet whatever there is."""
 
-    many: ManyWords = Field(description="Of what, how many, and how they stand.")
+    many: Layout = Field(description="Of what, how many, and how they stand.")
     at: At = Field(
         (0.0, 0.0),
         description="The middle of the ground that they stand on, or where their row begins, "

@@ -1,4 +1,4 @@
-"""Poses: what authors ask of joints, limbs and bodies, over walking and standing."""
+"""Posed joints, limbs and bodies, over walking and standing."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def plain(more: str = "at: [0, 0]") -> Posed:
 WALKING = "at: [0.5, -1], heading_deg: 30, walk: {}"
 
 
-def test_a_joint_comes_to_its_value_and_goes_back() -> None:
+def test_joint_reaches_its_value_and_returns() -> None:
     keys = (
         "{at: 0.75, joints: {elbow_r_deg: 90}}, {at: 1, joints: {elbow_r_deg: 60}},"
         " {at: 1.4, release: elbow_r_deg}"
@@ -100,7 +100,7 @@ FRAMES = {"feet": [0.3, 1.3, 0.35], "body": [0.3, 0.4, 0.35], "world": [1.0, 1.3
 
 
 @pytest.mark.parametrize("frame", FRAMES)
-def test_a_hand_is_where_it_is_asked_to_be(frame: str) -> None:
+def test_hand_reaches_its_place_in_every_frame(frame: str) -> None:
     goal = np.array(FRAMES[frame])
     asked = f"limb: arm_r, frame: {frame}, reach: {goal.tolist()}"
     posed = person(f"{{at: 0.5, {asked}}}, {{at: 0.8, {asked}}}", WALKING)
@@ -118,7 +118,7 @@ def test_a_hand_is_where_it_is_asked_to_be(frame: str) -> None:
 
 
 @pytest.mark.nightly
-def test_elbow_first_hand_as_far_as_that_lets_it() -> None:
+def test_elbow_has_priority_over_hand() -> None:
     # An elbow is as far from its shoulder as the arm is long.
     itself = plain()
     limb = itself.figure.skeleton.limbs[itself.names.limbs["arm_r"]]
@@ -137,7 +137,7 @@ def test_elbow_first_hand_as_far_as_that_lets_it() -> None:
     assert gap[0] < gap[1] - 0.05
 
 
-def test_goals_of_one_priority_share_the_gap_by_weight() -> None:
+def test_weights_share_the_error_within_a_priority() -> None:
     near, far = "[0.1, 1.0, 0.4]", "[0.1, 1.6, 0.4]"
     even = f"{{at: 0, limb: arm_r, reach: {near}}}, {{at: 0, node: wrist_r, reach: {far}}}"
     heavy = even.replace(f"wrist_r, reach: {far}", f"wrist_r, reach: {far}, weight: 20")
@@ -149,7 +149,7 @@ def test_goals_of_one_priority_share_the_gap_by_weight() -> None:
     assert gaps[1] < 0.5 * gaps[0]
 
 
-def test_the_last_link_points_where_it_is_asked_to() -> None:
+def test_aim_and_turn_orient_the_link() -> None:
     keys = "{at: 0, limb: arm_m, reach: [0.8, 0.4, 0.5], aim: [0, -1, 0]}"
     arm = Posed(f"{{figure: robot_arm, at: [0, 0], pose: [{keys}]}}")
     R, place, ends = arm.link("hand")
@@ -165,7 +165,7 @@ def test_the_last_link_points_where_it_is_asked_to() -> None:
     np.testing.assert_allclose(R[-1], asked, atol=1e-3)
 
 
-def test_a_body_is_moved_over_feet_that_stay() -> None:
+def test_moved_body_keeps_its_feet() -> None:
     keys = "{at: 0.2, body: {move: [0, 0, 0]}}, {at: 1, body: {move: [-0.3, -0.38, 0]}}"
     posed, itself = person(keys), plain()
     down = posed.body[1] - itself.body[1]
@@ -175,7 +175,7 @@ def test_a_body_is_moved_over_feet_that_stay() -> None:
     assert posed.fastest() < 8
 
 
-def test_a_foot_that_its_author_has_makes_no_footfall() -> None:
+def test_posed_foot_makes_no_footfall() -> None:
     member = "{{figure: beetle, name: b, at: [0, 0], walk: {{}}, pose: [{}]}}"
     lifted = Posed(member.format("{at: 0, limb: l1, frame: body, reach: [0.9, 0.2, -1.2]}"))
     feet = {contact.part for contact in lifted.take.contacts}
@@ -183,7 +183,7 @@ def test_a_foot_that_its_author_has_makes_no_footfall() -> None:
     assert {"b.l2", "b.l3", "b.r1", "b.r2", "b.r3"} <= feet
 
 
-def test_a_limb_that_hangs_on_another_keeps_its_goal() -> None:
+def test_limb_on_a_moving_limb_keeps_its_goal() -> None:
     keys = (
         "{at: 0, joints: {thorax_yaw_deg: -20}}, {at: 1.5, joints: {thorax_yaw_deg: 20}},"
         " {at: 0, limb: feeler_l, frame: world, reach: [1.45, 0.60, -0.55]}"
@@ -202,7 +202,7 @@ def test_a_limb_that_hangs_on_another_keeps_its_goal() -> None:
     assert not missed
 
 
-def test_out_of_reach_is_as_near_as_can_be_and_noted_once() -> None:
+def test_unreachable_goal_is_approached_and_noted_once() -> None:
     posed = person("{at: 0.5, limb: arm_r, reach: [3, 1.4, 0.2]}")
     notes = [note for note in posed.take.notes if note.part == "p.arm_r1"]
     assert [note.kind for note in notes] == ["clamped"]
@@ -239,7 +239,7 @@ def test_out_of_reach_is_as_near_as_can_be_and_noted_once() -> None:
         ),
     ],
 )
-def test_refuses(key: str, message: str) -> None:
+def test_invalid_poses_are_refused(key: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         Simulation(scene_of(f"{{figure: person, pose: [{key}]}}"))
     assert all(problem.line > 0 and "pose[" in problem.path for problem in caught.value.problems)

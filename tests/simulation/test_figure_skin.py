@@ -1,4 +1,4 @@
-"""Looks of figures: closed, hung on links that hang together, and without weight."""
+"""Render meshes of figures: closed, attached to connected links, and without mass."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def scene(**more: object) -> Scene:
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
-def test_looks_are_closed_and_follow_links_that_hang_together(file: Path) -> None:
+def test_skins_are_closed_and_follow_connected_links(file: Path) -> None:
     figure = shipped(file.stem)
     looks, skeleton = figure.looks, figure.skeleton
     assert not looks.covered & set(looks.skins)
@@ -91,7 +91,7 @@ def test_looks_are_closed_and_follow_links_that_hang_together(file: Path) -> Non
 
 
 @pytest.mark.parametrize("name", ["horse", "kangaroo", "beetle", "spider"])
-def test_looks_are_the_same_on_both_sides(name: str) -> None:
+def test_skins_are_symmetric(name: str) -> None:
     """What is in the middle between two legs follows neither."""
     figure = shipped(name)
     body = figure.looks.skins[0]
@@ -114,7 +114,7 @@ def _above(figure: Figure, joint: int) -> list[int]:
 
 
 @pytest.mark.parametrize("feet", get_args(Feet))
-def test_feet_and_jaws_weigh_nothing(feet: Feet) -> None:
+def test_feet_and_jaws_have_no_mass(feet: Feet) -> None:
     plain = FigureMass(shipped("beetle", feet="plain", jaws=False)).at_rest
     shod = FigureMass(shipped("beetle", feet=feet, jaws=True)).at_rest
     assert plain.mass == shod.mass
@@ -122,7 +122,7 @@ def test_feet_and_jaws_weigh_nothing(feet: Feet) -> None:
     assert set(FOOT_MAKERS) | {"plain"} == set(get_args(Feet))
 
 
-def test_looks_move_nobody() -> None:
+def test_skins_do_not_affect_motion() -> None:
     takes = [
         simulate(scene(feet=feet, jaws=jaws)) for feet, jaws in (("plain", False), ("paws", True))
     ]
@@ -133,7 +133,7 @@ def test_looks_move_nobody() -> None:
         np.testing.assert_array_equal(one.vertices, other.vertices)
 
 
-def test_a_take_knows_what_is_seen_of_every_part() -> None:
+def test_take_lists_the_look_of_every_part() -> None:
     take = simulate(scene())
     looks = [part.look for part in take.parts]
     assert OWN in looks
@@ -153,7 +153,7 @@ def test_a_take_knows_what_is_seen_of_every_part() -> None:
 
 
 @pytest.mark.parametrize("name", ["horse", "antelope", "camel", "kangaroo", "ostrich", "beetle"])
-def test_feet_stand_on_the_ground_that_the_tip_stands_on(name: str) -> None:
+def test_soles_are_level_with_the_tip(name: str) -> None:
     """In the pose that a figure rests in they reach as low as the ball around the tip."""
     figure = shipped(name)
     skeleton = figure.skeleton
@@ -174,7 +174,7 @@ def test_feet_stand_on_the_ground_that_the_tip_stands_on(name: str) -> None:
     assert tried == len(skeleton.legs)
 
 
-def test_upright_heads_have_a_face() -> None:
+def test_upright_heads_have_faces() -> None:
     """A nose ahead, ears aside, and eyes that are smaller than an animal's."""
     figure = shipped("person")
     looks, pieces = figure.looks, figure.pieces
@@ -189,7 +189,7 @@ def test_upright_heads_have_a_face() -> None:
     assert reach[:, 2].max() > 1.02 * limb.tip_radius
 
 
-def test_eyes_and_jaws_can_be_left_out() -> None:
+def test_eyes_and_jaws_are_optional() -> None:
     assert any(".eye_" in piece.name for piece in shipped("beetle").pieces)
     assert not any(".eye_" in piece.name for piece in shipped("beetle", eyes=False).pieces)
     head = next(limb for limb in shipped("beetle").skeleton.limbs if limb.kind == "head")

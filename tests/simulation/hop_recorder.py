@@ -1,4 +1,4 @@
-"""Hops: a simulation of one pronker or more, with what was seen of it at every step."""
+"""Simulations of hoppers with a record of every step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .conftest import tips_of
 
 @dataclass
 class Seen:
-    """One pronker at one step."""
+    """One hopper at one step."""
 
     time: float
     phase: str
@@ -34,7 +34,7 @@ class Seen:
 
 @dataclass
 class Hops:
-    """A simulation and what was seen of its pronkers."""
+    """A simulation and the record of its hoppers."""
 
     simulation: Simulation
     seen: list[list[Seen]] = field(default_factory=list)
@@ -43,11 +43,11 @@ class Hops:
 
     @property
     def troupe(self) -> HopperTroupe:
-        """Its creatures that hop."""
+        """Its hoppers."""
         return next(t for t in self.simulation.troupes if isinstance(t, HopperTroupe))
 
     def look(self) -> None:
-        """Keep the state of this step."""
+        """Record this step."""
         for c, one in enumerate(self.troupe.simulations):
             self.seen[c].append(_seen(one))
             self.happened[c].extend(one.events)
@@ -57,18 +57,18 @@ class Hops:
 
     @property
     def lifts(self) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Centre of mass and its velocity at the lift-offs of the first pronker."""
+        """Centre of mass and its velocity at the lift-offs of the first hopper."""
         return list(self._lifts.values())
 
     @property
     def lift_times(self) -> list[float]:
-        """When these were [s]."""
+        """Times of the lift-offs [s]."""
         times = [h.time for h in self.happened[0] if h.kind == "lift"]
         return times[:: len(self.troupe.hoppers[0].hips)]
 
     @property
     def take(self) -> Take:
-        """What happened."""
+        """The take."""
         return self.simulation.take()
 
     def tips(self) -> np.ndarray:
@@ -77,22 +77,22 @@ class Hops:
 
 
 def _seen(one: HopSimulation) -> Seen:
-    state, of = one.state, one.hopper
+    state, hopper = one.state, one.hopper
     return Seen(
         state.time,
         state.phase,
         state.jump_count,
         state.p.copy(),
         state.v.copy(),
-        level_height(of, state.p) - state.floor_height,
-        state.body(of).tilt,
+        level_height(hopper, state.p) - state.floor_height,
+        state.body(hopper).tilt,
         state.down.copy(),
         one.leg_forces(),
     )
 
 
 def hop_through(scene: Scene, until: int | None = None) -> Hops:
-    """Simulate `scene` and look at every step; with `until`, as far as so many jumps of all."""
+    """Simulate a scene and record every step, until all hoppers made more than `until` jumps."""
     simulation = Simulation(scene)
     hops = Hops(simulation)
     count = len(hops.troupe.simulations)

@@ -1,4 +1,4 @@
-"""Reaching: how often, how exactly, through full extension, and with goals of lower priority."""
+"""Complete inverse kinematics: success rates, accuracy, full extension, and secondary goals."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ Z = np.array([0.0, 0.0, 1.0])
 
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize("name", FIGURES)
-def test_reachable_goals_are_reached(library: Library, name: str, count: int) -> None:
+def test_success_rate_for_reachable_goals(library: Library, name: str, count: int) -> None:
     """From the preferred pose at once by 97 % of each limb's, with restarts by 99.9 % of all."""
     skeleton = library(name).skeleton
     limbs = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs for _ in range(count)])
@@ -106,7 +106,7 @@ def test_reachable_goals_are_reached(library: Library, name: str, count: int) ->
     assert met_again >= 0.999
 
 
-def test_the_same_seed_gives_the_same_pose(beetle: Figure) -> None:
+def test_restarts_are_reproducible(beetle: Figure) -> None:
     legs = _legs(beetle)
     goals = legs.pose(_uniform(legs, np.random.default_rng(3))).tips
     start = legs.pose(legs.preferred)
@@ -119,7 +119,7 @@ def test_the_same_seed_gives_the_same_pose(beetle: Figure) -> None:
 
 
 @pytest.mark.slow
-def test_places_and_orientations_together(shipped: Figure) -> None:
+def test_success_rate_with_orientation(shipped: Figure) -> None:
     limbs = [limb for limb in shipped.skeleton.limbs if len(limb.joints) >= 6]
     if not limbs:
         return
@@ -137,7 +137,7 @@ def test_places_and_orientations_together(shipped: Figure) -> None:
 
 
 @pytest.mark.parametrize("goal", [[3.0, 0.0, 0.0], [0.5, 2.0, 0.0], [0.1, 0.05, 0.0], [1.0, 1, 1]])
-def test_two_links_come_as_near_as_geometry_allows(goal: list[float]) -> None:
+def test_unreachable_goals_of_two_links_match_geometry(goal: list[float]) -> None:
     """Too far, too near and off the plane: the closest place of the annulus."""
     skeleton = _chain(np.stack([Z, Z]), (1.0, 0.6))
     batch = LimbBatch.of([(skeleton, skeleton.limbs[0])])
@@ -150,7 +150,7 @@ def test_two_links_come_as_near_as_geometry_allows(goal: list[float]) -> None:
     assert np.isclose(solution.residual[0], np.hypot(off, goal[2]), atol=1e-5)
 
 
-def test_limbs_of_fewer_joints_than_directions() -> None:
+def test_single_joint_limbs_reach_the_nearest_point() -> None:
     """One hinge comes to the nearest place of its circle, one slide to that of its line."""
     hinge = _chain(Z[None], (1.0,))
     batch = LimbBatch.of([(hinge, hinge.limbs[0])])
@@ -167,7 +167,7 @@ def test_limbs_of_fewer_joints_than_directions() -> None:
 
 
 @pytest.mark.nightly
-def test_out_of_reach_nothing_is_nearer(beetle: Figure) -> None:
+def test_no_random_pose_is_nearer_to_an_unreachable_goal(beetle: Figure) -> None:
     legs = _legs(beetle)
     start, chance = legs.pose(legs.preferred), np.random.default_rng(6)
     for factor in (1.05, 1.5, 4.0):
@@ -226,7 +226,7 @@ def test_through_full_extension_and_back(beetle: Figure) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
-def test_along_a_motion_nothing_jumps(library: Library, name: str) -> None:
+def test_joints_do_not_jump_along_a_motion(library: Library, name: str) -> None:
     """A circle about the rest, a warm start at every step."""
     skeleton = library(name).skeleton
     limbs = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs])
@@ -251,7 +251,7 @@ def test_along_a_motion_nothing_jumps(library: Library, name: str) -> None:
         [TipOrientation(np.broadcast_to(np.eye(3), (6, 3, 3))), PreferredValues()],
     ],
 )
-def test_finite_steps_keep_the_tip(beetle: Figure, secondary: list[Goal]) -> None:
+def test_secondary_goals_keep_the_tip(beetle: Figure, secondary: list[Goal]) -> None:
     legs = _legs(beetle)
     chance = np.random.default_rng(7)
     for _ in range(10):
@@ -261,7 +261,7 @@ def test_finite_steps_keep_the_tip(beetle: Figure, secondary: list[Goal]) -> Non
         assert (found.residual <= 2e-6 * legs.lengths).all()
 
 
-def test_lower_goals_get_what_there_is(beetle: Figure) -> None:
+def test_secondary_goals_use_the_redundancy(beetle: Figure) -> None:
     legs = _legs(beetle)
     chance = np.random.default_rng(8)
     nearer, abler = [], []
@@ -278,7 +278,7 @@ def test_lower_goals_get_what_there_is(beetle: Figure) -> None:
     assert np.mean(abler) > 0.9
 
 
-def test_a_limb_keeps_clear_and_still_reaches() -> None:
+def test_obstacle_avoidance_keeps_the_tip() -> None:
     """A ball stands where the middle of the chain is; the tip stays where it was."""
     skeleton = _chain(np.stack([Z] * 5), (0.5,) * 5)
     batch = LimbBatch.of([(skeleton, skeleton.limbs[0])])
@@ -297,7 +297,7 @@ def test_a_limb_keeps_clear_and_still_reaches() -> None:
     assert nearest_obstacles(batch, both.pose, ball).gap.min() >= 0.015 - 5e-3
 
 
-def test_solve_says_which_limits_it_touched(beetle: Figure) -> None:
+def test_solve_reports_joints_at_limits(beetle: Figure) -> None:
     legs = _legs(beetle)
     rest = legs.pose(legs.preferred)
     assert not solve(legs, rest, rest.tips).at_limit.any()
@@ -305,7 +305,7 @@ def test_solve_says_which_limits_it_touched(beetle: Figure) -> None:
     assert solve(legs, rest, far).at_limit.any()
 
 
-def test_a_limb_across_the_body_reaches(beetle: Figure) -> None:
+def test_limb_across_the_body_reaches(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     rooted, limb = limb_between(skeleton, "l1.2", "r2.2")
     batch = LimbBatch.of([(rooted, limb)])
@@ -314,7 +314,7 @@ def test_a_limb_across_the_body_reaches(beetle: Figure) -> None:
     assert reach(batch, start, goal).residual[0] <= 1e-6 * batch.lengths[0]
 
 
-def test_an_inchworm_walks() -> None:
+def test_chain_walks_by_swapping_base_and_tip() -> None:
     """Base and tip change places at every step, and each end stands while it is the base."""
     skeleton = _chain(np.stack([Z] * 6), (0.2,) * 6)
     q = np.array([0.0, 0.9, -0.9, -0.9, 0.9, 0.0])

@@ -1,4 +1,4 @@
-"""Inchworms: the planted end stays, the other one goes where it may, and nothing jumps."""
+"""Inchworms: the planted end stays, steps are smooth, and footholds are allowed."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ def chain(figure: Callable[..., Figure]) -> InchwormChain:
 
 
 @pytest.mark.slow
-def test_the_planted_end_stays_put(crawl: Crawl) -> None:
+def test_planted_end_does_not_move(crawl: Crawl) -> None:
     moved = 0
     for end in (REAR, FRONT):
         R, p = crawl.pose(end)
@@ -181,7 +181,7 @@ def test_the_planted_end_stays_put(crawl: Crawl) -> None:
     assert moved > 100
 
 
-def test_the_swap_of_base_and_tip_moves_nothing(crawl: Crawl) -> None:
+def test_swapping_base_and_tip_moves_nothing(crawl: Crawl) -> None:
     """As the last pose from one end, so the first from the other: all links, all joints."""
     worm, swaps = crawl.worm, 0
     for before, after in itertools.pairwise(crawl.steps):
@@ -201,21 +201,21 @@ def test_the_swap_of_base_and_tip_moves_nothing(crawl: Crawl) -> None:
     assert swaps >= 1
 
 
-def test_joints_keep_their_limits(crawl: Crawl) -> None:
+def test_joints_are_within_limits(crawl: Crawl) -> None:
     skeleton = crawl.worm.chain.figure.skeleton
     assert (crawl.q >= skeleton.lower).all()
     assert (crawl.q <= skeleton.upper).all()
     assert not [note for note in crawl.take.notes if note.kind == "clamped"]
 
 
-def test_joints_move_without_jumps(crawl: Crawl) -> None:
+def test_joint_rates_and_their_changes_are_bounded(crawl: Crawl) -> None:
     """They are slow, and so are the changes of their speed: also where base and tip swap."""
     dt = crawl.simulation.world.clock.dt
     assert np.abs(np.diff(crawl.q, axis=0)).max() / dt < 6.0
     assert np.abs(np.diff(crawl.q, 2, axis=0)).max() / dt**2 < 90.0
 
 
-def test_it_keeps_to_its_plane(crawl: Crawl) -> None:
+def test_worm_stays_in_its_plane(crawl: Crawl) -> None:
     names = crawl.worm.chain.figure.skeleton.joint_names
     sideways = [i for i, name in enumerate(names) if name.endswith(("yaw", "roll"))]
     assert np.abs(crawl.q[:, sideways]).max() < 1e-9
@@ -223,7 +223,7 @@ def test_it_keeps_to_its_plane(crawl: Crawl) -> None:
     assert np.ptp(crawl.simulation.recorder.positions @ across) < 1e-9
 
 
-def test_links_stay_joined(crawl: Crawl) -> None:
+def test_links_stay_connected(crawl: Crawl) -> None:
     """Each link of a limb begins where the one before it ends, whatever is the base."""
     recorder = crawl.simulation.recorder
     skeleton = crawl.worm.chain.figure.skeleton
@@ -235,7 +235,7 @@ def test_links_stay_joined(crawl: Crawl) -> None:
 
 
 @pytest.mark.slow
-def test_feet_lie_on_the_ground_along_its_slope(crawl: Crawl) -> None:
+def test_feet_follow_the_slope_of_the_ground(crawl: Crawl) -> None:
     ground, gaps = crawl.simulation.world.ground, crawl.gaps
     for end, foot in enumerate(crawl.worm.chain.feet):
         gap = gaps[f"{crawl.worm.name}.{foot.link.name}"]
@@ -252,11 +252,11 @@ def test_feet_lie_on_the_ground_along_its_slope(crawl: Crawl) -> None:
             assert np.abs(height - radius).max() < 0.35 * foot.length
 
 
-def test_nothing_sinks_into_gentle_ground(crawl: Crawl) -> None:
+def test_no_part_penetrates_gentle_ground(crawl: Crawl) -> None:
     assert min(gap.min() for gap in crawl.gaps.values()) > -6.0 * MILLIMETRE
 
 
-def test_a_foot_is_lifted_on_its_way_and_the_head_looks_up(crawl: Crawl) -> None:
+def test_moving_foot_lifts_and_pitches_up(crawl: Crawl) -> None:
     gaps, worm = crawl.gaps, crawl.worm
     phases = crawl.simulation.recorder.values[:, 0]
     for end, foot in enumerate(worm.chain.feet):
@@ -268,7 +268,7 @@ def test_a_foot_is_lifted_on_its_way_and_the_head_looks_up(crawl: Crawl) -> None
     assert (np.arcsin(nose) > planted + 0.3).all()
 
 
-def test_no_end_is_set_down_in_a_forbidden_zone(crawl: Crawl) -> None:
+def test_ends_avoid_forbidden_zones(crawl: Crawl) -> None:
     ground = crawl.simulation.world.ground
     for end, foot in enumerate(crawl.worm.chain.feet):
         _, p = crawl.pose(end)
@@ -284,7 +284,7 @@ def test_no_end_is_set_down_in_a_forbidden_zone(crawl: Crawl) -> None:
     assert np.allclose(places[:, 1], ground.height(places[:, 0], places[:, 2]), atol=1e-12)
 
 
-def test_ends_come_down_at_the_half_and_at_the_whole_cycle(crawl: Crawl) -> None:
+def test_ends_land_at_half_and_whole_cycles(crawl: Crawl) -> None:
     clock, worm = crawl.simulation.world.clock, crawl.worm
     assert crawl.take.contacts
     parts = itertools.cycle([f"{worm.name}.head", f"{worm.name}.tail"])
@@ -300,12 +300,12 @@ def test_ends_come_down_at_the_half_and_at_the_whole_cycle(crawl: Crawl) -> None
 # --- laws ---------------------------------------------------------------------------
 
 
-def test_a_loop_is_as_wide_as_its_amplitude_says(chain: InchwormChain) -> None:
+def test_loop_amplitude_inverts_the_chord(chain: InchwormChain) -> None:
     chords = np.linspace(*loop_chord(chain, np.array([MAX_AMPLITUDE, MIN_AMPLITUDE])), 200)
     assert np.allclose(loop_chord(chain, loop_amplitude(chain, chords)), chords, atol=1e-12)
 
 
-def test_loops_of_many_links_are_bessel_functions_wide(figure: Callable[..., Figure]) -> None:
+def test_loop_chord_tends_to_the_bessel_function(figure: Callable[..., Figure]) -> None:
     nodes = ", ".join(f"n{i}: [0, {0.01 * i}]" for i in range(123))
     names = ", ".join(f"n{i}" for i in range(123))
     long = InchwormChain.of(figure(f"{{radius: 0.003, nodes: {{{nodes}}}, chains: [[{names}]]}}"))
@@ -315,7 +315,7 @@ def test_loops_of_many_links_are_bessel_functions_wide(figure: Callable[..., Fig
     assert np.allclose(loop_chord(long, A) / long.free, J0, atol=1e-9)
 
 
-def test_any_two_feet_are_joined_from_either_end(chain: InchwormChain, scene_of: SceneOf) -> None:
+def test_pose_does_not_depend_on_the_base(chain: InchwormChain, scene_of: SceneOf) -> None:
     chance = np.random.default_rng(6)
     worm = _worms(Simulation(scene_of("{figure: inchworm}"))).worms[0]
     n = 40
@@ -336,7 +336,7 @@ def test_any_two_feet_are_joined_from_either_end(chain: InchwormChain, scene_of:
             assert np.allclose(some.positions[:, foot.number], p + R @ middle, atol=1e-10)
 
 
-def test_over_level_ground_it_goes_a_stride_a_cycle(scene_of: SceneOf) -> None:
+def test_level_walk_covers_one_stride_a_cycle(scene_of: SceneOf) -> None:
     member = WORM.format(name="w", at=[0, 0], heading=0, walk="{speed: 0.25, cycle: 1.5}")
     take = simulate(scene_of(member, duration=10))
     heads = np.array([c.place for c in take.contacts if c.part == "w.head"])
@@ -344,7 +344,7 @@ def test_over_level_ground_it_goes_a_stride_a_cycle(scene_of: SceneOf) -> None:
     assert np.allclose(heads[:, 1:], 0.0, atol=1e-12)
 
 
-def test_finer_steps_change_nothing(scene_of: SceneOf) -> None:
+def test_pose_does_not_depend_on_the_time_step(scene_of: SceneOf) -> None:
     member = WORM.format(name="w", at=[0, 0], heading=30, walk="{}")
     coarse, fine = (simulate(scene_of(member, terrain=GENTLE, more=f"steps: {n}")) for n in (4, 16))
     assert np.abs(coarse.positions - fine.positions).max() < 1e-9
@@ -353,7 +353,7 @@ def test_finer_steps_change_nothing(scene_of: SceneOf) -> None:
 # --- where it stops, lies, or is not let go -------------------------------------------
 
 
-def test_it_stops_before_ground_that_it_may_not_touch(scene_of: SceneOf) -> None:
+def test_worm_stops_before_forbidden_ground(scene_of: SceneOf) -> None:
     terrain = "{kind: flat, size: [8, 8]}"
     member = WORM.format(name="w", at=[2, 0], heading=0, walk="{cycle: 1}")
     crawl = _crawl(scene_of(member, terrain=terrain, duration=8))
@@ -370,7 +370,7 @@ def test_it_stops_before_ground_that_it_may_not_touch(scene_of: SceneOf) -> None
 
 
 @pytest.mark.parametrize("terrain", ["flat", GENTLE])
-def test_one_that_does_not_walk_lies_in_a_low_arch(scene_of: SceneOf, terrain: str) -> None:
+def test_resting_worm_lies_in_a_low_arch(scene_of: SceneOf, terrain: str) -> None:
     crawl = _crawl(scene_of("{figure: inchworm, name: w, at: [1, 1]}", terrain=terrain))
     take = crawl.take
     assert np.ptp(take.positions, axis=0).max() == 0.0
@@ -406,7 +406,7 @@ FIGURES = (
     ],
 )
 @pytest.mark.parametrize("number", [0, 1])
-def test_what_a_worm_cannot_do(
+def test_unsupported_keys_are_refused(
     scene_of: SceneOf, member: str, path: str, says: list[str], number: int
 ) -> None:
     cast = ["{figure: inchworm, name: other, at: [5, 5]}"] * number + [member]
@@ -418,7 +418,7 @@ def test_what_a_worm_cannot_do(
         assert words in problem.message
 
 
-def test_the_greatest_stride_that_a_message_names_works(scene_of: SceneOf) -> None:
+def test_stride_suggested_by_the_error_works(scene_of: SceneOf) -> None:
     with pytest.raises(SceneError) as caught:
         Simulation(scene_of("{figure: inchworm, walk: {stride: 3}}"))
     most = float(caught.value.problems[0].message.split("at most ")[1].split(" ")[0])
@@ -428,7 +428,7 @@ def test_the_greatest_stride_that_a_message_names_works(scene_of: SceneOf) -> No
     assert len(take.contacts) >= 4
 
 
-def test_a_start_without_ground(scene_of: SceneOf) -> None:
+def test_start_without_allowed_ground_is_refused(scene_of: SceneOf) -> None:
     scene = scene_of(
         "{figure: inchworm, name: w, at: [50, 50]}", terrain="{kind: flat, size: [9, 9]}"
     )
@@ -438,7 +438,7 @@ def test_a_start_without_ground(scene_of: SceneOf) -> None:
         assert words in str(caught.value)
 
 
-def test_only_straight_chains_inch(shipped: Figure) -> None:
+def test_only_straight_chains_are_inchworms(shipped: Figure) -> None:
     assert is_inchworm(shipped) == (shipped.name == "inchworm")
 
 
@@ -458,7 +458,7 @@ def _of(take: Take, name: str) -> tuple[bytes, ...]:
 
 
 @pytest.mark.slow
-def test_worms_and_a_beetle_do_not_mind_the_order_of_the_cast(scene_of: SceneOf) -> None:
+def test_cast_order_does_not_matter(scene_of: SceneOf) -> None:
     cast = [
         WORM.format(name="one", at=[0, 0], heading=10, walk="{}"),
         WORM.format(name="two", at=[1, 3], heading=190, walk="{cycle: 1.2, stride: 0.3}"),
@@ -474,6 +474,6 @@ def test_worms_and_a_beetle_do_not_mind_the_order_of_the_cast(scene_of: SceneOf)
     assert len({n.name for n in there.nodes}) == len(there.nodes)
 
 
-def test_the_same_worm_gives_the_same_bytes(scene_of: SceneOf) -> None:
+def test_takes_are_reproducible(scene_of: SceneOf) -> None:
     scene = scene_of(WORM.format(name="w", at=[0, 0], heading=10, walk="{}"), terrain=GENTLE)
     assert simulate(scene).digest == simulate(scene).digest

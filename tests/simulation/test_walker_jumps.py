@@ -1,4 +1,4 @@
-"""Leaping: walkers that jump over things and walk on, and what a script asks of hoppers."""
+"""Walkers that jump over obstacles and walk on, and scripted orders of hoppers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pipeline.spec import Scene, find_scene, load_scene
 from pipeline.spec.prop import BoxShape, Prop
 
 from .conftest import scene_of, tips_of
-from .hops import Hops, hop_through
+from .hop_recorder import Hops, hop_through
 
 MILLIMETRE = 1e-3
 
@@ -132,7 +132,7 @@ def lowest_over(take: Take, who: str, first: float, last: float) -> float:
 
 
 @pytest.mark.slow
-def test_walks_jumps_and_walks_on_to_the_end_of_its_way(leap: Leap) -> None:
+def test_walker_jumps_and_walks_to_the_end_of_its_route(leap: Leap) -> None:
     order = [leap.stages[k] for k in leap.changes]
     assert order == ["coming", "leaping", "landed", "walking"]
     np.testing.assert_allclose(leap.take.positions[-1, 0, [0, 2]], [AT + 4, 0], atol=1e-3)
@@ -141,18 +141,18 @@ def test_walks_jumps_and_walks_on_to_the_end_of_its_way(leap: Leap) -> None:
     assert sum(one.kind == "lift" for one in leap.take.contacts) == legs
 
 
-def test_nothing_of_it_comes_to_the_box(leap: Leap) -> None:
+def test_jump_clears_the_box(leap: Leap) -> None:
     half = 0.5 * leap.length
     assert lowest_over(leap.take, "a", AT - half, AT + half) > leap.high + 0.02
 
 
-def test_feet_that_are_down_stay_where_they_are(leap: Leap) -> None:
+def test_planted_feet_do_not_slip(leap: Leap) -> None:
     moved = np.linalg.norm(np.diff(leap.tips(), axis=0), axis=-1)
     down = np.array(leap.down)
     assert moved[down[1:] & down[:-1]].max() < 1e-2 * MILLIMETRE
 
 
-def test_goes_over_from_walking_to_jumping_and_back_without_a_jolt(leap: Leap) -> None:
+def test_handover_has_no_jolt(leap: Leap) -> None:
     take, dt = leap.take, leap.simulation.world.clock.dt
     v = np.diff(take.positions, axis=0) / dt
     jolts = np.linalg.norm(np.diff(v, axis=0), axis=-1).max(axis=-1)
@@ -166,7 +166,7 @@ def test_goes_over_from_walking_to_jumping_and_back_without_a_jolt(leap: Leap) -
         assert turned[near].max() < 8.0
 
 
-def test_no_joint_turns_faster_than_those_of_who_walks(leap: Leap) -> None:
+def test_leg_joint_rates_are_bounded(leap: Leap) -> None:
     q, herd = leap.simulation.recorder.values, leap.walkers.herd
     legs = q[:, 2 * len(herd.names) :][:, : int(herd.legs.is_joint.sum())]
     rates = np.abs(np.diff(legs, axis=0)) / leap.simulation.world.clock.dt
@@ -174,7 +174,7 @@ def test_no_joint_turns_faster_than_those_of_who_walks(leap: Leap) -> None:
 
 
 @pytest.mark.nightly
-def test_the_antelope_of_the_shipped_scene_gets_over_its_box() -> None:
+def test_shipped_antelope_clears_its_box() -> None:
     scene = load_scene(find_scene("over_the_box"))
     box = next(member for member in scene.cast if isinstance(member, Prop))
     assert isinstance(box.prop, BoxShape)
@@ -203,7 +203,7 @@ def test_the_antelope_of_the_shipped_scene_gets_over_its_box() -> None:
 
 
 @pytest.mark.nightly
-def test_the_same_bytes_again() -> None:
+def test_takes_are_reproducible() -> None:
     digests = set[str]()
     for _ in range(2):
         simulation = Simulation(over("antelope", *BOXES["antelope"], duration=9))
@@ -222,7 +222,7 @@ def simulated(scene: Scene) -> Take:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("size", "cause"), [((0.4, 2.5), "too high"), ((9.0, 0.5), "too long")])
-def test_walks_on_where_it_cannot_jump_and_says_why(size: tuple[float, float], cause: str) -> None:
+def test_impossible_jump_is_noted(size: tuple[float, float], cause: str) -> None:
     scene = over("antelope", *size, duration=3)
     take = simulated(scene)
     (note,) = take.notes
@@ -233,7 +233,7 @@ def test_walks_on_where_it_cannot_jump_and_says_why(size: tuple[float, float], c
 
 
 @pytest.mark.slow
-def test_does_not_jump_over_what_it_is_too_near_to_stop_before() -> None:
+def test_hurdle_too_near_to_stop_is_not_jumped() -> None:
     words = "{name: a, figure: antelope, at: [3.2, 0], walk: {path: [[9, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 2]}, at: [4, 0]}"
     more = "script: [{at: 0.2, who: a, do: {hop_over: box}}]"
@@ -243,7 +243,7 @@ def test_does_not_jump_over_what_it_is_too_near_to_stop_before() -> None:
 
 
 @pytest.mark.nightly
-def test_comes_to_a_box_beside_its_way_and_back_to_that() -> None:
+def test_detour_to_a_box_returns_to_the_route() -> None:
     words = "{name: a, figure: antelope, walk: {path: [[12, 0]]}}"
     box = "{name: box, prop: {shape: box, size: [0.4, 0.4, 1]}, at: [4, 2], heading_deg: -25}"
     more = "script: [{at: 0.1, who: a, do: {hop_over: box}}]"
@@ -253,7 +253,7 @@ def test_comes_to_a_box_beside_its_way_and_back_to_that() -> None:
 
 
 @pytest.mark.nightly
-def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
+def test_jump_to_a_point_then_the_next_order() -> None:
     words = "{name: a, figure: antelope, walk: {}, pronk: {max_force: 4}}"
     more = (
         "script: [{at: 1, who: a, do: {jump: {land_at: [2.5, -0.5], height: 0.3}}},"
@@ -274,7 +274,7 @@ def test_jumps_to_where_it_is_told_and_then_follows_the_next_order() -> None:
 
 
 @pytest.mark.nightly
-def test_jumps_over_a_body_where_it_has_come_to_lie() -> None:
+def test_jump_over_a_fallen_body() -> None:
     words = "{name: a, figure: antelope, walk: {path: [[8, 0]]}}"
     box = "{name: box, body: {shape: box, size: [0.4, 0.4, 1.2]}, at: [4, 0.9, 0]}"
     more = "script: [{at: 1.5, who: a, do: {hop_over: box}}]"
@@ -294,7 +294,7 @@ def directed(script: str, duration: float = 8, words: str = "", *others: str) ->
 
 
 @pytest.mark.slow
-def test_a_kangaroo_hops_over_a_crate_and_on() -> None:
+def test_hopper_clears_a_crate_and_hops_on() -> None:
     crate = "{name: crate, prop: {shape: box, size: [0.5, 0.5, 1.5]}, at: [5, 0]}"
     hops = directed("{at: 1, who: roo, do: {hop_over: crate}}", 6, "", crate)
     assert lowest_over(hops.take, "roo", 4.75, 5.25) > 0.52
@@ -302,7 +302,7 @@ def test_a_kangaroo_hops_over_a_crate_and_on() -> None:
     assert not [one for one in hops.take.notes if one.kind != "misplaced"]
 
 
-def test_goes_to_a_place_and_lands_on_it() -> None:
+def test_go_to_lands_on_the_place() -> None:
     hops = directed("{at: 1, who: roo, do: {go_to: [4, 3]}}", 9)
     state = hops.troupe.simulations[0].state
     assert state.phase == "standing"
@@ -310,7 +310,7 @@ def test_goes_to_a_place_and_lands_on_it() -> None:
     assert hops.seen[0][-1].tilt < math.radians(3)
 
 
-def test_stops_after_the_present_jump_and_hops_on_when_told() -> None:
+def test_stop_and_hop_orders() -> None:
     script = "{at: 1.6, who: roo, do: stop}, {at: 5, who: roo, do: hop}"
     hops = directed(script, 8)
     jumps = {seen.jumps for seen in hops.seen[0] if 3.5 < seen.time < 5.0}
@@ -321,7 +321,7 @@ def test_stops_after_the_present_jump_and_hops_on_when_told() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("at", [1.5, 2.2, 2.5, 2.8, 3.1])
-def test_stops_on_its_way_to_a_place_whatever_it_is_about(at: float) -> None:
+def test_stop_cancels_go_to_in_any_phase(at: float) -> None:
     script = f"{{at: 0.5, who: roo, do: {{go_to: [20, 0]}}}}, {{at: {at}, who: roo, do: stop}}"
     hops = directed(script, 7)
     before = max(seen.jumps for seen in hops.seen[0] if seen.time <= at)
@@ -330,7 +330,7 @@ def test_stops_on_its_way_to_a_place_whatever_it_is_about(at: float) -> None:
 
 
 @pytest.mark.nightly
-def test_who_walks_beside_one_that_jumps_walks_as_if_alone() -> None:
+def test_jump_does_not_affect_other_walkers() -> None:
     beside = "{name: b, figure: beetle, at: [0, 3], walk: {}}"
     jumps = "{name: a, figure: antelope, at: [0, -3], walk: {}}"
     more = "script: [{at: 0.5, who: a, do: {jump: {}}}]"
@@ -344,7 +344,7 @@ def test_who_walks_beside_one_that_jumps_walks_as_if_alone() -> None:
     assert (both.positions[:rows, nodes] == alone.positions).all()
 
 
-def test_waits_and_hops_on() -> None:
+def test_wait_order() -> None:
     hops = directed("{at: 1.5, who: roo, do: {wait: 3}}", 8)
     standing = [seen.time for seen in hops.seen[0] if seen.phase == "standing" and seen.time > 2]
     assert standing
@@ -353,7 +353,7 @@ def test_waits_and_hops_on() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("angle", [40, -160])
-def test_turns_by_as_much_as_it_is_told(angle: float) -> None:
+def test_turn_order(angle: float) -> None:
     hops = directed(f"{{at: 1.5, who: roo, do: {{turn_deg: {angle}}}}}", 8)
     v = hops.lifts[-1][1]
     went = math.degrees(math.atan2(-v[2], v[0]))
@@ -361,19 +361,19 @@ def test_turns_by_as_much_as_it_is_told(angle: float) -> None:
     assert max(seen.tilt for seen in hops.seen[0]) < math.radians(15)
 
 
-def test_goes_at_another_speed() -> None:
+def test_speed_order() -> None:
     hops = directed("{at: 2, who: roo, do: {speed: 4.5}}", 6)
     assert np.linalg.norm(hops.lifts[-1][1]) == pytest.approx(4.5, rel=1e-6)
 
 
-def test_makes_one_jump_as_asked_and_then_its_own_again() -> None:
+def test_single_jump_order() -> None:
     hops = directed("{at: 1.3, who: roo, do: {jump: {height: 0.8, distance: 1.0}}}", 6)
     apexes = [float(v[1] ** 2) / (2 * 9.81) for _, v in hops.lifts]
     assert max(apexes) == pytest.approx(0.8, rel=1e-3)
     assert sum(abs(one - 0.5) < 1e-3 for one in apexes) == len(apexes) - 1
 
 
-def test_others_wait_for_a_hopper_that_arrives() -> None:
+def test_arrival_of_a_hopper_triggers_orders() -> None:
     script = (
         "{at: 0.5, who: roo, do: {go_to: [2, 0]}},"
         "{when: {arrived: roo}, who: roo, do: {jump: {land_at: [3, 0]}}}"
@@ -389,9 +389,9 @@ def test_others_wait_for_a_hopper_that_arrives() -> None:
 @pytest.mark.parametrize(
     ("member", "do", "message"),
     [
-        ("pronk: {}", "walk", "tell it hop"),
-        ("pronk: {}", "{gait: trot}", "hops, and can be told"),
-        ("pronk: {}", "{mood: proud}", "hops, and can be told"),
+        ("pronk: {}", "walk", "order hop"),
+        ("pronk: {}", "{gait: trot}", "hops, and can hop"),
+        ("pronk: {}", "{mood: proud}", "hops, and can hop"),
         ("walk: {}", "hop", "'a' walks"),
         ("walk: {}", "{hop_over: bxo}", "did you mean 'box'"),
         ("walk: {}", "{hop_over: a}", "cannot jump over itself"),
@@ -399,13 +399,13 @@ def test_others_wait_for_a_hopper_that_arrives() -> None:
         ("walk: {}", "{jump: {land_at: [1, 0], distance: 2}}", "take one of the two away"),
         ("walk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),
         ("pronk: {}", "{jump: {distance: 4, speed: 2}}", "has a height only if"),
-        ("walk: {}, pose: [{at: 1, limb: arm_r, reach: [0, 1, 0]}]", "{jump: {}}", "is posed"),
+        ("walk: {}, pose: [{at: 1, limb: arm_r, reach: [0, 1, 0]}]", "{jump: {}}", "has a pose"),
         ("walk: {}, pronk: {jumps: 3}", "stop", "jumps when a script says so"),
         ("walk: {}, pronk: {max_force: 0.1}", "{jump: {}}", "leave the ground"),
         ("at: [0, 0]", "{jump: {}}", "neither walks nor hops"),
     ],
 )
-def test_refuses(member: str, do: str, message: str) -> None:
+def test_invalid_orders_are_refused(member: str, do: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
         Simulation(
             scene_of(
@@ -427,7 +427,7 @@ def corners(size: tuple[float, float, float], middle: tuple[float, float, float]
 
 
 @pytest.mark.parametrize("deg", [0.0, 30.0, 45.0, 80.0])
-def test_a_hurdle_is_what_of_a_box_is_in_the_strip(deg: float) -> None:
+def test_hurdle_profile_of_a_box_in_a_strip(deg: float) -> None:
     """A box turned by an angle: its sides cut the edges of the strip where lines meet."""
     long, wide, half = 0.4, 6.0, 0.3
     box = corners((long, 0.5, wide), (3.0, 0.25, 0.0), deg)
@@ -441,7 +441,7 @@ def test_a_hurdle_is_what_of_a_box_is_in_the_strip(deg: float) -> None:
     np.testing.assert_allclose(one.top, 0.5, atol=1e-9)
 
 
-def test_a_hurdle_is_as_high_as_the_highest_of_its_solids_everywhere() -> None:
+def test_hurdle_profile_is_the_maximum_of_its_solids() -> None:
     low = corners((1.0, 0.2, 1.0), (2.0, 0.1, 0.0), 0.0)
     high = corners((0.2, 0.6, 1.0), (2.3, 0.3, 0.0), 0.0)
     one = hurdle_profile([low, high], np.zeros(2), 0.0, 0.2)

@@ -1,4 +1,4 @@
-"""Denavit-Hartenberg parameters give back every pose that they were made from."""
+"""Denavit-Hartenberg parameters reproduce the poses that they were made from."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ def _round_trip(skeleton: Skeleton, chance: np.random.Generator) -> None:
     assert np.abs(rebuilt - JointTree.of(skeleton).pose(q)).max() < 1e-9
 
 
-def test_the_library_comes_back(shipped: Figure) -> None:
+def test_library_figures_round_trip(shipped: Figure) -> None:
     chance = np.random.default_rng(1)
     _round_trip(shipped.skeleton, chance)
     _round_trip(reroot(shipped.skeleton, len(shipped.skeleton.links) - 1), chance)
 
 
-def test_random_figures_come_back(random_skeleton: Maker) -> None:
+def test_random_figures_round_trip(random_skeleton: Maker) -> None:
     chance = np.random.default_rng(2)
     for _ in range(200):
         _round_trip(random_skeleton(chance, int(chance.integers(1, 13))), chance)
 
 
-def test_four_numbers_say_what_the_notation_means(random_skeleton: Maker) -> None:
+def test_a_and_alpha_are_distance_and_angle_between_axes(random_skeleton: Maker) -> None:
     """Two axes are the distance a and the angle α apart."""
     chance = np.random.default_rng(3)
     for _ in range(50):
@@ -55,7 +55,7 @@ def test_four_numbers_say_what_the_notation_means(random_skeleton: Maker) -> Non
         assert figure.a[1] >= 0.0
 
 
-def test_the_table_has_a_row_a_joint(beetle: Figure) -> None:
+def test_table_has_one_row_a_joint(beetle: Figure) -> None:
     rows = denavit_table(beetle.skeleton)
     assert [row.joint for row in rows] == list(beetle.skeleton.joint_names)
     assert rows[0].parent == "body"

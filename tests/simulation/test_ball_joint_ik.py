@@ -1,4 +1,4 @@
-"""Branches: other ways to a goal, and the limbs that take them."""
+"""Inverse kinematics through a ball joint: other branches, and limbs that need them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _some(skeleton: Skeleton, count: int, kind: str = "") -> LimbBatch:
 
 
 @pytest.mark.slow
-def test_a_free_ball_joint_always_finds_the_goal(shipped: Figure) -> None:
+def test_an_unlimited_ball_joint_reaches_every_goal(shipped: Figure) -> None:
     """Where a bend gives the distance, a turn that no limit clips gives the place.
 
     Only close to the first axis may the tip fall between two of the swivels looked at: it
@@ -52,7 +52,7 @@ def test_a_free_ball_joint_always_finds_the_goal(shipped: Figure) -> None:
     assert there[as_far & clear].all()
 
 
-def test_branches_keep_their_limits(shipped: Figure) -> None:
+def test_branches_are_within_joint_limits(shipped: Figure) -> None:
     """Within reach and beyond it."""
     batch = _some(shipped.skeleton, 5)
     tips = batch.pose(_uniform(batch, np.random.default_rng(2))).tips
@@ -63,7 +63,7 @@ def test_branches_keep_their_limits(shipped: Figure) -> None:
 
 
 @pytest.mark.parametrize("name", ["person", "kangaroo"])
-def test_arms_swing_over_the_top(library: Callable[[str], Figure], name: str) -> None:
+def test_branches_free_arms_stuck_at_a_limit(library: Callable[[str], Figure], name: str) -> None:
     """Iterations alone drive some back into the shoulder's limit; no limb is left there."""
     arms = _some(library(name).skeleton, 100, "arm")
     goals = arms.pose(_uniform(arms, np.random.default_rng(3))).tips
@@ -74,7 +74,7 @@ def test_arms_swing_over_the_top(library: Callable[[str], Figure], name: str) ->
     assert (found.residual[stuck] <= TOLERANCE * arms.lengths[stuck]).mean() >= 0.97
 
 
-def test_left_and_right_arms_mirror_each_other(library: Callable[[str], Figure]) -> None:
+def test_left_and_right_arms_are_mirror_images(library: Callable[[str], Figure]) -> None:
     """What one reaches, the other reaches on its own side with the same bends."""
     skeleton = library("person").skeleton
     left, right = (

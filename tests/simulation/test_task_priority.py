@@ -1,4 +1,4 @@
-"""Goals by priority: nothing leaks upward, at the level of velocities."""
+"""Task priority: lower goals never disturb higher ones."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _left(task: Task, velocities: Array) -> Array:
     return task.velocity - (task.jacobian @ velocities[..., None])[..., 0]
 
 
-def test_what_is_left_over_moves_no_tip() -> None:
+def test_null_space_motion_moves_no_tip() -> None:
     """‖J (I - J⁺J) z‖ ≤ 1e-9 ‖z‖, undamped."""
     chance = np.random.default_rng(1)
     for n in (2, 3, 5, 8):
@@ -50,7 +50,7 @@ def test_what_is_left_over_moves_no_tip() -> None:
 
 
 @pytest.mark.parametrize("damping", [0.0, 1e-3, 0.3])
-def test_a_lower_priority_never_worsens_a_higher_one(damping: float) -> None:
+def test_lower_tasks_never_worsen_higher_ones(damping: float) -> None:
     chance = np.random.default_rng(2)
     for sizes in ((3, 1, 2), (3, 3, 3), (2, 1, 1, 4), (6, 3)):
         tasks = _tasks(chance, sizes, 7, 60)
@@ -64,7 +64,7 @@ def test_a_lower_priority_never_worsens_a_higher_one(damping: float) -> None:
                 assert (b <= a + 1e-9 * scale).all()
 
 
-def test_one_task_is_the_pseudo_inverse() -> None:
+def test_single_task_is_the_pseudo_inverse() -> None:
     chance = np.random.default_rng(3)
     for m, n in ((3, 6), (3, 3), (3, 2), (6, 4)):
         J, v = chance.normal(size=(20, m, n)), chance.normal(size=(20, m))
@@ -72,7 +72,7 @@ def test_one_task_is_the_pseudo_inverse() -> None:
         assert np.allclose(solve_priorities([Task(J, v)]), expected, atol=1e-10)
 
 
-def test_equations_b7_and_b9_are_one() -> None:
+def test_equations_b7_and_b9_agree() -> None:
     chance = np.random.default_rng(4)
     J, v = chance.normal(size=(20, 3, 6)), chance.normal(size=(20, 3))
     z = chance.normal(size=(20, 6))
@@ -85,7 +85,7 @@ def test_equations_b7_and_b9_are_one() -> None:
     assert np.allclose(solve_priorities([Task(J, v), Task.wish(z)]), b7)
 
 
-def test_between_limits_a_step_is_the_best_there_is(beetle: Figure) -> None:
+def test_bounded_step_is_optimal_within_limits(beetle: Figure) -> None:
     """No small change of joint values within the limits lessens the first task's error."""
     legs = LimbBatch.of([(beetle.skeleton, leg) for leg in beetle.skeleton.legs])
     chance = np.random.default_rng(5)
@@ -108,7 +108,7 @@ def test_between_limits_a_step_is_the_best_there_is(beetle: Figure) -> None:
             assert (cost(other) >= cost(after) - 1e-7).all()
 
 
-def test_weights_add_up(beetle: Figure) -> None:
+def test_weighted_goals_add_up(beetle: Figure) -> None:
     """Eq. B.10."""
     legs = LimbBatch.of([(beetle.skeleton, leg) for leg in beetle.skeleton.legs])
     pose = legs.pose(legs.preferred + 0.1 * legs.is_joint)
@@ -118,7 +118,7 @@ def test_weights_add_up(beetle: Figure) -> None:
     assert np.allclose(both.velocity, 0.5 * (legs.preferred - pose.q), atol=1e-6)
 
 
-def test_dexterity_has_its_gradient(shipped: Figure) -> None:
+def test_dexterity_gradient_matches_finite_differences(shipped: Figure) -> None:
     skeleton = shipped.skeleton
     limbs = LimbBatch.of([(skeleton, limb) for limb in skeleton.limbs])
     chance = np.random.default_rng(6)
@@ -141,7 +141,7 @@ def test_a_straight_leg_is_singular(beetle: Figure) -> None:
     ).all()
 
 
-def test_rotation_vectors_undo_rotations() -> None:
+def test_rotation_vector_inverts_rotation() -> None:
     chance = np.random.default_rng(7)
     axis = chance.normal(size=(200, 3))
     axis /= np.linalg.norm(axis, axis=-1, keepdims=True)
@@ -150,7 +150,7 @@ def test_rotation_vectors_undo_rotations() -> None:
         assert np.allclose(found, angle * axis, rtol=1e-6, atol=1e-15)
 
 
-def test_closest_points_are_closest() -> None:
+def test_closest_points_of_segments() -> None:
     chance = np.random.default_rng(8)
     a, b, c, d = chance.normal(size=(4, 300, 3))
     b[:40] = a[:40]  # points

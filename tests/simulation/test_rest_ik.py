@@ -1,4 +1,4 @@
-"""Legs settled block by block are the legs that the plain kinematics know, whoever is beside."""
+"""Block-wise solutions match the plain iterations and do not depend on other limbs."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _plainly(legs: LimbBatch, goals: Array) -> tuple[Array, Array]:
     return pose.q, np.linalg.norm(goals - pose.tips, axis=-1)
 
 
-def test_legs_come_to_the_same_values_as_by_the_plain_iterations(
+def test_solutions_match_plain_iterations(
     library: Callable[[str], Figure],
 ) -> None:
     names = ("beetle", "horse", "person", "kangaroo", "centipede")
@@ -63,7 +63,7 @@ def test_legs_come_to_the_same_values_as_by_the_plain_iterations(
         assert np.abs(settled.q[moment] - q)[near].max() < 1e-9
 
 
-def test_frames_and_distances_are_those_of_the_joint_values(shipped: Figure) -> None:
+def test_frames_and_residuals_match_joint_values(shipped: Figure) -> None:
     legs, owner = _legs([shipped, shipped])
     if not len(owner):
         return
@@ -76,7 +76,7 @@ def test_frames_and_distances_are_those_of_the_joint_values(shipped: Figure) -> 
         assert np.abs(residual - np.linalg.norm(goal - pose.tips, axis=-1)).max() < 1e-12
 
 
-def test_chains_nobody_drew_go_where_their_joints_take_them(
+def test_random_chains_match_limb_poses(
     random_skeleton: Callable[[np.random.Generator, int], Skeleton],
 ) -> None:
     """Axes that are parallel, opposite or cross, joints that slide, places that coincide."""
@@ -104,7 +104,7 @@ def test_chains_nobody_drew_go_where_their_joints_take_them(
 
 
 @pytest.mark.parametrize("block", [1, 7, 64, 100_000])
-def test_the_last_bit_does_not_hang_on_who_is_beside(
+def test_results_do_not_depend_on_other_limbs(
     library: Callable[[str], Figure], monkeypatch: pytest.MonkeyPatch, block: int
 ) -> None:
     legs, owner = _legs([library(name) for name in ("beetle", "antelope", "person", "beetle")])

@@ -1,4 +1,4 @@
-"""Any link as the base, any two places as a limb: nothing moves by that alone."""
+"""Any link as the base, any two places as a limb: a change of base moves nothing."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _same_poses(skeleton: Skeleton, link: int, chance: np.random.Generator) -> S
     return rooted
 
 
-def test_every_link_of_the_library_can_be_the_base(shipped: Figure) -> None:
+def test_every_library_link_can_be_the_base(shipped: Figure) -> None:
     chance = np.random.default_rng(1)
     for link in range(len(shipped.skeleton.links)):
         rooted = _same_poses(shipped.skeleton, link, chance)
@@ -54,7 +54,7 @@ def test_every_link_of_the_library_can_be_the_base(shipped: Figure) -> None:
         _same_poses(rooted, int(chance.integers(len(rooted.links))), chance)
 
 
-def test_random_figures_stand_still_while_their_base_changes(random_skeleton: Maker) -> None:
+def test_base_changes_of_random_figures_move_nothing(random_skeleton: Maker) -> None:
     chance = np.random.default_rng(2)
     for _ in range(100):
         skeleton = random_skeleton(chance, int(chance.integers(1, 13)))
@@ -62,7 +62,7 @@ def test_random_figures_stand_still_while_their_base_changes(random_skeleton: Ma
             skeleton = _same_poses(skeleton, int(link), chance)
 
 
-def test_there_and_back_is_the_same_figure(shipped: Figure) -> None:
+def test_base_change_is_reversible(shipped: Figure) -> None:
     skeleton = shipped.skeleton
     for link in range(len(skeleton.links)):
         back = reroot(reroot(skeleton, link), 0)
@@ -71,7 +71,7 @@ def test_there_and_back_is_the_same_figure(shipped: Figure) -> None:
         assert [x.joint for x in back.links] == [x.joint for x in skeleton.links]
 
 
-def test_limbs_agree_with_the_tree_they_stand_in(shipped: Figure) -> None:
+def test_limbs_agree_with_their_tree(shipped: Figure) -> None:
     for link in range(len(shipped.skeleton.links)):
         rooted = reroot(shipped.skeleton, link)
         for limb in rooted.limbs:
@@ -80,7 +80,7 @@ def test_limbs_agree_with_the_tree_they_stand_in(shipped: Figure) -> None:
             assert limb.length > 0.0
 
 
-def test_a_limb_reaches_across_the_old_base(shipped: Figure) -> None:
+def test_limb_across_the_old_base(shipped: Figure) -> None:
     """Its tip, and how it moves, are those of the whole figure seen from the base link."""
     skeleton = shipped.skeleton
     ends = [limb.links[-1] for limb in skeleton.limbs]
@@ -97,7 +97,7 @@ def test_a_limb_reaches_across_the_old_base(shipped: Figure) -> None:
         assert np.allclose(pose.tips[0], there[:3], atol=1e-12)
 
 
-def test_a_limb_between_joints_moves_its_base_and_not_its_tip(beetle: Figure) -> None:
+def test_limb_between_joints_excludes_its_tip_joint(beetle: Figure) -> None:
     skeleton = beetle.skeleton
     _, limb = limb_between(skeleton, "l1.base_yaw", "l1.joint1_bend")
     assert [skeleton.joint_names[j] for j in limb.joints] == [
@@ -116,7 +116,7 @@ def test_a_limb_between_joints_moves_its_base_and_not_its_tip(beetle: Figure) ->
     assert np.allclose(across.tip, skeleton.places[skeleton.joint_names.index("r2.joint1_bend")])
 
 
-def test_a_whole_limb_between_its_ends_is_the_limb(shipped: Figure) -> None:
+def test_limb_between_its_own_ends_is_the_limb(shipped: Figure) -> None:
     skeleton = shipped.skeleton
     for limb in skeleton.limbs:
         _, same = limb_between(skeleton, "body", skeleton.links[limb.links[-1]].name)
@@ -125,7 +125,7 @@ def test_a_whole_limb_between_its_ends_is_the_limb(shipped: Figure) -> None:
         assert np.allclose(same.tip, limb.tip)
 
 
-def test_a_limb_from_nowhere_is_refused(beetle: Figure) -> None:
+def test_limb_between_unknown_links_is_refused(beetle: Figure) -> None:
     with pytest.raises(SimulationError, match="no link or joint 'wing'"):
         limb_between(beetle.skeleton, "wing", "l1.1")
     with pytest.raises(SimulationError, match="there is no joint"):

@@ -15,6 +15,7 @@ import pytest
 
 from audio.config.sound import Sound
 from audio.score import Score, ScoreEvent
+from audio.wav_file import write_wav
 
 
 @dataclass
@@ -208,3 +209,15 @@ def _score(
 def score_of() -> Callable[..., Score]:
     """Return a factory of scores: events, frames, rate and sound configuration."""
     return _score
+
+
+@pytest.fixture
+def render(read_wav: Callable[[Path], Any], tmp_path: Path) -> Callable[..., Any]:
+    """Return a function that renders a score in a dry room without mastering: (N, 2)."""
+
+    def play(*args: Any, sound: Any = None, **fields: Any) -> Any:
+        config = {"room": "dry", "master": "off", **(sound or {})}
+        write_wav(_score(*args, sound=config, **fields), tmp_path / "render.wav")
+        return read_wav(tmp_path / "render.wav")
+
+    return play

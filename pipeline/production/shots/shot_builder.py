@@ -91,8 +91,8 @@ class Shooting:
         """Return the ground with the footprints that have been made by a row of the take."""
         near, *others = self._ground
         made = self._prints.made(row) if self._prints else 0
-        if near.printed != made:
-            self._ground = replace(near, printed=made), *others
+        if near.footprint_count != made:
+            self._ground = replace(near, footprint_count=made), *others
         return self._ground
 
 

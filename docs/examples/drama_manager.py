@@ -2,10 +2,10 @@
 
     python docs/examples/drama_manager.py SCENE [--out FOLDER] [--pronk COMMAND]
 
-It starts `pronk direct SCENE` and queries the cast. Until the end of the scene it sends the performer
-that waited longest to the one that was visited least. On arrival the visited performer looks at the
-visitor, and the next pair follows. Performers that can hug do so. Nothing of pronk is imported: any
-program that speaks JSON-RPC 2.0 can do the same.
+It starts `pronk direct SCENE` and queries the cast. Until the end of the scene it sends the
+performer that waited longest to the one that was visited least. On arrival the visited performer
+looks at the visitor, and the next pair follows. Performers that can hug do so. Nothing of pronk is
+imported: any program that speaks JSON-RPC 2.0 can do the same.
 """
 
 import argparse
@@ -81,7 +81,9 @@ class Manager:
             others = [name for name in self.cast if name != visitor]
             visited = min(others, key=lambda name: (self._visited[name], self._last[name], name))
             hugs = self._send(visitor, visited)
-            found = self.stage.ask("step", event=["arrived"], who=[visitor], until=time + VISIT_TIMEOUT)
+            found = self.stage.ask(
+                "step", event=["arrived"], who=[visitor], until=time + VISIT_TIMEOUT
+            )
             time, finished = found["time"], found["finished"]
             self._last[visitor] = time
             self._visited[visited] += 1
@@ -132,7 +134,9 @@ def main():
     end = stage.ask("end")
     for visitor, visited, time in manager.meetings:
         print(f"{time:6.2f} s  {visitor} has come to {visited}")
-    counts = {kind: sum(event["kind"] == kind for event in stage.events) for kind in ("touch", "pain")}
+    counts = {
+        kind: sum(event["kind"] == kind for event in stage.events) for kind in ("touch", "pain")
+    }
     print(f"{counts['touch']} touches, {counts['pain']} of them painful" if counts["touch"] else "")
     print(f"the scene: {end['scene']}\nits take: {end['take']}")
     return stage.leave()

@@ -60,12 +60,12 @@ class Seen:
     @property
     def q(self) -> Array:
         """(K, M) values of the joints that carry nothing [rad]."""
-        count = len(self.walkers.poses.free_limbs.joints.names)
+        count = len(self.walkers.pose_solver.free_limbs.joints.names)
         return self.recorder.values[:, self.recorder.values.shape[1] - count :]
 
     def joint(self, name: str) -> Array:
         """(K,) values of one of them [rad]."""
-        names = self.walkers.poses.free_limbs.joints.names
+        names = self.walkers.pose_solver.free_limbs.joints.names
         return self.q[:, [own.partition(".")[2] for own in names].index(name)]
 
     @property
@@ -82,7 +82,7 @@ class Seen:
         node = self.names.index(f"{self.walkers.herd.names[0]}.{link.name}")
         R, p = self.recorder.rotations[:, node], self.recorder.positions[:, node]
         # What looks along +X where the figure stands in its preferred pose.
-        ahead = self.walkers.poses.free_limbs.necks.rest[0].T @ [1.0, 0.0, 0.0]
+        ahead = self.walkers.pose_solver.free_limbs.necks.rest[0].T @ [1.0, 0.0, 0.0]
         return p + turn(R, limb.tip - link.ends[0]), turn(R, np.tile(ahead, (len(R), 1)))
 
 
@@ -119,7 +119,7 @@ def test_gaze_changes_target_without_a_jolt() -> None:
     script = "script:\n- {at: 1, who: horse, do: {look_at: bug}}\n"
     script += "- {at: 3, who: horse, do: {look: ahead}}"
     seen = Seen("{figure: horse, walk: {gait: walk}}" + other, duration=5, more=script)
-    joints = seen.walkers.poses.free_limbs.joints
+    joints = seen.walkers.pose_solver.free_limbs.joints
     yaw = np.degrees(seen.q[:, joints.names.index("horse.head.base_yaw")])
     assert np.abs(yaw[:96]).max() < 5.0
     assert yaw[288] < -15.0  # to the right
@@ -178,7 +178,7 @@ def test_refuses_impossible_look_targets(words: str, message: str) -> None:
 @pytest.mark.parametrize("name", LIBRARY)
 def test_free_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
     seen = Seen(f"{{figure: {name}, walk: {{}}}}", duration=2)
-    limits = seen.walkers.poses.free_limbs.joints.limits
+    limits = seen.walkers.pose_solver.free_limbs.joints.limits
     assert (seen.q > limits.lower).all()
     assert (seen.q < limits.upper).all()
     assert np.abs(np.diff(seen.q, 2, axis=0)).max(initial=0.0) < QUICK * ROW**2
@@ -187,7 +187,7 @@ def test_free_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
 @pytest.mark.parametrize("looseness", [0.0, 2.0, 30.0])
 def test_joint_limits_hold_at_any_looseness(looseness: float) -> None:
     seen = Seen("{figure: horse, walk: {gait: bound}}", looseness=looseness, tail_raise=3.0)
-    limits = seen.walkers.poses.free_limbs.joints.limits
+    limits = seen.walkers.pose_solver.free_limbs.joints.limits
     assert (seen.q > limits.lower).all()
     assert (seen.q < limits.upper).all()
 

@@ -36,7 +36,7 @@ def walked(name: str) -> bool:
 def left_alone(walk: Walk) -> Array:
     """Return (K, L) which feet are left to their walk, not moved by an author."""
     times = np.arange(len(walk.phases)) * walk.simulation.world.clock.dt
-    return walk.walkers.authored.free_fraction(times) > 0.999
+    return walk.walkers.authored_poses.free_fraction(times) > 0.999
 
 
 @pytest.mark.slow

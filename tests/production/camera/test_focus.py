@@ -9,7 +9,7 @@ import pytest
 
 from pipeline.errors import SceneError
 from pipeline.production.camera.cuts import camera_poses
-from pipeline.production.camera.parent_nodes import mounts_of, sharp_nodes_of
+from pipeline.production.camera.parent_nodes import camera_parents, focus_nodes
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
@@ -42,7 +42,7 @@ def filmed(take: Take, camera: str) -> tuple[CameraPose, ...]:
     scene = scene_of(camera)
     nodes = take.nodes
     return camera_poses(
-        take, scene.camera, 1.5, mounts_of(scene, nodes), sharp_nodes_of(scene, nodes)
+        take, scene.camera, 1.5, camera_parents(scene, nodes), focus_nodes(scene, nodes)
     )
 
 
@@ -79,7 +79,7 @@ def test_it_is_sharp_where_it_is_told(take: Take, word: str, expected: Array) ->
 
 
 def test_it_is_sharp_on_a_link(take: Take) -> None:
-    (node,) = sharp_nodes_of(scene_of(f"{{{STANDS}, aperture: 2, focus: arm.hand}}"), take.nodes
+    (node,) = focus_nodes(scene_of(f"{{{STANDS}, aperture: 2, focus: arm.hand}}"), take.nodes
                              ).values()  # fmt: skip
     poses = filmed(take, f"{{{STANDS}, aperture: 2, focus: arm.hand}}")
     rows = np.arange(48) * take.header.samples
@@ -161,6 +161,6 @@ def test_a_changed_lens_does_not_simulate() -> None:
 )
 def test_refuses(take: Take, camera: str, message: str) -> None:
     with pytest.raises(SceneError, match=message) as caught:
-        sharp_nodes_of(scene_of(camera), take.nodes)
+        focus_nodes(scene_of(camera), take.nodes)
     for problem in caught.value.problems:
         assert problem.line > 0

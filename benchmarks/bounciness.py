@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from pipeline.simulation.bodies.body_model import build_body
-from pipeline.simulation.dynamics.impact_law import MEASURED
+from pipeline.simulation.dynamics.impact_law import MEASURED_BOUNCINESS
 from pipeline.simulation.dynamics.mujoco_world import Collider, MujocoWorld
 from pipeline.simulation.dynamics.rigid_body import State
 from pipeline.simulation.terrain.heightfield import HeightField
@@ -59,6 +59,6 @@ def measured(b: float) -> tuple[float, float]:
 
 if __name__ == "__main__":
     print("asked      least   greatest")
-    for asked in MEASURED:
+    for asked in MEASURED_BOUNCINESS:
         least, greatest = measured(asked)
         print(f"{asked:5.2f}   {math.floor(1000 * least) / 1000:8.3f} {greatest:8.3f}")

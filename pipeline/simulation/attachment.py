@@ -1,6 +1,6 @@
-"""Attaching: performers that go along with others, and props that are taken and put down.
+"""Attachment: performers that move with others, and props that are taken and put down.
 
-Done after everybody has moved, parents first, so that nothing lags behind.
+It follows all motion of a step, parents first, so that nothing lags behind.
 
 Source: Sims 1987, 3.2.1 (parents and children).
 """
@@ -29,11 +29,11 @@ from pipeline.spec.suggestions import hint
 
 @dataclass(frozen=True, slots=True)
 class Grip:
-    """A time during which a prop is held.
+    """An interval during which a prop is held.
 
     Attributes:
-        node: that holds it.
-        rows: the first, and the first after it.
+        node: number of the holding node.
+        rows: first row, and first row after it.
     """
 
     node: int
@@ -42,15 +42,15 @@ class Grip:
 
 @dataclass(eq=False)
 class Attachment:
-    """What one performer goes along with.
+    """Parent and grips of one performer.
 
     Attributes:
         name: of the performer.
-        nodes: its own.
-        parent: node that it goes along with, -1 for the world.
+        nodes: numbers of its nodes.
+        parent: number of the parent node, -1 for the world.
         grips: in the order of time.
-        X_PB: (4, 4) where it was put down, relative to its parent; None before.
-        X_HB: (4, 4) where it is in the hand that holds it.
+        X_PB: (4, 4) pose where it was put down, relative to its parent; None before.
+        X_HB: (4, 4) pose in the hand that holds it.
     """
 
     name: str
@@ -61,12 +61,12 @@ class Attachment:
     X_HB: Array | None = None
 
     def apply(self, R: Array, p: Array, first: int) -> None:
-        """Bring its nodes into the world in n rows, after all that it goes along with.
+        """Transforms its nodes to the world in n rows, after all that it is attached to.
 
         Args:
             R: (n, J, 3, 3) rotations of all nodes; changed.
             p: (n, J, 3) their positions [m]; changed.
-            first: number of the first of the rows; they follow those of the last call.
+            first: number of the first row; rows follow those of the last call.
         """
         if self.parent >= 0:
             R_WP, p_WP = R[:, self.parent, None], p[:, self.parent, None]
@@ -77,11 +77,11 @@ class Attachment:
                 self._hold(R[i], p[i], first + i, int(self.nodes[0]))
 
     def _hold(self, R: Array, p: Array, row: int, own: int) -> None:
-        """Put a prop where it is in one row; R (J, 3, 3) and p (J, 3) are those of the row."""
+        """Places a held prop in one row; R (J, 3, 3) and p (J, 3) are those of the row."""
         X_WP = np.eye(4) if self.parent < 0 else _pose(R, p, self.parent)
         X_WB = _pose(R, p, own) if self.X_PB is None else X_WP @ self.X_PB
         for grip in self.grips:
-            # Let go where the hand has it now; then another may take it.
+            # The pose in this hand is where the prop is released, or passed to another hand.
             if grip.rows[0] <= row <= grip.rows[1]:
                 X_WH = _pose(R, p, grip.node)
                 if row == grip.rows[0] or self.X_HB is None:
@@ -91,23 +91,23 @@ class Attachment:
         R[own], p[own] = X_WB[:3, :3], X_WB[:3, 3]
 
 
-def split(
-    bonds: Sequence[Attachment], late: Sequence[int]
+def split_attachments(
+    attachments: Sequence[Attachment], late: Sequence[int]
 ) -> tuple[list[Attachment], list[Attachment]]:
-    """Return the bonds, parents first, that have nothing to do with some nodes, and the rest.
+    """Returns the attachments that do not depend on some nodes, and the rest, parents first.
 
     Args:
-        bonds: parents first.
+        attachments: parents first.
         late: nodes whose poses are known later than others'.
     """
     waiting = set(late)
     early, rest = list[Attachment](), list[Attachment]()
-    for bond in bonds:
-        if waiting.isdisjoint([bond.parent, *(grip.node for grip in bond.grips)]):
-            early.append(bond)
+    for attachment in attachments:
+        if waiting.isdisjoint([attachment.parent, *(grip.node for grip in attachment.grips)]):
+            early.append(attachment)
         else:
-            waiting.update(bond.nodes.tolist())
-            rest.append(bond)
+            waiting.update(attachment.nodes.tolist())
+            rest.append(attachment)
     return early, rest
 
 
@@ -123,7 +123,7 @@ def attachments_of(
     nodes: Sequence[Node],
     clock: Clock,
 ) -> list[Attachment]:
-    """Return what goes along with what, parents first.
+    """Returns all attachments of a scene, parents first.
 
     Args:
         cast: of the scene.
@@ -132,22 +132,22 @@ def attachments_of(
         clock: of the scene.
 
     Raises:
-        SceneError: if somebody has no such part, or two go along with one another.
+        SceneError: if a part does not exist, or attachments form a ring.
     """
     numbers = {node.name: i for i, node in enumerate(nodes)}
     problems = list[Problem]()
 
-    def node_of(whom: str, path: str) -> int:
-        found = node_number(whom, figures, numbers)
+    def node_of(part_name: str, path: str) -> int:
+        found = node_number(part_name, figures, numbers)
         if isinstance(found, str):
             problems.append(Problem(path, found))
             return -1
         return found
 
-    bonds = {}
+    attachments = {}
     for i, member in enumerate(cast):
         holds = member.held if isinstance(member, Prop) else ()
-        # A fire's flames leave their source; where that is, the group asks itself.
+        # Groups follow their parents themselves: flames leave a moving source.
         if isinstance(member, Group) or (member.parent is None and not holds):
             continue
         own = [k for k, node in enumerate(nodes) if node.performer == member.name]
@@ -155,41 +155,45 @@ def attachments_of(
         grips = tuple(
             Grip(
                 node_of(hold.by, f"cast[{i}].held[{k}].by"),
-                (_row(hold.at, clock), _row(hold.until, clock)),
+                (_row_at(hold.at, clock), _row_at(hold.until, clock)),
             )
             for k, hold in enumerate(holds)
         )
-        bonds[member.name] = Attachment(member.name, np.array(own), parent, grips)
+        attachments[member.name] = Attachment(member.name, np.array(own), parent, grips)
     if problems:
         raise SceneError(problems)
-    return _parents_first(bonds, nodes, [member.name for member in cast])
+    return _parents_first(attachments, nodes, [member.name for member in cast])
 
 
-def node_number(whom: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]) -> int | str:
-    """Return the number of the node that a performer or a part of one is called by.
+def node_number(
+    part_name: str, figures: Mapping[str, Figure], numbers: Mapping[str, int]
+) -> int | str:
+    """Returns the number of the node of a performer or of one of its parts.
 
     Args:
-        whom: such as bug, or bug.head.
+        part_name: such as bug, or bug.head.
         figures: of the creatures, by name.
         numbers: of all nodes, by name.
 
     Returns:
-        The number, or what is wrong with the name.
+        The number, or an error message.
     """
-    name, _, part = whom.partition(".")
+    name, _, part = part_name.partition(".")
     figure = figures.get(name)
-    found = _node(name, part, figure, numbers)
+    found = _find_node(name, part, figure, numbers)
     if found is not None:
         return found
     if not part:
-        return f"'{name}' is a group; say which of them, as {name}.0"
+        return f"'{name}' is a group; name a member, such as {name}.0"
     known = [n.partition(".")[2] for n in numbers if n.startswith(f"{name}.")]
     known += list(PartNames(figure).nodes) if figure is not None else []
     return f"'{name}' has no part '{part}', {hint(part, known)}"
 
 
-def _node(name: str, part: str, figure: Figure | None, numbers: Mapping[str, int]) -> int | None:
-    """Return the number of a link, or of the link that ends at a node of the drawing."""
+def _find_node(
+    name: str, part: str, figure: Figure | None, numbers: Mapping[str, int]
+) -> int | None:
+    """Returns the number of a link, or of the link that ends at a node of the drawing."""
     if not part:
         whole = (name, f"{name}.body", f"{name}.pelvis")
         return next((numbers[one] for one in whole if one in numbers), None)
@@ -204,8 +208,8 @@ def _node(name: str, part: str, figure: Figure | None, numbers: Mapping[str, int
     return numbers.get(f"{name}.{part}")
 
 
-def _row(time: float | None, clock: Clock) -> int:
-    """Return the first row at or after a time; one that never comes for None."""
+def _row_at(time: float | None, clock: Clock) -> int:
+    """Returns the first row at or after a time; one beyond the take for None."""
     if time is None:
         return clock.rows + 1
     per_row = clock.dt * clock.steps / clock.samples
@@ -213,21 +217,25 @@ def _row(time: float | None, clock: Clock) -> int:
 
 
 def _parents_first(
-    bonds: Mapping[str, Attachment], nodes: Sequence[Node], names: Sequence[str]
+    attachments: Mapping[str, Attachment], nodes: Sequence[Node], names: Sequence[str]
 ) -> list[Attachment]:
-    """Return the bonds in an order in which each comes after all that it depends on.
+    """Returns the attachments in an order in which each follows all that it depends on.
 
     Raises:
         SceneError: if there is none.
     """
     needs = {
-        name: {nodes[n].performer for n in (bond.parent, *(g.node for g in bond.grips)) if n >= 0}
-        for name, bond in bonds.items()
+        name: {
+            nodes[n].performer
+            for n in (attachment.parent, *(g.node for g in attachment.grips))
+            if n >= 0
+        }
+        for name, attachment in attachments.items()
     }
     try:
         order = list(TopologicalSorter(needs).static_order())
     except CycleError as error:
         ring = error.args[1]
-        message = f"go along with one another in a ring: {' with '.join(ring)}"
+        message = f"attachments form a ring: {' to '.join(ring)}; detach one of them"
         raise SceneError([Problem(f"cast[{names.index(ring[0])}].parent", message)]) from None
-    return [bonds[name] for name in order if name in bonds]
+    return [attachments[name] for name in order if name in attachments]

@@ -81,9 +81,9 @@ def makes_machine_code(scene: Scene) -> bool:
     }
     if not any(rooms.values()):
         return False
-    from pipeline.simulation.dynamics.compiled import is_made
+    from pipeline.simulation.dynamics.compiled import is_cached
 
-    return not all(is_made(room) for room, needed in rooms.items() if needed)
+    return not all(is_cached(room) for room, needed in rooms.items() if needed)
 
 
 def _creatures(scene: Scene, figures: dict[str, Figure], world: World) -> list[Troupe]:

@@ -1,8 +1,8 @@
-"""Clock: where step, row and frame meet.
+"""Clock: the grid of steps, rows and frames.
 
-The truth is an integer step. A frame is `steps` steps, a row of the take is
-`steps / samples` of them. Row 0 is frame 1, and S rows follow the last frame's,
-so that a shutter which opens in the last frame has something to see.
+The integer step is exact. A frame is `steps` steps, a row of the take is `steps / samples` of
+them. Row 0 is frame 1, and S rows follow the last frame's, for a shutter that opens in the last
+frame.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ class Clock:
     """The grid of one simulation.
 
     Attributes:
-        rate: frames a second.
+        rate: frames per second.
         frames: frames of the film.
-        steps: world steps a frame.
-        samples: rows of the take a frame; divides `steps`.
+        steps: world steps per frame.
+        samples: rows of the take per frame; divides `steps`.
     """
 
     rate: Fraction
@@ -36,7 +36,7 @@ class Clock:
 
     @property
     def last_step(self) -> int:
-        """The step at which the last row stands."""
+        """Step of the last row."""
         return self.frames * self.steps
 
     @property
@@ -45,20 +45,20 @@ class Clock:
         return self.frames * self.samples + 1
 
     def row_of_step(self, step: int) -> int | None:
-        """Return the row that stands at `step`, None between rows."""
+        """Returns the row at `step`, None between rows."""
         row, rest = divmod(step * self.samples, self.steps)
         return row if rest == 0 else None
 
     def step_of_row(self, row: int) -> int:
-        """Return the step at which `row` stands."""
+        """Returns the step of a row."""
         return row * self.steps // self.samples
 
     def row_of_frame(self, frame: int) -> int:
-        """Return the row that the 1-based `frame` shows."""
+        """Returns the row that the 1-based `frame` shows."""
         return (frame - 1) * self.samples
 
     def frame_of(self, step: int, fraction: float) -> int:
-        """Return the first frame that shows what happened `fraction` of a step after `step`.
+        """Returns the first frame that shows a moment, `fraction` of a step after `step`.
 
         May be one more than `frames`: what happens after the last frame is not shown.
         """
@@ -66,13 +66,13 @@ class Clock:
         return 1 + whole + (1 if rest > 0 or fraction > 0.0 else 0)
 
     def time_of(self, step: int, fraction: float = 0.0) -> Fraction:
-        """Return the exact time [s] of a moment; `fraction` is taken as it is stored."""
+        """Returns the exact time [s] of a moment."""
         return (step + Fraction(fraction)) / (self.rate * self.steps)
 
     def step_from(self, time: float) -> int:
-        """Return the first step that is not before `time` [s]."""
+        """Returns the first step that is not before `time` [s]."""
         return math.ceil(time * float(self.rate * self.steps) - 1e-9)
 
     def step_at(self, time: float) -> int:
-        """Return the last step that is not after `time` [s]."""
+        """Returns the last step that is not after `time` [s]."""
         return math.floor(time * float(self.rate * self.steps) + 1e-9)

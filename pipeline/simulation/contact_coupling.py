@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.attachment import Attachment, split
+from pipeline.simulation.attachment import Attachment, split_attachments
 from pipeline.simulation.dynamics.kinematic_bodies import KinematicBodies, Poses
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.solid import Motion, Obstacle
@@ -115,7 +115,7 @@ def coupling_of(
         return None
     hard = {m.name for m in scene.cast if isinstance(m, Creature | Dancer | Prop)}
     # A carried solid moves with its carrier.
-    _, carried = split(attachments, node_range(troupes, troupe))
+    _, carried = split_attachments(attachments, node_range(troupes, troupe))
     carried_nodes = {int(node) for attachment in carried for node in attachment.nodes}
     fixed = [o for o in obstacles() if o.performer in hard and o.node not in carried_nodes]
     owner = pushed_troupe(troupes)

@@ -1,4 +1,4 @@
-"""Curves: the splines that bodies, feet and cameras move along."""
+"""Curves: smooth steps, bumps, rounded corners and cyclic splines."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from pipeline.simulation.spatial import Array
 
 
 def ease(s: Array) -> Array:
-    """Map 0..1 to 0..1 with zero speed and acceleration at both ends.
+    """Maps 0..1 to 0..1 with zero speed and acceleration at both ends.
 
-    The path of least jerk between two points at rest.
+    The minimum-jerk path between two points at rest.
 
     Source: Flash and Hogan 1985.
     """
@@ -19,19 +19,19 @@ def ease(s: Array) -> Array:
 
 
 def bump(s: Array) -> Array:
-    """Map 0..1 to a smooth arch that rises from 0 to 1 at the middle and falls to 0.
+    """Maps 0..1 to a smooth arch that rises from 0 to 1 at the middle and falls to 0.
 
-    Rises with the square of `s` where `ease` rises with its cube, so a foot that
-    follows both leaves the ground upward before it moves forward.
+    It rises with the square of `s` where `ease` rises with its cube, so a foot that follows both
+    leaves the ground upward before it moves forward.
     """
     result: Array = 16.0 * s * s * (1.0 - s) * (1.0 - s)
     return result
 
 
 def hinge(x: Array, width: Array | float) -> Array:
-    """Return max(x, 0) with its corner rounded over ±`width`; never less than max(x, 0).
+    """Returns max(x, 0) with its corner rounded over ±`width`; never less than max(x, 0).
 
-    Speed stays continuous where a bound begins to act.
+    The derivative stays continuous where a bound begins to act.
     """
     rounded = (x + width) ** 2 / (4.0 * width)
     result: Array = np.where(x <= -width, 0.0, np.where(x >= width, x, rounded))
@@ -39,7 +39,7 @@ def hinge(x: Array, width: Array | float) -> Array:
 
 
 def cyclic(values: Array, phase: Array | float) -> Array:
-    """Evaluate a closed cubic spline through equally spaced `values` at `phase`.
+    """Evaluates a closed cubic spline through equally spaced `values` at `phase`.
 
     Args:
         values: (n,) values at phases 0, 1/n, 2/n, ...
@@ -62,6 +62,6 @@ def cyclic(values: Array, phase: Array | float) -> Array:
 
 
 def bounded(x: Array) -> Array:
-    """Return x / (1 + x⁴)^(1/4): x where it is small, and never beyond ±1, without a corner."""
+    """Returns x / (1 + x⁴)^(1/4): about x near 0, and never beyond ±1."""
     result: Array = x / np.sqrt(np.sqrt(1.0 + (x * x) * (x * x)))
     return result

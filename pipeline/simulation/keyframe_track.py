@@ -19,22 +19,22 @@ from pipeline.simulation.spatial import Array, rotation
 from pipeline.spec.keyframes import Ease
 
 SAME_TIME = 1e-9
-"""Two keys nearer in time than this are one after the other at one moment [s]."""
+"""Keys nearer in time than this are a jump at one moment [s]."""
 
 
 Key = tuple[float, Sequence[float], Ease]
-"""Time [s], values, and how they are come to."""
+"""Time [s], values, and the ease that leads to them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Values at certain times.
+    """Values at given times.
 
     Attributes:
         times: (n,) ascending [s].
         values: (n, d).
-        eases: how each key is come to.
-        tangents: (n, d) speeds that are given, NaN for those that are found; None for all.
+        eases: ease that leads to each key.
+        tangents: (n, d) given speeds, NaN for computed ones; None if all are computed.
     """
 
     times: Array
@@ -44,11 +44,11 @@ class Track:
 
     @staticmethod
     def of(keys: Sequence[Key], tangents: Sequence[Sequence[float] | None] = ()) -> Track:
-        """Return the track through keys: time, value and ease of each.
+        """Returns the track through keys: time, value and ease of each.
 
         Args:
             keys: in the order of time.
-            tangents: speed at each key, None where it is to be found; none are given if empty.
+            tangents: given speed at each key, None for a computed one; empty if none is given.
         """
         times, values, eases = zip(*keys, strict=True)
         given = None
@@ -59,11 +59,11 @@ class Track:
 
     @cached_property
     def speeds(self) -> Array:
-        """Speeds (n, d) at which a spline goes through each key."""
+        """Speeds (n, d) of the spline at each key."""
         n = len(self.times)
         spline = np.array([e == "spline" for e in self.eases])
         through = np.zeros_like(self.values)
-        # Of the parabola through a key and its neighbours; at rest at both ends.
+        # Derivative of the parabola through a key and its neighbours; zero at both ends.
         for i in range(1, n - 1):
             a, b = self.times[i] - self.times[i - 1], self.times[i + 1] - self.times[i]
             if min(a, b) > SAME_TIME and spline[i] and spline[i + 1]:
@@ -75,7 +75,7 @@ class Track:
         return through
 
     def __call__(self, times: Array) -> Array:
-        """Return the values (m, d) at `times` (m,); those of the end keys beyond them."""
+        """Returns the values (m, d) at `times` (m,); constant beyond the end keys."""
         if len(self.times) == 1:
             return np.repeat(self.values, len(times), axis=0)
         right = np.clip(np.searchsorted(self.times, times, side="right"), 1, len(self.times) - 1)
@@ -100,13 +100,13 @@ class Track:
 
 @dataclass(frozen=True, eq=False)
 class CyclicTrack:
-    """A track that begins again and again.
+    """A track that repeats.
 
     Attributes:
-        track: through its keys and through copies of them before and after, so that a spline
-            goes on through the ends.
-        first: when it begins [s].
-        period: after which it begins again [s].
+        track: through its keys and copies of them before and after, so that a spline is continuous
+            at the ends.
+        first: start of the first period [s].
+        period: [s].
     """
 
     track: Track
@@ -115,17 +115,17 @@ class CyclicTrack:
 
     @staticmethod
     def of(track: Track, first: float, period: float) -> CyclicTrack:
-        """Return the cycle of a track.
+        """Returns the cycle of a track.
 
         Args:
-            track: whose keys lie between `first` and a `period` later.
-            first: when it begins [s].
-            period: after which it begins again [s].
+            track: its keys lie within one `period` from `first`.
+            first: start of the first period [s].
+            period: [s].
         """
-        # What is whole turns on goes through the ends as fast as it came.
+        # An angle that gains whole turns passes the ends at constant speed.
         gain = track.values[-1] - track.values[0]
         keys = range(len(track.times))
-        # Where a key stands at both ends, one of the two is copied.
+        # If keys stand at both ends, only one of the two is copied.
         both = track.times[-1] - track.times[0] > period - SAME_TIME
         before, after = keys[: -1 if both else None], keys[1 if both else 0 :]
         order = [*before, *keys, *after]
@@ -140,20 +140,20 @@ class CyclicTrack:
         return CyclicTrack(whole_track, first, period)
 
     def __call__(self, times: Array) -> Array:
-        """Return the values (m, d) at `times` (m,)."""
-        # A hair early is as good as there: rows stand on keys but for rounding.
+        """Returns the values (m, d) at `times` (m,)."""
+        # Tolerance for rounding: rows stand on keys.
         since = np.mod(times - self.first + SAME_TIME, self.period) - SAME_TIME
         return self.track(self.first + since)
 
 
 @dataclass(frozen=True, eq=False)
 class BlendedTrack:
-    """A track that takes over from something else, and may let go of it again.
+    """A track that fades in over something else, and may fade out again.
 
     Attributes:
-        track: what it goes along.
-        taken: times between which it takes over [s].
-        let_go: times between which it lets go [s]; infinite if it never does.
+        track: the track.
+        taken: start and end of fading in [s].
+        let_go: start and end of fading out [s]; infinite if it never does.
     """
 
     track: Track
@@ -161,7 +161,7 @@ class BlendedTrack:
     let_go: tuple[float, float] = (np.inf, np.inf)
 
     def weight(self, times: Array) -> Array:
-        """Return how much it has to say (m,) at `times` (m,): 0 nothing, 1 all."""
+        """Returns the weight of the track (m,) at `times` (m,), 0 to 1."""
         return _eased_step(times, *self.taken) * (1.0 - _eased_step(times, *self.let_go))
 
 
@@ -174,9 +174,9 @@ def _eased_step(times: Array, first: float, last: float) -> Array:
 
 
 def rotation_from_angles(angles: Array) -> Array:
-    """Return the rotations (..., 3, 3) of angles (..., 3) about x, y and z [rad].
+    """Returns the rotations (..., 3, 3) of angles (..., 3) about x, y and z [rad].
 
-    About z first, then x, then y, each about an axis that stays.
+    About z first, then x, then y, each about a fixed axis.
     """
     x, y, z = (rotation(axis, angles[..., k]) for k, axis in enumerate(np.eye(3)))
     result: Array = y @ x @ z

@@ -25,14 +25,14 @@ from numpy.typing import DTypeLike, NDArray
 from pipeline.errors import StoreError
 
 MAX_IN_MEMORY = 4 * 2**20
-"""Longest reel that is kept in memory [bytes]."""
+"""Longest array that stays in memory [bytes]."""
 
 CHUNK_BYTES = 4 * 2**20
-"""About so much of a reel is looked at at once [bytes]."""
+"""Size of a chunk of rows, about [bytes]."""
 
 
 def allocate_rows(shape: Sequence[int], dtype: DTypeLike) -> NDArray[Any]:
-    """Return an array of zeros, (rows, ...).
+    """Returns an array of zeros, (rows, ...).
 
     Raises:
         StoreError: if there is no room for it.
@@ -43,7 +43,7 @@ def allocate_rows(shape: Sequence[int], dtype: DTypeLike) -> NDArray[Any]:
     folder = _temporary_folder()
     try:
         with tempfile.TemporaryFile(dir=folder) as file:
-            # A disk that is full is noticed now; within the mapping it would end the process.
+            # A full disk raises here; a write to the mapping would kill the process.
             if hasattr(os, "posix_fallocate"):
                 os.posix_fallocate(file.fileno(), 0, size)
             else:
@@ -51,17 +51,17 @@ def allocate_rows(shape: Sequence[int], dtype: DTypeLike) -> NDArray[Any]:
             return np.ndarray(shape, dtype, buffer=mmap.mmap(file.fileno(), size))
     except OSError as error:
         raise StoreError(
-            f"{folder}: {size / 2**20:.0f} MB for the rows of the take cannot be had there "
-            f"({error.strerror}); name a folder with more room in TMPDIR"
+            f"{folder}: no room for {size / 2**20:.0f} MB of rows of the take "
+            f"({error.strerror}); set TMPDIR to a folder with more room"
         ) from error
 
 
 def row_chunks(array: NDArray[Any], multiple: int = 1) -> Iterator[slice]:
-    """Yield rows of a reel from the first to the last, so many as may be in memory at once.
+    """Yields slices of rows from first to last, small enough to be in memory at once.
 
     Args:
         array: any array.
-        multiple: of how many rows each but the last is.
+        multiple: the length of each slice but the last is a multiple of this.
     """
     row = max(array[:1].nbytes, 1)
     count = max(CHUNK_BYTES // (row * multiple), 1) * multiple
@@ -71,9 +71,9 @@ def row_chunks(array: NDArray[Any], multiple: int = 1) -> Iterator[slice]:
 
 
 def release_rows(array: NDArray[Any]) -> None:
-    """Give back the memory of a reel's rows; its file has them."""
+    """Releases the memory of a mapped array; its file keeps the values."""
     if isinstance(array.base, mmap.mmap) and hasattr(mmap, "MADV_DONTNEED"):
-        # Of a shared mapping nothing is lost by this: the file's pages stay as they are.
+        # A shared mapping loses nothing: the file's pages stay.
         array.base.madvise(mmap.MADV_DONTNEED)
 
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pipeline.errors import SimulationError
-from pipeline.simulation.attachment import Attachment, split
+from pipeline.simulation.attachment import Attachment, split_attachments
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import ContactCoupling
 from pipeline.simulation.recorder import Recorder
@@ -97,7 +97,9 @@ class RowScheduler:
         # Attachments that push bodies, and those that depend on bodies.
         self._early, self._late = list[Attachment](), list(attachments)
         if self._pushed is not None:
-            self._early, self._late = split(attachments, node_range(troupes, self._pushed))
+            self._early, self._late = split_attachments(
+                attachments, node_range(troupes, self._pushed)
+            )
         self.batch_size = BATCH_LIMITS.size(len(recorder.nodes), self._pushed is not None)
         # Troupes whose rows wait while those of the obstacles are written one by one.
         self._deferred = list[Troupe]()
@@ -107,7 +109,7 @@ class RowScheduler:
 
     def _deferrable(self, collider: Troupe, attachments: Sequence[Attachment]) -> list[Troupe]:
         """Returns the troupes that are no obstacles; none if anything is attached to `collider`."""
-        if split(attachments, node_range(self.troupes, collider))[1]:
+        if split_attachments(attachments, node_range(self.troupes, collider))[1]:
             return []
         return [collider, *self._last]
 

@@ -1,8 +1,8 @@
-"""Script: from timed and conditional instructions to the orders of a step.
+"""Script: turns timed and conditional instructions into the orders of a step.
 
-An instruction is given once: at the first step at or after its time, or in the step after
-what it waits for has happened. Of several that wait for the same, those to one performer are
-given one after the other, each time that it happens.
+An instruction is given once: at the first step at or after its time, or in the step after the
+event that it waits for. Of several that wait for the same event, those to one performer are given
+one after the other, each time that it happens.
 
 Source: Sims 1987, 3.2.4.
 """
@@ -15,61 +15,61 @@ from pipeline.simulation.clock import Clock
 from pipeline.spec.script import Do, Instruction, Wait
 
 Orders = Mapping[str, Sequence[Do]]
-"""What each performer is to do now, by its name."""
+"""Orders of a step by performer."""
 
 
 Event = str | frozenset[str] | tuple[str, str]
-"""Who has arrived, who touch one another, or who hugs whom."""
+"""A performer that arrived, a pair that touches, or (hugging, hugged)."""
 
 
 def _event(instruction: Instruction) -> Event:
-    """Return what an instruction waits for."""
+    """Returns the event that an instruction waits for."""
     when = instruction.when
     if when is None:
         return ""
     return when.arrived or when.hug or frozenset(when.touch or ())
 
 
-Given = tuple[str, Do]
-"""To whom, and what."""
+PerformerOrder = tuple[str, Do]
+"""Performer and order."""
 
 
 class Script:
-    """The instructions of a scene that are not given yet, and those from outside.
+    """Pending instructions of a scene, and those from outside.
 
-    In one step the scene's timed ones go first, then those from outside, then `walk` after a
-    `wait`, then what has waited for something to happen. So those from outside may be written
-    into the scene, at the times at which they were given, and it goes the same way.
+    In one step the scene's timed ones come first, then those from outside, then `walk` after a
+    `wait`, then those that waited for an event. So instructions from outside may be written into
+    the scene at the times at which they were given, with the same result.
 
     Attributes:
-        told: from outside, given so far: the step, who, and what.
+        told: instructions from outside that were given: step, performer, and order.
     """
 
     def __init__(self, instructions: Sequence[Instruction], clock: Clock) -> None:
         self.clock = clock
         self.told: list[tuple[int, str, Do]] = []
-        self._timed: dict[int, list[Given]] = {}
-        self._outside: dict[int, list[Given]] = {}
-        self._resumed: dict[int, list[Given]] = {}
+        self._timed: dict[int, list[PerformerOrder]] = {}
+        self._outside: dict[int, list[PerformerOrder]] = {}
+        self._resumed: dict[int, list[PerformerOrder]] = {}
         self._waiting: list[Instruction] = []
         self._waiting_outside: list[Instruction] = []
         for one in instructions:
             if one.at is None:
                 self._waiting.append(one)
             else:
-                _at(self._timed, clock.step_from(one.at), one)
+                _schedule(self._timed, clock.step_from(one.at), one)
 
     @property
     def due_from_outside(self) -> int:
-        """Number of instructions from outside that are not given yet."""
+        """Number of pending instructions from outside."""
         return sum(map(len, self._outside.values())) + len(self._waiting_outside)
 
     def tell(self, instruction: Instruction, step: int) -> None:
-        """Take in an instruction from outside, before `step` is taken."""
+        """Adds an instruction from outside, before `step` is taken."""
         if instruction.at is None:
             self._waiting_outside.append(instruction)
         else:
-            _at(self._outside, max(self.clock.step_from(instruction.at), step), instruction)
+            _schedule(self._outside, max(self.clock.step_from(instruction.at), step), instruction)
 
     def orders(
         self,
@@ -78,19 +78,19 @@ class Script:
         touched: Collection[tuple[str, str]] = (),
         hugged: Collection[tuple[str, str]] = (),
     ) -> Orders:
-        """Return what is to be done from `step` on.
+        """Returns the orders of a step.
 
         Args:
-            step: that is about to be taken.
-            arrived: who has just come to the end of its way.
-            touched: pairs who have just begun to touch one another.
-            hugged: who has just closed its arms around whom.
+            step: the step about to be taken.
+            arrived: performers that have just arrived.
+            touched: pairs that have just begun to touch.
+            hugged: (hugging, hugged) pairs that have just closed their arms.
         """
         events: set[Event] = {*arrived, *(frozenset(pair) for pair in touched), *hugged}
-        outside = self._outside.pop(step, []) + _happened(self._waiting_outside, events)
+        outside = self._outside.pop(step, []) + _take_triggered(self._waiting_outside, events)
         self.told.extend((step, who, do) for who, do in outside)
         due = self._timed.pop(step, []) + outside
-        due += self._resumed.pop(step, []) + _happened(self._waiting, events)
+        due += self._resumed.pop(step, []) + _take_triggered(self._waiting, events)
         given: dict[str, list[Do]] = {}
         for who, do in due:
             given.setdefault(who, []).append(do)
@@ -100,12 +100,12 @@ class Script:
         return given
 
 
-def _at(steps: dict[int, list[Given]], step: int, instruction: Instruction) -> None:
+def _schedule(steps: dict[int, list[PerformerOrder]], step: int, instruction: Instruction) -> None:
     steps.setdefault(step, []).append((instruction.who, instruction.do))
 
 
-def _happened(waiting: list[Instruction], events: Collection[Event]) -> list[Given]:
-    """Take from `waiting` what waited for these events, the first for each performer and event."""
+def _take_triggered(waiting: list[Instruction], events: Collection[Event]) -> list[PerformerOrder]:
+    """Removes and returns the instructions that wait for `events`, one per performer and event."""
     if not events or not waiting:
         return []
     given: dict[tuple[str, Event], Do] = {}

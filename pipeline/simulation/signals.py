@@ -1,4 +1,4 @@
-"""Happenings: what those who direct a scene hear of, beside its sounds."""
+"""Signals: what a director hears of a scene, beside its sounds."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SIGNAL_KINDS: Mapping[str, str] = {
     "hug": "somebody has its arms around somebody",
     "cry": "somebody cries, for pain or for fear",
 }
-"""Kinds of happenings; a new one is a line here."""
+"""Kinds of signals and their meaning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,12 +21,12 @@ class Signal:
 
     Attributes:
         kind: one of `SIGNAL_KINDS`.
-        who: a performer.
-        other: with whom, or by what; "" for nobody.
-        part: of `who`, of what is heard.
-        place: where, of what is heard [m].
-        strength: of what is heard, as a speed [m/s].
-        size: of what is heard [m].
+        who: name of the performer.
+        other: the other performer or thing involved; "" for none.
+        part: part of `who` that is heard.
+        place: position of the sound [m].
+        strength: of the sound, as a speed [m/s].
+        size: of the sound's source [m].
     """
 
     kind: str

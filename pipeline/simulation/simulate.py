@@ -13,6 +13,7 @@ from pipeline.simulation.clock import Clock
 from pipeline.simulation.contact_coupling import coupling_of
 from pipeline.simulation.event_detection import EventDetection
 from pipeline.simulation.mechanism import Leg
+from pipeline.simulation.node_names import node_aliases
 from pipeline.simulation.obstacles import obstacles_of
 from pipeline.simulation.recorder import Recorder
 from pipeline.simulation.scheduler import Batch, RowScheduler
@@ -41,6 +42,7 @@ class Simulation:
     Attributes:
         step_number: number of steps taken.
         signals: signals of the last step.
+        aliases: names of drawing nodes for the nodes of creatures.
 
     Raises:
         SceneError: if the scene asks for something impossible.
@@ -74,6 +76,7 @@ class Simulation:
         for troupe in self.troupes:
             troupe.bind(recorder.nodes, recorder.meshes, figures)
         recorder.attach(attachments)
+        self.aliases = node_aliases(figures, recorder.nodes)
         self._detection = EventDetection(scene, clock, recorder, figures)
         self.script = Script(scene.script, clock)
         self.coupling = coupling_of(
@@ -121,7 +124,8 @@ class Simulation:
     def take(self) -> Take:
         """Returns the take of a finished simulation."""
         mechanisms = tuple(m for troupe in self.troupes for m in troupe.mechanisms())
-        return replace(self.recorder.take(), mechanisms=mechanisms, legs=tuple(self.legs()))
+        take = self.recorder.take()
+        return replace(take, mechanisms=mechanisms, legs=tuple(self.legs()), aliases=self.aliases)
 
     def legs(self) -> list[Leg]:
         """Returns the legs of all walkers, with the stances planned so far."""

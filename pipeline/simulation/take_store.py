@@ -1,9 +1,8 @@
 """Take store: a take as a zarr group, in chunks of 32 frames.
 
-Zarr stays readable up to its last whole chunk when its writer is killed, and other
-programs read it. Everything that is no array stands in the group's attributes. Rows are
-written and read some chunks at a time, from reels and into reels, so that a long take
-needs no more memory than a short one.
+Zarr stays readable up to its last whole chunk if its writer is killed, and other programs read
+it. Everything but arrays stands in the group's attributes. Rows are written and read in chunks,
+so that a long take needs no more memory than a short one.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ import zarr
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
-from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.mechanism import Leg, Mechanism, NodeAlias
 from pipeline.simulation.row_storage import allocate_rows, row_chunks
 from pipeline.simulation.take import (
     FORMAT,
@@ -35,9 +34,9 @@ from pipeline.simulation.take import (
     Told,
 )
 
-FRAMES_A_CHUNK = 32
+FRAMES_PER_CHUNK = 32
 
-ROWS: dict[str, Any] = {
+RECORD_TYPES: dict[str, Any] = {
     "nodes": Node,
     "channels": Channel,
     "parts": Part,
@@ -47,16 +46,17 @@ ROWS: dict[str, Any] = {
     "told": Told,
     "mechanisms": Mechanism,
     "legs": Leg,
+    "aliases": NodeAlias,
 }
 
 UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError, RuntimeError)
-"""What zarr raises for a damaged group; a RuntimeError is a chunk that is cut short."""
+"""Exceptions of zarr for a damaged group; RuntimeError for a truncated chunk."""
 
-BY_ROW = ("positions", "rotations", "alive", "scales", "values")
+ROW_ARRAYS = ("positions", "rotations", "alive", "scales", "values")
 
 
 def write_take(take: Take, path: Path) -> None:
-    """Write `take` into the new folder `path`.
+    """Writes `take` into the new folder `path`.
 
     Raises:
         StoreError: if it cannot be written.
@@ -65,57 +65,59 @@ def write_take(take: Take, path: Path) -> None:
         group = zarr.open_group(path, mode="w", zarr_format=3)
         for name, values in take.arrays():
             _write_array(group, name, values, take.header.samples)
-        words: dict[str, Any] = {
+        attributes: dict[str, Any] = {
             "header": take.header.as_dict(),
             "tables": take.tables(),
-            "columns": {name: list(row.__dataclass_fields__) for name, row in ROWS.items()},
+            "columns": {name: list(row.__dataclass_fields__) for name, row in RECORD_TYPES.items()},
             "scaled": list(take.scaled),
             "terrain": {"cells": list(take.terrain.cells), "material": take.terrain.material},
             "meshes": take.mesh_sizes,
             "digest": take.digest,
         }
-        group.attrs.update(words)
+        group.attrs.update(attributes)
     except OSError as error:
         raise StoreError(f"{path}: the take could not be written: {error.strerror}") from error
 
 
 def _write_array(group: zarr.Group, name: str, values: NDArray[Any], samples: int) -> None:
-    rows = FRAMES_A_CHUNK * samples if name in BY_ROW else max(len(values), 1)
+    rows = FRAMES_PER_CHUNK * samples if name in ROW_ARRAYS else max(len(values), 1)
     shape = tuple(max(n, 1) for n in values.shape)
     rows = min(rows, shape[0])
     array = group.create_array(
         name, shape=values.shape, dtype=values.dtype, chunks=(rows, *shape[1:])
     )
     if values.size:
-        for some in row_chunks(values, rows):
-            array[some] = values[some]
+        for chunk in row_chunks(values, rows):
+            array[chunk] = values[chunk]
 
 
 def read_key(path: Path) -> str | None:
-    """Return the key of the take in `path`, None if there is no whole take."""
+    """Returns the key of the take in `path`, None without a complete take."""
     try:
         attributes: dict[str, Any] = zarr.open_group(path, mode="r").attrs.asdict()
         header = Header.from_dict(attributes["header"])
-        # The digest is written last of all.
+        # The digest is written last.
         return header.key if header.format == FORMAT and "digest" in attributes else None
     except UNREADABLE:
         return None
 
 
 def read_take(path: Path) -> Take:
-    """Read the take in `path`.
+    """Reads the take in `path`.
 
     Raises:
-        StoreError: if there is none, or it is not whole.
+        StoreError: if there is none, or it is incomplete.
     """
     try:
         group = zarr.open_group(path, mode="r")
         plain: dict[str, Any] = group.attrs.asdict()
         take = _assemble(group, plain)
     except UNREADABLE as error:
-        raise StoreError(f"{path}: is no take that can be read ({error})") from error
+        raise StoreError(f"{path}: not a readable take ({error})") from error
     if take.digest != plain["digest"]:
-        raise StoreError(f"{path}: the take is damaged: its digest does not fit")
+        raise StoreError(
+            f"{path}: the take is damaged: its digest does not match; simulate it again"
+        )
     return take
 
 
@@ -125,16 +127,16 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
         assert isinstance(found, zarr.Array)
         values = allocate_rows(found.shape, found.dtype)
         if values.size:
-            for some in row_chunks(values, found.chunks[0]):
-                values[some] = found[some]
+            for chunk in row_chunks(values, found.chunks[0]):
+                values[chunk] = found[chunk]
         return values
 
     tables: dict[str, Any] = {
-        name: tuple(_rows(row, plain["tables"][name]))
-        for name, row in ROWS.items()
+        name: tuple(_records(row, plain["tables"][name]))
+        for name, row in RECORD_TYPES.items()
         if name not in OPTIONAL_TABLES or name in plain["tables"]
     }
-    rows: dict[str, Any] = {name: array(name) for name in BY_ROW}
+    rows: dict[str, Any] = {name: array(name) for name in ROW_ARRAYS}
     terrain = plain["terrain"]
     return Take(
         header=Header.from_dict(plain["header"]),
@@ -155,7 +157,7 @@ def _assemble(group: zarr.Group, plain: dict[str, Any]) -> Take:
 
 
 def _meshes(joined: dict[str, NDArray[Any]], sizes: list[list[int]]) -> tuple[Mesh, ...]:
-    """Take apart the arrays in which meshes stand one after the other."""
+    """Splits concatenated arrays into meshes."""
     ends = np.cumsum(np.array(sizes, dtype=np.int64).reshape(len(sizes), len(joined)), axis=0)
     pieces = [
         np.split(values, ends[:-1, k]) if len(sizes) else []
@@ -166,11 +168,11 @@ def _meshes(joined: dict[str, NDArray[Any]], sizes: list[list[int]]) -> tuple[Me
     )
 
 
-def _rows(row: Any, table: list[list[Any]]) -> Iterator[Any]:
+def _records(row: Any, table: list[list[Any]]) -> Iterator[Any]:
     for values in table:
         yield row(*(_frozen(value) for value in values))
 
 
 def _frozen(value: Any) -> Any:
-    """Return a value with tuples for lists, within lists too."""
+    """Returns a value with tuples for lists, also within lists."""
     return tuple(_frozen(one) for one in value) if isinstance(value, list) else value

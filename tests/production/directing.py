@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from pipeline.production.direct.framing import Wire
 from pipeline.production.direct.protocol import Protocol
-from pipeline.production.direct.recording import Place
+from pipeline.production.direct.recording import SceneRecorder
 from pipeline.production.direct.server import serve
 from pipeline.production.direct.session import Session
+from pipeline.production.direct.transport import MessageStream
 from pipeline.production.run.production import take_key
 from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import simulate
@@ -46,7 +46,7 @@ def stage() -> Scene:
 
 def session_in(folder: Path, scene: Scene | None = None) -> Session:
     """Return a session that keeps its scene in `folder`."""
-    return Session(scene or stage(), Place("stage_directed", folder, Reporter()))
+    return Session(scene or stage(), SceneRecorder("stage_directed", folder, Reporter()))
 
 
 def asked(session: Session) -> Ask:
@@ -67,7 +67,7 @@ def asked(session: Session) -> Ask:
 def served(session: Session, lines: Iterable[bytes]) -> list[Any]:
     """Send lines to a session that is served, and close; return all that came back."""
     out = io.BytesIO()
-    serve(session, Wire(io.BytesIO(b"".join(line + b"\n" for line in lines)), out))
+    serve(session, MessageStream(io.BytesIO(b"".join(line + b"\n" for line in lines)), out))
     return [json.loads(line) for line in out.getvalue().decode("ascii").splitlines()]
 
 

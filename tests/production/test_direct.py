@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pipeline.production.direct.notifications import ALL_KINDS
+from pipeline.production.direct.notifications import EVENT_KINDS
 from pipeline.production.direct.session import Session
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take_store import read_take
@@ -96,7 +96,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Session:
         ({"who": "bug", "do": {"go_too": [1, 1]}}, "do.go_too", "did you mean 'go_to'?"),
         ({"who": "bug", "do": {"gait": "canter"}}, "do.gait", "take trot, wave, tripod or ripple"),
         ({"who": "bug", "do": {"hop_over": "bug"}}, "do.hop_over", "cannot jump over itself"),
-        ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can be told"),
+        ({"who": "roo", "do": {"gait": "trot"}}, "do.gait", "hops, and can hop"),
         (
             {"who": "roo", "do": {"jump": {"speed": 1, "height": 3}}},
             "do.jump.speed",
@@ -183,7 +183,7 @@ def test_unknown_kinds_and_names_are_refused_with_the_nearest(tmp_path: Path) ->
     assert "did you mean 'footfall'?" in ask("subscribe", events=["footfal"])["message"]
     assert "did you mean 'bug'?" in ask("query", who=["bgu"])["message"]
     assert "did you mean 'bug'?" in ask("step", who=["bgu"])["message"]
-    assert ask("subscribe", events=["*"])["events"] == sorted(ALL_KINDS)
+    assert ask("subscribe", events=["*"])["events"] == sorted(EVENT_KINDS)
 
 
 def test_after_the_end_it_can_be_asked_but_not_told(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from pipeline.production.direct.framing import MOST_BYTES
-from pipeline.production.direct.protocol import MOST_IN_BATCH, Protocol
+from pipeline.production.direct.protocol import MAX_BATCH, Protocol
+from pipeline.production.direct.transport import MAX_MESSAGE_BYTES
 from pipeline.spec import read_scene
 from tests.production.directing import STAGE, replayed, request, served, session_in
 
@@ -44,7 +44,7 @@ def _fail(params: Any) -> object:
         (b"null", INVALID),
         (b"{}", INVALID),
         (b"[]", INVALID),
-        (json.dumps([1] * (MOST_IN_BATCH + 1)).encode(), INVALID),
+        (json.dumps([1] * (MAX_BATCH + 1)).encode(), INVALID),
         (b'{"jsonrpc": "1.0", "method": "echo", "id": 1}', INVALID),
         (b'{"jsonrpc": "2.0", "method": 1, "id": 1}', INVALID),
         (b'{"jsonrpc": "2.0", "method": "echo", "params": "bar", "id": 1}', INVALID),
@@ -85,12 +85,12 @@ def test_a_defect_of_ours_is_an_internal_error_without_its_traceback() -> None:
 
 
 def test_a_message_that_is_too_long_is_thrown_away_to_its_end(tmp_path: Path) -> None:
-    long = b'{"x": "' + b"y" * (3 * MOST_BYTES) + b'"}'
+    long = b'{"x": "' + b"y" * (3 * MAX_MESSAGE_BYTES) + b'"}'
     lines = served(session_in(tmp_path), [long, b"", b"  ", request("step", 5)])
     assert [line["id"] for line in lines] == [None, 5]
     assert lines[0]["error"]["code"] == INVALID
-    assert str(MOST_BYTES) in lines[0]["error"]["data"]
-    exact = request("step", 6) + b" " * (MOST_BYTES - len(request("step", 6)) - 1)
+    assert str(MAX_MESSAGE_BYTES) in lines[0]["error"]["data"]
+    exact = request("step", 6) + b" " * (MAX_MESSAGE_BYTES - len(request("step", 6)) - 1)
     assert [line["id"] for line in served(session_in(tmp_path), [exact])] == [6]
 
 

@@ -44,7 +44,7 @@ def _by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a scene and its golden, which nobody may change."""
-    from pipeline.production.goldens.golden_case import Lab, cases_of
+    from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of
     from pipeline.production.goldens.golden_record import record
     from pipeline.production.run.progress import Reporter
 
@@ -54,7 +54,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (case,) = cases_of([str(scene)], None, folder / "out")
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("CI", raising=False)
-        record(case, Lab(), Reporter(), seeds=3)
+        record(case, GoldenRenderer(), Reporter(), seeds=3)
     return folder
 
 

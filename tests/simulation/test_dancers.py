@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.dancers.torso import AXES, LINKS, torso_of
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.proportions import ADULT, CHILD, SEGMENT_MASSES
 from pipeline.simulation.simulate import simulate
@@ -89,7 +89,7 @@ def test_a_torso_has_eight_links_twenty_joints_and_the_weight_of_a_person() -> N
         assert len(torso.names) == 20
         counts = [len(link.hinges) for link in moving]
         assert counts == [3, 3, 3, 1, 3, 3, 1, 3]
-        whole = Moving(torso.linkage, 1e-3).model
+        whole = LinkageSimulation(torso.linkage, 1e-3).model
         arms = sum(2 * SEGMENT_MASSES[name] for name in ("upper_arm", "forearm", "hand"))
         named = [whole.body(link.name).mass[0] for link in moving]
         assert sum(named[2:]) == pytest.approx(arms * who.mass, rel=1e-9)
@@ -98,7 +98,7 @@ def test_a_torso_has_eight_links_twenty_joints_and_the_weight_of_a_person() -> N
 
 
 def test_both_sides_move_as_in_a_mirror() -> None:
-    moving = Moving(torso_of(ADULT).linkage, 1e-3)
+    moving = LinkageSimulation(torso_of(ADULT).linkage, 1e-3)
     names = [hinge.name for hinge in moving.linkage.hinges]
     chance = np.random.default_rng(3)
     for _ in range(10):
@@ -123,7 +123,7 @@ def test_both_sides_move_as_in_a_mirror() -> None:
     ],
 )
 def test_angles_are_those_of_anatomy(joint: str, angle: float, direction: tuple[int, ...]) -> None:
-    moving = Moving(torso_of(ADULT).linkage, 1e-3)
+    moving = LinkageSimulation(torso_of(ADULT).linkage, 1e-3)
     names = [hinge.name for hinge in moving.linkage.hinges]
     moving.q[names.index(joint)] = np.radians(angle)
     moving.settle()

@@ -51,7 +51,7 @@ def test_goes_through_its_waypoints_and_rests_on_closed_feet_at_the_last() -> No
     assert walk.standing[-1].all()
     walkers = walk.walkers
     for leg, tip in enumerate(walk.tips[-1]):
-        rest = walkers.feet.footholds.rest(
+        rest = walkers.stepping.planner.search.neutral_place(
             leg, float(walkers.travelled[0]), float(walkers.phase[0])
         )
         assert np.linalg.norm(tip[[0, 2]] - rest) < 0.1 * walkers.herd.legs.lengths[leg]

@@ -26,7 +26,7 @@ from pipeline.simulation.dancers.posture_sequence import (
 )
 from pipeline.simulation.dancers.torso import ARM, HANDS, LIMITS, PALM, Torso, torso_of
 from pipeline.simulation.dynamics.linkage import Spot
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import ADULT, JOINTS
 from pipeline.simulation.spatial import Array
 
@@ -43,10 +43,10 @@ places = st.tuples(*[st.floats(-1.0, 1.0, allow_subnormal=False)] * 3)
 
 def standing(
     spots: tuple[Spot, ...] = (), compensated: bool = True
-) -> tuple[Torso, Moving, ArmController]:
+) -> tuple[Torso, LinkageSimulation, ArmController]:
     """Return a torso whose right hand is pulled by fields; the left arm hangs."""
     torso = torso_of(ADULT, spots, compensated=compensated)
-    moving = Moving(torso.linkage, TICK / STEPS)
+    moving = LinkageSimulation(torso.linkage, TICK / STEPS)
     for side in HANDS:
         own = slice(torso.arm(side).start, torso.wrist(side).stop)
         moving.q[own] = hanging_posture()
@@ -57,7 +57,9 @@ def standing(
     return torso, moving, arms[0]
 
 
-def go_on(moving: Moving, arm: ArmController, seconds: float, begin: float = 0.0) -> Array:
+def go_on(
+    moving: LinkageSimulation, arm: ArmController, seconds: float, begin: float = 0.0
+) -> Array:
     """Let it move; return the hand's places (n, 3), one a tick [m]."""
     rows = []
     for k in range(round(seconds / TICK)):
@@ -222,7 +224,7 @@ def test_points_are_reached_from_five_hundred_random_starts() -> None:
     reaches(500, 2)
 
 
-def held_up() -> tuple[Moving, ArmController, Array, float]:
+def held_up() -> tuple[LinkageSimulation, ArmController, Array, float]:
     """Return an arm just being taken back, where its hand was to go, and the time."""
     torso, moving, arm = standing()
     moving.q[torso.arm("r")] = [1.07, -0.70, -1.69, 1.26]

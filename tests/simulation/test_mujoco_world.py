@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.impact_law import MEASURED, PAIR, _sort
+from pipeline.simulation.dynamics.impact_arrays import PAIR
+from pipeline.simulation.dynamics.impact_law import MEASURED_BOUNCINESS, _sort_pairs
 from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_callback import array_at, layout_of
 from pipeline.simulation.dynamics.mujoco_model import add_ground
@@ -213,7 +214,7 @@ def test_box_slides_down_a_slope_as_galilei_says() -> None:
 
 
 def test_measured_bounciness_is_what_the_law_says_of_itself() -> None:
-    for asked, (least, most) in MEASURED.items():
+    for asked, (least, most) in MEASURED_BOUNCINESS.items():
         assert asked - 0.02 <= least <= most <= asked + 0.02
 
 
@@ -266,7 +267,7 @@ def test_pairs_stay_in_order_whatever_order_contacts_have() -> None:
     pairs = np.zeros(40, dtype=PAIR).view(np.recarray)
     keys = np.random.default_rng(1).permutation(40)
     pairs.key, pairs.onset = keys, 0.5 * keys
-    _sort.py_func(pairs, 40)
+    _sort_pairs.py_func(pairs, 40)
     np.testing.assert_array_equal(pairs.key, np.arange(40))
     np.testing.assert_array_equal(pairs.onset, 0.5 * np.arange(40))
 

@@ -11,7 +11,7 @@ import pytest
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.locomotion.gaits.gait import Gait
 from pipeline.simulation.locomotion.gaits.named_gaits import LegRows, available_gaits
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from tests.simulation.conftest import Walk, scene_of, walk_through
 
 LEGS = {

@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.locomotion.gaits.gait_transition import (
-    PaceSchedule,
-    PaceTransition,
-)
+from pipeline.simulation.locomotion.gaits.gait_transition import PaceTransition
 from pipeline.simulation.locomotion.gaits.pace import Pace
+from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec.mood import MOODS
@@ -31,7 +29,7 @@ def walked(figure: str, walk: str, *script: str, duration: float = 6, more: str 
 
 def speed(walk: Walk, time: float) -> float:
     """Return the mean speed of the body over a cycle from `time` on [m/s]."""
-    first, cycle = round(time / ROW), float(walk.walkers.going.cycle[0])
+    first, cycle = round(time / ROW), float(walk.walkers.progress.cycle[0])
     rows = round(cycle / ROW)
     x = walk.take.positions[:, 0, [0, 2]]
     return float(np.linalg.norm(x[first + rows] - x[first])) / (rows * ROW)
@@ -77,8 +75,8 @@ def _alone(figure: str) -> list[object]:
 def test_after_a_change_feet_keep_the_phases_of_the_new_gait() -> None:
     walk = walked("horse", "{gait: walk}", "{gait: trot}", duration=8)
     walkers = walk.walkers
-    gait = walkers.going.paces.last(0).gait
-    end = walkers.going.paces.changes[0][-1].gaits.end
+    gait = walkers.progress.paces.last(0).gait
+    end = walkers.progress.paces.changes[0][-1].gaits.end
     names = [f"it.{leg}" for leg in walkers.herd.leg_names]
     late = 0
     for contact in walk.take.contacts:
@@ -106,7 +104,7 @@ def test_a_new_gait_has_its_own_speed_or_the_one_that_is_asked_for() -> None:
     walk = walked("horse", "{gait: walk}", "{gait: trot, speed: 1.4}", duration=8)
     assert speed(walk, 6.2) == pytest.approx(1.4, rel=1e-6)
     own = walked("horse", "{gait: walk}", "{gait: canter}", duration=8)
-    pace = own.walkers.going.paces.last(0)
+    pace = own.walkers.progress.paces.last(0)
     assert speed(own, 6.2) == pytest.approx(pace.stride / pace.cycle, rel=1e-6)
 
 
@@ -127,26 +125,28 @@ def test_what_is_gone_is_the_integral_of_speed_whatever_the_frame_rate() -> None
 
 def test_a_way_is_the_integral_of_the_stride() -> None:
     walk = walked("beetle", "{}", "{gait: wave}", duration=3)
-    paces: PaceSchedule = walk.walkers.going.paces
+    paces: PaceSchedule = walk.walkers.progress.paces
     (change,) = paces.changes[0]
     phase = np.linspace(change.gaits.start - 1.0, change.gaits.end + 1.0, 20001)
     stride = paces.number("stride", 0, phase)
     summed = np.concatenate([[0.0], np.cumsum(0.5 * (stride[1:] + stride[:-1]) * np.diff(phase))])
-    np.testing.assert_allclose(paces.way(0, float(phase[0]), phase), summed, atol=1e-8)
+    np.testing.assert_allclose(
+        paces.distances(np.zeros(1, dtype=np.int64), phase[:1], phase[None])[0], summed, atol=1e-8
+    )
 
 
 @pytest.mark.slow
 def test_a_change_that_is_asked_for_during_another_waits_for_its_end() -> None:
     words = "script: [{at: 1, who: it, do: {gait: wave}}, {at: 1.2, who: it, do: {gait: tripod}}]\n"
     scene = scene_of("{name: it, figure: beetle, walk: {}}", duration=6, more=words)
-    first, second = walk_through(scene).walkers.going.paces.changes[0]
+    first, second = walk_through(scene).walkers.progress.paces.changes[0]
     assert second.gaits.start == first.gaits.end
     assert second.before is first.after
 
 
 def test_a_change_is_smooth_at_both_ends() -> None:
     walk = walked("beetle", "{}", "{gait: wave}", duration=3)
-    (change,) = walk.walkers.going.paces.changes[0]
+    (change,) = walk.walkers.progress.paces.changes[0]
     assert isinstance(change, PaceTransition)
     edge = np.array([change.gaits.start, change.gaits.end])
     slope = (change.done(edge + 1e-4) - change.done(edge - 1e-4)) / 2e-4
@@ -237,7 +237,7 @@ def test_legs_follow_every_mood_of_the_library(figure: str) -> None:
             assert isinstance(troupe, Walkers)
             pace = troupe.herd.paces[0]
             assert 0.0 < pace.stride <= pace.longest + 1e-12
-            assert pace.body_height <= troupe.herd.spreads[0].tallest() + 1e-12
+            assert pace.body_height <= troupe.herd.leg_layouts[0].tallest() + 1e-12
 
 
 def test_moods_of_the_script_change_how_it_walks_and_back() -> None:

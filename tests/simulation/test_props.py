@@ -108,7 +108,7 @@ def test_what_is_put_down_stays_with_its_parent() -> None:
         (["{prop: {shape: ball}, parent: plat}"], "nobody in the cast is called 'plat'"),
         (["{prop: {shape: ball}, name: a, parent: a}"], "'a' cannot go along with itself"),
         (["{name: a, parent: b, prop: {shape: ball}}", "{name: b, parent: a, prop: {shape: ball}}"],
-         "in a ring"),
+         "form a ring"),
         (["{parent: bug.tip, prop: {shape: ball}}", "{figure: beetle, name: bug}"],
          "no part 'tip'"),
         (["{figure: beetle, parent: a, walk: {}}", "{prop: {shape: ball}, name: a}"], "walk away"),

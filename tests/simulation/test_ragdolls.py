@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from pipeline.simulation.dynamics.bones import WORLD, Bone
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.dynamics.ragdoll import FRICTION, OUT, Attitude, Ragdoll
+from pipeline.simulation.dynamics.ragdoll import DEPENETRATION_SPEED, Ragdoll
+from pipeline.simulation.dynamics.ragdoll_model import FRICTION, WORLD, Bone, RagdollState
 from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.figure_mass import FigureMass, build_bones
@@ -26,7 +26,7 @@ from pipeline.simulation.take import Take
 from pipeline.simulation.terrain.heightfield import HeightField
 
 from .conftest import scene_of
-from .hops import hop_through
+from .hop_recorder import hop_through
 
 DT = 1.0 / 96.0
 LEVEL = HeightField(np.zeros((2, 2)), (20.0, 20.0))
@@ -38,7 +38,7 @@ CUBE = Bone(WORLD, np.zeros(3), (), MassProperties(6.0, np.zeros(3), np.eye(3)),
 
 def cube_at(x: float, y: float, v: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Ragdoll:
     none = np.zeros(0)
-    begin = Attitude(np.array([x, y, 0.0]), np.eye(4)[0], np.array(v), np.zeros(3), none, none)
+    begin = RagdollState(np.array([x, y, 0.0]), np.eye(4)[0], np.array(v), np.zeros(3), none, none)
     return Ragdoll([CUBE], begin, LEVEL)
 
 
@@ -75,7 +75,7 @@ def test_what_begins_in_the_ground_comes_out_slowly(deep):
         assert not ragdoll.advance(DT)
         y = float(ragdoll.attitude.p[1])
         fastest, before = max(fastest, (y - before) / DT), y
-    assert fastest < 1.5 * OUT * ragdoll.size / ragdoll.tau
+    assert fastest < 1.5 * DEPENETRATION_SPEED * ragdoll.size / ragdoll.tau
     assert before == pytest.approx(0.5, abs=0.005)
 
 
@@ -135,12 +135,12 @@ def throw(name: str, terrain: str, seconds: float, scale: float = 1.0) -> Fallen
     member = f"{{figure: {name}, scale: {scale}, pronk: {{}}}}"
     hops = Simulation(scene_of(member, terrain=terrain))
     troupe = next(iter(hops.troupes))
-    figure, hopping, field = troupe.herd.figures[0], troupe.hoppings[0], hops.world.ground.field
-    leg = hopping.of.leg
-    now = hopping.state.now(hopping.of)
+    figure, hopping, field = troupe.herd.figures[0], troupe.simulations[0], hops.world.ground.field
+    leg = hopping.hopper.leg_length
+    now = hopping.state.body(hopping.hopper)
     R = now.R @ rotation(np.array([1.0, 0.0, 0.0]), 0.6)
     own = build_bones(figure)
-    begin = Attitude(
+    begin = RagdollState(
         now.origin + np.array([0.0, 0.4 * leg, 0.0]),
         quaternion(R),
         math.sqrt(leg) * np.array([1.0, 0.0, 0.5]),
@@ -168,7 +168,7 @@ def test_masses_and_joints_are_those_of_the_figure(shipped: Figure):
     q = skeleton.lower + chance.random(len(skeleton.lower)) * (skeleton.upper - skeleton.lower)
     R = rotation(np.array([0.6, 0.0, 0.8]), 2.0)
     p = np.array([1.0, 90.0, 2.0])
-    begin = Attitude(p, quaternion(R), p, p, q[own.joints], q[own.joints])
+    begin = RagdollState(p, quaternion(R), p, p, q[own.joints], q[own.joints])
     ragdoll = Ragdoll(own.bones, begin, LEVEL)
     np.testing.assert_array_equal(ragdoll.attitude.joints, q[own.joints])
     np.testing.assert_array_equal(ragdoll.attitude.speeds, q[own.joints])

@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.figure import Figure
-from pipeline.simulation.locomotion.swing import swing_planner as swing_plans
-from pipeline.simulation.locomotion.swing.passive_swing import fall
+from pipeline.simulation.locomotion.swing import swing_planner
+from pipeline.simulation.locomotion.swing.passive_swing import simulate_fall
 from pipeline.simulation.locomotion.swing.swing_dynamics import ROWS, SwingTrial
 from pipeline.simulation.locomotion.swing.swing_planner import PLANNERS
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     KNOTS,
+    PIECES,
     POINTS,
-    SPANS,
+    bend_at,
     clearance_height,
-    fit_offset,
-    offset_at,
+    fit_bend,
 )
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.spatial import Array
@@ -45,14 +45,14 @@ def test_every_kind_of_the_language_has_a_planner() -> None:
 def test_bends_begin_and_end_at_rest_and_are_smooth() -> None:
     bend = np.random.default_rng(1).normal(size=(POINTS, 3))
     s = np.linspace(0.0, 1.0, 4001)
-    p = offset_at(np.broadcast_to(bend, (len(s), POINTS, 3)), s)
+    p = bend_at(np.broadcast_to(bend, (len(s), POINTS, 3)), s)
     h = s[1]
     speed, change = np.diff(p, axis=0) / h, np.diff(p, 2, axis=0) / h**2
     assert not p[[0, -1]].any()
     assert np.abs(speed[[0, -1]]).max() < 1e-3
     assert np.abs(change[[0, -1]]).max() < 0.05 * np.abs(change).max()
     # No corner in the acceleration: it changes by its slope times the step.
-    assert np.abs(np.diff(change, axis=0)).max() < 1.5 * SPANS**3 * np.abs(np.diff(
+    assert np.abs(np.diff(change, axis=0)).max() < 1.5 * PIECES**3 * np.abs(np.diff(
         bend, 3, axis=0)).max() * h + 1e-4 * np.abs(change).max()  # fmt: skip
 
 
@@ -62,7 +62,7 @@ def test_bends_follow_values_to_fourth_order() -> None:
     def error(waves: float) -> float:
         values = np.sin(waves * KNOTS)[:, None] * np.ones(3)
         s = np.linspace(0.3, 0.7, 101)
-        p = offset_at(np.broadcast_to(fit_offset(values), (len(s), POINTS, 3)), s)
+        p = bend_at(np.broadcast_to(fit_bend(values), (len(s), POINTS, 3)), s)
         return float(np.abs(p - np.sin(waves * s)[:, None]).max())
 
     assert error(3.0) < 1e-4
@@ -98,7 +98,7 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
     def run(scene: Scene) -> list[Planned]:
         found = list[Planned]()
 
-        def recording(kind: str) -> swing_plans.Planner:
+        def recording(kind: str) -> swing_planner.Planner:
             def planner(
                 trial: SwingTrial, ground: Ground, sole: float, least: float
             ) -> tuple[float, Array]:
@@ -110,7 +110,7 @@ def record(monkeypatch: pytest.MonkeyPatch) -> Record:
             return planner
 
         planners = {kind: recording(kind) for kind in PLANNERS}
-        monkeypatch.setattr(swing_plans, "PLANNERS", planners)
+        monkeypatch.setattr(swing_planner, "PLANNERS", planners)
         simulation = Simulation(scene)
         while not simulation.finished:
             simulation.step()
@@ -152,7 +152,7 @@ def test_a_free_leg_takes_less_than_a_led_one(
     free = [one for one in swings if one.bend.any()]
     works = np.zeros((1, 2))
     for one in free:
-        last = fall(one.trial, one.plain)[1]
+        last = simulate_fall(one.trial, one.plain)[1]
         assert last >= 1
         power = one.trial.powers(one.both)[0][: last + 1]
         assert power[:, 0].sum() < power[:, 1].sum()
@@ -166,9 +166,9 @@ def test_a_free_leg_takes_less_than_a_led_one(
 def test_nothing_turns_a_free_leg_about_its_hip(
     scene_of: Callable[..., Scene], record: Record
 ) -> None:
-    """The push on the foot that would replace the muscles points along the leg: see `fall`."""
+    """The push on the foot that would replace the muscles points along the leg."""
     for one in record(scene_of(walking("ostrich", "passive"), duration=0.5)):
-        trial, last = one.trial, fall(one.trial, one.plain)[1]
+        trial, last = one.trial, simulate_fall(one.trial, one.plain)[1]
         assert last > ROWS // 2
         motion, _ = trial.motion(one.both)
         torques = trial.load(motion).torques

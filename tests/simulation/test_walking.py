@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pipeline.simulation.figures.skeleton import BODY
-from pipeline.simulation.locomotion.gaits.spread import MAX_REACH
+from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 
 if TYPE_CHECKING:
     from tests.simulation.conftest import Walk
@@ -59,7 +59,7 @@ def test_no_foot_is_put_into_a_forbidden_zone(walk: Walk) -> None:
     places = np.array([contact.place for contact in walk.take.contacts])
     assert ground.steppable(places[:, 0], places[:, 2]).all()
     assert np.allclose(places[:, 1], ground.height(places[:, 0], places[:, 2]), atol=1e-12)
-    holds = np.array([hold.place for hold in walk.walkers.feet.holds])
+    holds = np.array([hold.place for hold in walk.walkers.stepping.feet.footholds])
     assert ground.steppable(holds[:, 0], holds[:, 2]).all()
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.bodies.arrangements import Placements, arrange
 from pipeline.simulation.bodies.body_model import build_body, mesh_of, seen_of
-from pipeline.simulation.dynamics.mujoco_world import Collider
+from pipeline.simulation.dynamics.mujoco_bodies import Collider
 from pipeline.simulation.dynamics.rigid_body import BodyModel, State, unrotate
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.seeds import generator

@@ -23,7 +23,7 @@ from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.keyframe_track import CyclicTrack, Key, Track, rotation_from_angles
 from pipeline.simulation.spatial import Array
 from pipeline.spec.keyframes import Keyframe
-from pipeline.spec.prop import ForceKey, ForceWords, Prop, Shape, VelocityKey
+from pipeline.spec.prop import ForceKey, ForceMotion, Prop, Shape, VelocityKey
 
 ZERO_VECTOR = (0.0, 0.0, 0.0)
 
@@ -78,7 +78,7 @@ class ForcePath:
     """By force."""
 
     def __init__(
-        self, words: ForceWords, mass: MassProperties, start: Array, angles: Array
+        self, words: ForceMotion, mass: MassProperties, start: Array, angles: Array
     ) -> None:
         keys, weight = words.keys, np.array([0.0, GRAVITY if words.gravity else 0.0, 0.0])
         force = _track(keys, "force") or _constant_track(np.array(words.force or ZERO_VECTOR))
@@ -136,7 +136,7 @@ def _repeated(member: Prop, track: Track) -> Track | CyclicTrack:
     return CyclicTrack.of(track, first, last - first)
 
 
-def prop_mass(shape: Shape, words: ForceWords) -> MassProperties:
+def prop_mass(shape: Shape, words: ForceMotion) -> MassProperties:
     """Return the mass properties of a prop, by its shape."""
     solid = prop_solid(shape)
     own = mass_of_solid(solid.vertices, solid.faces, words.density)

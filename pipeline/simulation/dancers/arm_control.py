@@ -17,7 +17,7 @@ from pipeline.simulation.dancers.force_fields import (
 from pipeline.simulation.dancers.posture_sequence import PostureSpline
 from pipeline.simulation.dancers.stall_recovery import RETREAT_POSTURES, StallDetector
 from pipeline.simulation.dancers.torso import ARM, HANDS, Torso
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 ELBOW_STIFFNESS, ELBOW_DAMPING = 20.0, 0.9
@@ -61,7 +61,9 @@ class ArmController:
         retry_until: earliest arrival of a new approach [s]; -inf without one.
     """
 
-    def __init__(self, side: str, torso: Torso, moving: Moving, rate: float, winner: bool) -> None:
+    def __init__(
+        self, side: str, torso: Torso, moving: LinkageSimulation, rate: float, winner: bool
+    ) -> None:
         self.side, self.moving, self.number = side, moving, HANDS.index(side)
         self.palm = moving.pulled[self.number]
         arm, wrist = torso.arm(side), torso.wrist(side)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from pipeline.simulation.dynamics.mujoco_linkage import Moving, Touch
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation, SolidContact
 from pipeline.simulation.spatial import Array
 
 RELEASE_TIME = 0.09
@@ -42,7 +42,7 @@ class HandStrike:
 class HandContacts:
     """Strikes of a torso's hands."""
 
-    def __init__(self, moving: Moving) -> None:
+    def __init__(self, moving: LinkageSimulation) -> None:
         self.moving = moving
         self._touching: set[tuple[str, str]] = set()
         self._released: dict[tuple[str, str], float] = {}
@@ -69,7 +69,7 @@ class HandContacts:
         return found
 
     def _strike(
-        self, touch: Touch, then: float, since: float, before: set[tuple[str, str]]
+        self, touch: SolidContact, then: float, since: float, before: set[tuple[str, str]]
     ) -> HandStrike | None:
         hand, other, normal = touch.one, touch.other, -touch.normal
         if not hand.startswith("hand"):

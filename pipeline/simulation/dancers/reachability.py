@@ -22,7 +22,7 @@ from pipeline.simulation.dancers.dance_goals import (
 from pipeline.simulation.dancers.force_fields import FIELD_RATE
 from pipeline.simulation.dancers.key_postures import STEP, pull_to_spot
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 TRIAL_TOLERANCE = 0.06
@@ -55,7 +55,7 @@ class _Trial:
     def __init__(self, choreography: Choreography) -> None:
         linkage = replace(choreography.torso.linkage, discs=())
         torso = replace(choreography.torso, linkage=linkage)
-        self._moving = Moving(linkage, STEP)
+        self._moving = LinkageSimulation(linkage, STEP)
         self._arms = {
             side: ArmController(side, torso, self._moving, FIELD_RATE, False) for side in HANDS
         }

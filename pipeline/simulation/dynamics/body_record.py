@@ -25,13 +25,13 @@ from pipeline.simulation.dynamics.vectors import (
 from pipeline.simulation.spatial import Array
 
 MAX_CONTACTS = 32
-"""Contacts of a body that are looked at together: the nearest."""
+"""Contacts of a body that are kept: the nearest."""
 
 _VECTORS = (MAX_CONTACTS, 3)
 
 BODY = np.dtype(
     [
-        # What stays, see `Bodies`; first and number of its vertices, facets and edges.
+        # Constants, see `Bodies`; first and number of its vertices, facets and edges.
         ("corners", "i8", 2),
         ("facets", "i8", 2),
         ("edges", "i8", 2),
@@ -40,23 +40,23 @@ BODY = np.dtype(
         ("inverse", "f8", (3, 3)),
         *((name, "f8") for name in ("radius", "reach", "size", "thin")),
         *((name, "f8") for name in ("bounciness", "friction", "rolling", "soft")),
-        # How it is, see `State`.
+        # State, see `State`.
         ("p", "f8", 3),
         ("q", "f8", 4),
         ("v", "f8", 3),
         ("w", "f8", 3),
-        # Where it touches the ground, or is about to, the nearest first: gaps along normals
-        # [m], normals from the ground, levers from the centre of mass in the world [m].
+        # Contacts with the ground, the nearest first: gaps along normals [m], normals from the
+        # ground, levers from the centre of mass in the world [m].
         ("count", "i8"),
         ("gap", "f8", MAX_CONTACTS),
         ("normal", "f8", _VECTORS),
         ("lever", "f8", _VECTORS),
-        # How many contacts hold it, and what forces these gave where [N], [m].
+        # Number of contacts that hold it, their forces [N] and levers [m].
         ("held", "i8"),
         ("force", "f8", _VECTORS),
         ("force_lever", "f8", _VECTORS),
-        # How long it is quiet, and will be pushed by a soft contact [s]; what that gives it in
-        # the world [m/s²], [rad/s²]; how deep it lies in what gave way [m].
+        # Time it has been quiet, and remaining time of a soft impact [s]; accelerations of that
+        # impact in the world [m/s²], [rad/s²]; depth in soft ground [m].
         ("quiet", "f8"),
         ("pushed", "f8"),
         ("push_v", "f8", 3),
@@ -66,16 +66,16 @@ BODY = np.dtype(
     ],
     align=True,
 )
-"""A body."""
+"""A body over a terrain."""
 
 
 class Shapes(NamedTuple):
-    """The polyhedra of all bodies, one after the other.
+    """Polyhedra of all bodies, one after the other.
 
     Attributes:
         corners: (n, 3) vertices from the centre of mass [m].
         facets: (n, 4) outward normals, and distances from the centre of mass [m].
-        edges: (n, 4) vertices and the facets beside, counted from the body's first.
+        edges: (n, 4) vertices and adjacent facets, numbered from the body's first.
     """
 
     corners: Array
@@ -84,13 +84,13 @@ class Shapes(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Room for what is worked out of one body at a time.
+    """Arrays for one body at a time.
 
     Attributes:
         world: (V, 3) its vertices in the world [m].
-        edges: (E, 12) edges of it, beginnings and extents [m], normals of facets beside.
-        series: of its tumbling.
-        parts: (CONTACTS,) its contacts that act.
+        edges: (E, 12) start and extent of edges [m], normals of the adjacent facets.
+        series: power series of its rotation.
+        parts: (MAX_CONTACTS,) its contacts in the solver.
     """
 
     world: Array
@@ -100,7 +100,7 @@ class Workspace(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """How a body is just now; letters as in `rigid`."""
+    """Pose and velocity of one body; letters as in `rigid_body`."""
 
     p: Vector
     q: Quaternion
@@ -109,7 +109,7 @@ class Motion(NamedTuple):
 
 
 def records_of(bodies: Bodies, state: State) -> tuple[Records, Shapes]:
-    """Return records of bodies in a state, all awake, and their shapes."""
+    """Returns records of bodies in a state, all awake, and their shapes."""
     records = zero_records(len(bodies.mass), BODY)
     for name in set(BODY.names or ()) & set(vars(bodies)):
         records[name] = getattr(bodies, name)
@@ -141,7 +141,7 @@ def _stacked(rows: Sequence[NDArray[Any]], columns: int) -> NDArray[Any]:
 
 
 def _edges_with_facets(hull: Hull) -> NDArray[np.int64]:
-    """Return the edges (E, 4) of a hull: vertices and the facets beside."""
+    """Returns the edges (E, 4) of a hull: vertices and adjacent facets."""
     beside = {}
     for f, facet in enumerate(hull.facets):
         for edge in pairwise((*facet, facet[0])):
@@ -150,13 +150,13 @@ def _edges_with_facets(hull: Hull) -> NDArray[np.int64]:
 
 
 def zero_records(count: int, kind: np.dtype[np.void]) -> Records:
-    """Return so many records, all zero; their values have names in plain Python too."""
+    """Returns `count` records of zeros whose fields are attributes in plain Python too."""
     return np.zeros(count, dtype=kind).view(np.recarray)
 
 
 @compiled
 def motion_of(body: Record) -> Motion:
-    """Return how a body is."""
+    """Returns pose and velocity of a body."""
     q = body.q
     attitude = normal_quaternion((q[0], q[1], q[2], q[3]))
     return Motion(triple(body.p), attitude, triple(body.v), triple(body.w))
@@ -164,7 +164,7 @@ def motion_of(body: Record) -> Motion:
 
 @compiled
 def set_motion(body: Record, motion: Motion) -> None:
-    """Let a body be so."""
+    """Sets pose and velocity of a body."""
     for i in range(3):
         body.p[i], body.v[i], body.w[i] = motion.p[i], motion.v[i], motion.w[i]
     for i in range(4):
@@ -172,21 +172,21 @@ def set_motion(body: Record, motion: Motion) -> None:
 
 
 SAME_CONTACT_DISTANCE = 1e-4
-"""Distance of contacts that are one, in sizes of the body."""
+"""Distance of contacts that count as one, in sizes of the body."""
 
 SAME_NORMAL_TOLERANCE = 1e-6
-"""What 1 - n · n' of contacts with one normal may be."""
+"""Largest 1 - n · n' of normals that count as one."""
 
 
 @compiled
 def smallest_gap(body: Record) -> float:
-    """Return the smallest gap of a body, infinite where it has no contact [m]."""
+    """Returns the smallest gap of a body, infinite without contacts [m]."""
     return body.gap[0] if body.count > 0 else np.inf
 
 
 @compiled
 def insert_contact(body: Record, gap: float, normal: Vector, lever: Vector) -> None:
-    """Add a contact in its order; the farthest is lost where there is no room."""
+    """Inserts a contact in the order of gaps; the farthest is dropped if the list is full."""
     k = body.count
     if k == MAX_CONTACTS:
         if gap >= body.gap[k - 1]:
@@ -204,7 +204,7 @@ def insert_contact(body: Record, gap: float, normal: Vector, lever: Vector) -> N
 
 @compiled
 def remove_contact(body: Record, k: int) -> None:
-    """Take away contact k."""
+    """Removes contact k."""
     body.count -= 1
     for later in range(k, body.count):
         _copy_contact(body, later + 1, later)
@@ -212,7 +212,7 @@ def remove_contact(body: Record, k: int) -> None:
 
 @compiled
 def insert_new_contact(body: Record, gap: float, normal: Vector, lever: Vector) -> None:
-    """Add a contact unless one says the same; of two that do, the nearer stays."""
+    """Inserts a contact unless an equal one exists; of two equal ones the nearer stays."""
     k, same = 0, SAME_CONTACT_DISTANCE * body.size
     while k < body.count:
         apart = minus(row(body.lever, k), lever)

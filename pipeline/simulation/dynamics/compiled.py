@@ -1,14 +1,13 @@
-"""Compiled: loops over bodies as machine code, made when they are first run and kept.
+"""Compiled code: loops over bodies as machine code, compiled when first run and cached.
 
-What is made is kept in the user's cache, never beside the package, in a folder named by a
-digest of the sources of all rooms that compile: numba alone would not see that a function
-which another one calls has changed. Where nothing can be written it is made anew each time.
+The cache lies in the user's cache folder, never beside the package, in a folder named by a digest
+of the sources of all rooms that compile: numba alone does not notice changes in called functions.
+Where no folder is writable the code is compiled anew each time.
 
 Compiled functions take numbers, tuples of them, and records, which are passed as one address:
-tuples of many arrays cost as much as the work. Vectors are triples and rotations three rows:
-such values live in registers. No `fastmath`: sums are added up as they
-are written, so the same body moves the same way beside any others, and with
-NUMBA_DISABLE_JIT=1 in plain Python as well.
+tuples of many arrays cost as much as the work. Vectors are triples and rotations three rows, so
+that they stay in registers. No `fastmath`: sums are added in the order written, so a body moves
+alike beside any others, and with NUMBA_DISABLE_JIT=1 in plain Python as well.
 """
 
 from __future__ import annotations
@@ -31,8 +30,8 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def _kept() -> bool:
-    """Choose where machine code is kept, unless the user has; say whether it can be."""
+def _set_cache_folder() -> bool:
+    """Sets numba's cache folder unless the user has; returns whether it is writable."""
     if numba.config.CACHE_DIR:
         return True
     here = Path(__file__).parent
@@ -49,17 +48,17 @@ def _kept() -> bool:
     return os.access(folder, os.W_OK)
 
 
-KEPT = _kept()
-"""Whether machine code can be kept."""
+CACHE_WRITABLE = _set_cache_folder()
+"""Whether machine code can be cached."""
 
 
-def is_made(room: str) -> bool:
-    """Tell whether machine code of a room was made before."""
-    return KEPT and any(Path(numba.config.CACHE_DIR).glob(f"{room}_*/*.nbi"))
+def is_cached(room: str) -> bool:
+    """Returns whether machine code of a room is in the cache."""
+    return CACHE_WRITABLE and any(Path(numba.config.CACHE_DIR).glob(f"{room}_*/*.nbi"))
 
 
 def compiled(function: Callable[P, T]) -> Callable[P, T]:
-    """Return a function that others which are compiled call; it becomes part of them."""
+    """Compiles a function that other compiled functions call."""
     made: Callable[P, T] = numba.njit(
         error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True
     )(function)
@@ -67,10 +66,9 @@ def compiled(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def inlined(function: Callable[P, T]) -> Callable[P, T]:
-    """Return a function that is copied to where others which are compiled call it.
+    """Compiles a function that is inlined into its compiled callers.
 
-    A tuple of many arrays is handed over array by array, which costs more than short work on
-    it does.
+    A tuple of many arrays is passed array by array, which costs more than short work on it.
     """
     made: Callable[P, T] = numba.njit(
         error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True
@@ -79,6 +77,6 @@ def inlined(function: Callable[P, T]) -> Callable[P, T]:
 
 
 def entry(function: Callable[P, T]) -> Callable[P, T]:
-    """Return a function that Python calls, as machine code which is kept."""
-    made: Callable[P, T] = numba.njit(cache=KEPT, error_model="numpy")(function)
+    """Compiles a function that Python calls; its machine code is cached."""
+    made: Callable[P, T] = numba.njit(cache=CACHE_WRITABLE, error_model="numpy")(function)
     return made

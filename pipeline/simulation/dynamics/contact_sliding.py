@@ -19,13 +19,13 @@ Numbers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """All contacts of T things, K of them.
+    """K contacts between T things.
 
     Attributes:
-        things: (K, 2) which two touch.
+        things: (K, 2) numbers of the two things.
         place: (K, 3) [m].
         normal: (K, 3) from the first to the second.
-        p, v, w: (T, 3) places, velocities and turning of things, in the world.
+        p, v, w: (T, 3) position, velocity and angular velocity of the things, in the world.
     """
 
     things: Numbers
@@ -38,15 +38,15 @@ class Contacts:
 
 @dataclass(frozen=True, eq=False)
 class SlidingMotion:
-    """How N things move along what they touch.
+    """Motion of N things along what they touch.
 
     Attributes:
-        touches: (N,) which do.
-        other: (N,) what.
+        touches: (N,) whether a thing touches anything.
+        other: (N,) number of the other thing.
         place: (N, 3) [m].
-        normal: (N, 3) from that to the thing.
-        along: (N,) speed of the middle along it [m/s].
-        slip: (N,) that of the contact.
+        normal: (N, 3) from the other thing.
+        along: (N,) speed of the centre along the other thing [m/s].
+        slip: (N,) speed of the contact [m/s].
     """
 
     touches: NDArray[np.bool_]
@@ -58,7 +58,7 @@ class SlidingMotion:
 
 
 def sliding_motion(contacts: Contacts, which: range) -> SlidingMotion:
-    """Return how the things of a range move along what they touch."""
+    """Returns how the things of a range move along what they touch."""
     one, other = np.concatenate([contacts.things, contacts.things[:, ::-1]]).T
     place = np.concatenate([contacts.place, contacts.place])
     normal = np.concatenate([-contacts.normal, contacts.normal])
@@ -70,7 +70,7 @@ def sliding_motion(contacts: Contacts, which: range) -> SlidingMotion:
     middle = contacts.v[one] - under
     touch = middle + cross(contacts.w[one], place - contacts.p[one])
     along, slip = (_tangential_speed(u, normal) for u in (middle, touch))
-    # The last one that is written is the one that slides most.
+    # Sorted by slip: the last one written slides most.
     order = np.lexsort((other, slip))
     count, rows = len(which), one[order] - which.start
     found = SlidingMotion(
@@ -94,7 +94,6 @@ def sliding_motion(contacts: Contacts, which: range) -> SlidingMotion:
 
 
 def _tangential_speed(u: Array, normal: Array) -> Array:
-    """Return the lengths of vectors (n, 3) across normals [m/s]."""
     across = u - dot(u, normal)[:, None] * normal
     result: Array = np.sqrt(dot(across, across))
     return result

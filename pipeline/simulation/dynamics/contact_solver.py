@@ -34,42 +34,42 @@ from pipeline.simulation.dynamics.vectors import (
 )
 
 MAX_SWEEPS = 400
-"""Most times that all contacts are gone through."""
+"""Largest number of sweeps over the contacts of an impact."""
 
 CONVERGED = 1e-12
-"""Change of a speed that is none, in parts of the speeds there are."""
+"""Change of a speed that ends the sweeps, relative to the largest speed error."""
 
 
 SOLVER_CONTACT = np.dtype(
     [
-        # Number of the contact, and whether it takes part.
+        # Number of the contact, and whether it is active.
         ("which", "i8"),
         ("acts", "?"),
-        # Normal and two tangents; levers × these [m]; turning by impulses along these,
+        # Normal and two tangents d; L × d [m]; angular velocity by unit impulses,
         # I⁻¹ (L × d) [1/(kg m)].
         ("axes", "f8", (3, 3)),
         ("arms", "f8", (3, 3)),
         ("yields", "f8", (3, 3)),
-        # Speed by impulse along the normal, inverse; across it likewise, entries 00, 01, 11 of
-        # the inverse matrix, and the inverse of the matrix's greater eigenvalue [kg].
+        # Effective mass along the normal; entries 00, 01, 11 of that along the tangents, and the
+        # inverse of the larger eigenvalue of its inverse [kg].
         ("normal", "f8"),
         ("across", "f8", 3),
         ("gentle", "f8"),
-        # Tangential speeds by a normal impulse [1/kg].
+        # Tangential speeds by a unit normal impulse [1/kg].
         ("beside", "f8", 2),
-        # Speeds along the axes, below which no normal one may be, and which friction would have
-        # the tangential ones be [m/s]; impulses along them [N s].
+        # Lower bound of the normal speed, and tangential speeds that friction aims at [m/s];
+        # impulses along the axes [N s].
         ("target", "f8", 3),
         ("impulse", "f8", 3),
     ],
     align=True,
 )
-"""A contact that acts, one of several on a body."""
+"""One of the active contacts of a body."""
 
 
 @compiled
 def add_contact(part: Record, body: Record, which: int, inverse: Rows) -> None:
-    """Make a part of a body's contact `which`; `inverse` is that of its inertia in the world."""
+    """Fills `part` from a body's contact `which`; `inverse` is the inverse inertia in the world."""
     per_mass, lever = 1.0 / body.mass, row(body.lever, which)
     axes = _contact_axes(row(body.normal, which))
     arms = (cross(lever, axes[0]), cross(lever, axes[1]), cross(lever, axes[2]))
@@ -91,13 +91,13 @@ def add_contact(part: Record, body: Record, which: int, inverse: Rows) -> None:
 
 @compiled
 def contact_speed(part: Record, i: int, v: Vector, w: Vector) -> float:
-    """Return the speed of a contact along its axis i, 0 for the normal [m/s].
+    """Returns the speed of a contact along its axis i, 0 for the normal [m/s].
 
     Args:
         part: the contact.
-        i: which axis.
-        v: velocity of the body.
-        w: angular velocity in the world.
+        i: number of the axis.
+        v: velocity of the body [m/s].
+        w: its angular velocity in the world [rad/s].
 
     Source: Sims 1987, (12.12).
     """
@@ -115,17 +115,17 @@ def solve_contacts(
     still: float,
     rounds: int,
 ) -> tuple[Vector, Vector]:
-    """Return velocity and turning in the world after; the impulses stay in the parts.
+    """Returns velocity and angular velocity in the world after all impulses, which stay in `parts`.
 
     Args:
-        parts: n contacts; impulses in them are begun with, and have to be possible.
-        n: how many.
+        parts: contacts; their impulses are the feasible initial guess.
+        n: number of contacts.
         v: velocity before [m/s].
         w: angular velocity before, in the world [rad/s].
         per_mass: 1 / mass [1/kg].
         friction: Coulomb's coefficient.
-        still: change of a speed that is none, in parts of the speeds there are.
-        rounds: most times that the contacts are gone through.
+        still: convergence tolerance, see `CONVERGED`.
+        rounds: largest number of sweeps.
     """
     scale = _largest_error(parts, n, v, w)
     for k in range(n):
@@ -148,7 +148,7 @@ def solve_contacts(
 
 @compiled
 def _largest_error(parts: Records, n: int, v: Vector, w: Vector) -> float:
-    """Return the greatest speed by which a contact misses what is asked of it [m/s]."""
+    """Returns the largest difference between a contact speed and its target [m/s]."""
     scale = 0.0
     for k in range(n):
         if parts[k].acts:
@@ -161,7 +161,7 @@ def _largest_error(parts: Records, n: int, v: Vector, w: Vector) -> float:
 def _project_contact(
     part: Record, v: Vector, w: Vector, per_mass: float, friction: float
 ) -> tuple[Vector, Vector, float]:
-    """Let a contact have its way; return v, w and how much a speed changed [m/s]."""
+    """Solves one contact alone; returns v, w and the change of its speed [m/s]."""
     before, target = triple(part.impulse), triple(part.target)
     first = max(before[0] - (contact_speed(part, 0, v, w) - target[0]) * part.normal, 0.0)
     second = third = 0.0
@@ -173,8 +173,8 @@ def _project_contact(
         a, b, c = triple(part.across)
         second, third = before[1] - (a * x + b * y), before[2] - (b * x + c * y)
         if second * second + third * third > limit * limit:
-            # What friction cannot hold slides, and its most is against the sliding: only a
-            # step of the same length along every axis ends in that direction.
+            # Sliding friction opposes the sliding: only a step of equal length along every axis
+            # converges to that direction.
             second, third = before[1] - part.gentle * x, before[2] - part.gentle * y
             hold = math.sqrt(second * second + third * third)
             if hold > limit:
@@ -189,7 +189,7 @@ def _project_contact(
 def _apply_impulse(
     part: Record, v: Vector, w: Vector, per_mass: float, impulse: Vector
 ) -> tuple[Vector, Vector]:
-    """Return velocity and turning after an impulse along the axes of a contact."""
+    """Returns velocity and angular velocity after an impulse along the axes of a contact."""
     for i in range(3):
         if impulse[i] != 0.0:
             v = plus(v, times(per_mass * impulse[i], row(part.axes, i)))
@@ -199,9 +199,9 @@ def _apply_impulse(
 
 @compiled
 def _contact_axes(normal: Vector) -> Rows:
-    """Return a normal and two tangents across it."""
+    """Returns a normal and two tangents."""
     x, y, z = normal
-    # Across the normal and whichever of X and Z it is farther from.
+    # Perpendicular to the normal and to the one of X and Z that is farther from it.
     first = (0.0, z, -y) if abs(x) < abs(z) else (y, -x, 0.0)
     first = times(1.0 / length(first), first)
     return (normal, first, cross(normal, first))

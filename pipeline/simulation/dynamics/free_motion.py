@@ -38,28 +38,28 @@ MAX_ORDER = 12
 """Highest power of time in the series."""
 
 MAX_STEP_ANGLE = 0.15
-"""Angle that a step may turn by, about [rad]: the terms left out are then below 1e-13."""
+"""Largest rotation in a step, about [rad]: the truncated terms are then below 1e-13."""
 
 NEGLIGIBLE_TERM = 1e-17
-"""Terms that are less do not count, in parts of the first."""
+"""Size of negligible terms, relative to the first."""
 
 SERIES_COLUMNS = 10
-"""Of a series: attitude, angular velocity, angular momentum."""
+"""Columns of a series: attitude, angular velocity, angular momentum."""
 
 
 @compiled
 def rotation_series(
     q: Quaternion, w: Vector, inertia: Rows, inverse: Rows, h: float, series: Array
 ) -> int:
-    """Write a series; return the highest power in it that counts.
+    """Writes the power series of a free rotation; returns its highest significant power.
 
     Args:
         q: attitude.
         w: angular velocity in the frame of the body [rad/s].
         inertia: along the axes of the body [kg m²].
-        inverse: of the same.
-        h: longest time that it is for [s].
-        series: (ORDER + 1, COLUMNS) coefficients of the powers of time.
+        inverse: inverse inertia.
+        h: longest time that it is used for [s].
+        series: (MAX_ORDER + 1, SERIES_COLUMNS) coefficients, written.
     """
     _write_coefficient(series, 0, q, w, turned(inertia, w))
     rate, power = abs(w[0]) + abs(w[1]) + abs(w[2]), 1.0
@@ -86,7 +86,7 @@ def rotation_series(
 
 @compiled
 def evaluate_rotation(series: Array, order: int, t: float) -> tuple[Quaternion, Vector]:
-    """Return attitude and angular velocity after a time t [s]."""
+    """Returns attitude and angular velocity after a time t [s]."""
     a, b, c, d = series[order, 0], series[order, 1], series[order, 2], series[order, 3]
     w = _rate(series, order)
     for k in range(order - 1, -1, -1):
@@ -98,14 +98,14 @@ def evaluate_rotation(series: Array, order: int, t: float) -> tuple[Quaternion, 
 
 @entry
 def rotate_freely(q: Array, w: Array, inertia: Array, inverse: Array, h: float) -> None:
-    """Let N bodies tumble for a time, in place.
+    """Rotates N bodies freely, in place.
 
     Args:
         q: (N, 4) attitudes wxyz.
         w: (N, 3) angular velocities in the frames of the bodies [rad/s].
         inertia: (N, 3, 3) [kg m²].
-        inverse: (N, 3, 3) of the same.
-        h: the time [s]; see `MAX_STEP_ANGLE`.
+        inverse: (N, 3, 3) inverse inertia.
+        h: duration [s]; see `MAX_STEP_ANGLE`.
     """
     series = np.empty((MAX_ORDER + 1, SERIES_COLUMNS))
     for i in range(len(q)):
@@ -126,7 +126,7 @@ def rotate_freely(q: Array, w: Array, inertia: Array, inverse: Array, h: float) 
 
 @compiled
 def rotate_by_vector(q: Quaternion, angle: Vector) -> Quaternion:
-    """Return an attitude turned by a rotation vector in the world [rad]."""
+    """Returns an attitude rotated by a rotation vector in the world [rad]."""
     half = 0.5 * math.sqrt(angle[0] * angle[0] + angle[1] * angle[1] + angle[2] * angle[2])
     s = 0.5 * (math.sin(half) / half if half > 1e-8 else 1.0 - half * half / 6.0)
     a, b, c, d = math.cos(half), s * angle[0], s * angle[1], s * angle[2]
@@ -156,7 +156,7 @@ def _write_coefficient(series: Array, k: int, q: Quaternion, w: Vector, momentum
 
 @compiled
 def _add_quaternion_product(total: Quaternion, series: Array, i: int, j: int) -> Quaternion:
-    """Return a total plus q_i ⊗ (0, ω_j)."""
+    """Returns `total` plus q_i ⊗ (0, ω_j)."""
     a, b, c, d = series[i, 0], series[i, 1], series[i, 2], series[i, 3]
     x, y, z = _rate(series, j)
     return (

@@ -19,17 +19,17 @@ from numpy.typing import NDArray
 from pipeline.simulation.spatial import Array, cross, cross_matrix, turn
 
 NEGLIGIBLE_LEVER = 1e-10
-"""Squared lever, as a part of the greatest, below which a direction has none."""
+"""Squared lever, as a fraction of the greatest, that counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class GroundReaction:
-    """How feet share a load.
+    """Distribution of a load over feet.
 
     Attributes:
         forces: (K, F, 3) of the ground on the feet [N].
-        force: (K, 3) what nobody carries, because no foot is down [N].
-        moment: (K, 3) what nobody carries [N m].
+        force: (K, 3) remaining force, where no foot is down [N].
+        moment: (K, 3) remaining moment [N m].
     """
 
     forces: Array
@@ -40,17 +40,17 @@ class GroundReaction:
 def ground_reaction(
     points: Array, stands: NDArray[np.bool_], force: Array, moment: Array
 ) -> GroundReaction:
-    """Return how standing feet carry a load.
+    """Returns how standing feet carry a load.
 
     Args:
-        points: (K, F, 3) where the feet are, from where the moment is about [m].
-        stands: (K, F) which of them are down.
-        force: (K, 3) to be carried [N].
-        moment: (K, 3) [N m].
+        points: (K, F, 3) feet, relative to the point that the moment is about [m].
+        stands: (K, F) which feet are down.
+        force: (K, 3) load [N].
+        moment: (K, 3) load [N m].
     """
     bears = stands.copy()
     forces = _shared_forces(points, bears, force, moment)
-    # Vertical shares of feet that bear have the mean of the force's, so one foot is left.
+    # The mean vertical share equals that of the load, so one foot always remains.
     for _ in range(points.shape[1] - 1):
         pulls = np.where(bears, forces[..., 1], np.inf)
         worst = np.argmin(pulls, axis=1)
@@ -64,11 +64,11 @@ def ground_reaction(
 
 
 def _shared_forces(points: Array, bears: NDArray[np.bool_], force: Array, moment: Array) -> Array:
-    """Return the least forces (K, F, 3) of feet that give the force and best the moment."""
+    """Returns the least forces (K, F, 3) of feet that give the force and best fit the moment."""
     K, F = bears.shape
     count = np.maximum(bears.sum(axis=1), 1)[:, None, None]
     even = bears[..., None] * force[:, None] / count
-    # Shares may differ by what sums to nothing: levers count from the mean of the feet.
+    # Differences of shares sum to zero: levers count from the mean of the feet.
     middle = (bears[..., None] * points).sum(axis=1, keepdims=True) / count
     levers = cross_matrix((points - middle) * bears[..., None])
     wide = levers.transpose(0, 2, 1, 3).reshape(K, 3, 3 * F)

@@ -1,8 +1,8 @@
-"""Convex hull of points: the polyhedron that a body is to whatever it meets.
+"""Convex hull of points: the polyhedron of a body.
 
-Points are added one by one; the faces that a new point sees are replaced by those from
-their rim to it. That is exact but for one tolerance, works in its own hundred lines, and is
-run once a body, so no geometry library is asked for it.
+Points are added one by one; the faces that a new point sees are replaced by triangles from their
+rim to it. That is exact but for one tolerance and runs once a body, so no geometry library is
+needed.
 
 Source: Ericson 2005, chapter 3 (incremental hulls).
 """
@@ -19,9 +19,9 @@ from pipeline.errors import MassError
 from pipeline.simulation.spatial import Array, cross, normalized
 
 SAME_PLANE = 1e-9
-"""Distance from a plane that is none, as a part of the extent of the points."""
+"""Distance from a plane that counts as zero, relative to the extent of the points."""
 
-LEAST_ANGLE = 1e-7
+SAME_FACET_SINE = 1e-7
 """Sine of the angle between neighbouring triangles of one facet."""
 
 
@@ -52,13 +52,13 @@ class Hull:
 
 
 def hull_of(points: Array) -> Hull:
-    """Return the convex hull of points (n, 3).
+    """Returns the convex hull of points (n, 3).
 
     Raises:
-        MassError: they lie in one plane, or are fewer than four.
+        MassError: if they lie in one plane, or are fewer than four.
     """
     hull = _hull(points)
-    # What lies in a facet or along an edge is no corner; without it the hull is the same.
+    # Points inside a facet or an edge are no corners; the hull is the same without them.
     facets = np.zeros(len(hull.vertices), dtype=np.int64)
     for facet in hull.facets:
         facets[list(facet)] += 1
@@ -69,7 +69,7 @@ def hull_of(points: Array) -> Hull:
 def _hull(points: Array) -> Hull:
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     near = SAME_PLANE * extent
-    faces = _grown(points, _first(points, near), near)
+    faces = _grow_hull(points, _initial_tetrahedron(points, near), near)
     used = np.unique(faces)
     number = np.zeros(len(points), dtype=np.int64)
     number[used] = np.arange(len(used))
@@ -77,8 +77,8 @@ def _hull(points: Array) -> Hull:
     return _with_facets(points[used], faces)
 
 
-def _first(points: Array, near: float) -> list[int]:
-    """Return four points that span a solid, far apart from one another."""
+def _initial_tetrahedron(points: Array, near: float) -> list[int]:
+    """Returns four points, far apart from one another, that span a solid."""
     if len(points) < 4:
         raise MassError(f"a solid needs four points or more, not {len(points)}")
     a = int(np.argmin(points[:, 0]))
@@ -96,12 +96,12 @@ def _first(points: Array, near: float) -> list[int]:
     return [a, b, c, d] if height[d] < 0.0 else [a, c, b, d]
 
 
-def _grown(points: Array, first: Sequence[int], near: float) -> NDArray[np.int64]:
-    """Return the triangles (F, 3) of the hull, grown from a tetrahedron."""
+def _grow_hull(points: Array, first: Sequence[int], near: float) -> NDArray[np.int64]:
+    """Returns the triangles (F, 3) of the hull, grown from a tetrahedron."""
     a, b, c, d = first
     faces = np.array([[a, b, c], [a, d, b], [b, d, c], [c, d, a]])
     normals, offsets = _planes(points, faces)
-    # Those farthest from the first ones come first: most others then lie inside at once.
+    # Farthest points first: most others then lie inside at once.
     order = np.argsort(-np.linalg.norm(points - points[list(first)].mean(axis=0), axis=-1))
     for i in order:
         seen = normals @ points[i] - offsets > near
@@ -123,14 +123,14 @@ def _planes(points: Array, faces: NDArray[np.int64]) -> tuple[Array, Array]:
 
 
 def _rim(faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the edges (n, 2) around a patch of triangles, in their own direction."""
+    """Returns the directed edges (n, 2) around a patch of triangles."""
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     there = {(int(a), int(b)) for a, b in edges}
     return np.array([e for e in map(tuple, edges.tolist()) if (e[1], e[0]) not in there])
 
 
 def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
-    """Join triangles of one plane to facets."""
+    """Merges coplanar triangles into facets."""
     normals, _ = _planes(vertices, faces)
     owner = {}
     for f, (a, b, c) in enumerate(faces.tolist()):
@@ -144,7 +144,7 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
 
     for (a, b), f in owner.items():
         g = owner[b, a]
-        if np.linalg.norm(np.cross(normals[f], normals[g])) < LEAST_ANGLE:
+        if np.linalg.norm(np.cross(normals[f], normals[g])) < SAME_FACET_SINE:
             group[max(root(f), root(g))] = min(root(f), root(g))
     patches: dict[int, list[int]] = {}
     for f in range(len(faces)):
@@ -158,7 +158,7 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
         while after[loop[-1]] != start:
             loop.append(after[loop[-1]])
         facets.append(tuple(loop))
-        flat.append(_area(vertices[loop]))
+        flat.append(_polygon_area(vertices[loop]))
         edges |= {(min(e), max(e)) for e in after.items()}
     return Hull(
         vertices,
@@ -169,8 +169,8 @@ def _with_facets(vertices: Array, faces: NDArray[np.int64]) -> Hull:
     )
 
 
-def _area(polygon: Array) -> Array:
-    """Return the area vector (3,) of a plane polygon (n, 3)."""
+def _polygon_area(polygon: Array) -> Array:
+    """Returns the area vector (3,) of a plane polygon (n, 3)."""
     arms = polygon - polygon[0]
     result: Array = 0.5 * cross(arms[1:-1], arms[2:]).sum(axis=0)
     return result

@@ -40,27 +40,27 @@ from pipeline.simulation.dynamics.vectors import (
 )
 
 REST_SPEED = 0.05
-"""Rest speed: what approaches slower does not bounce [m/s]."""
+"""Approach speed below which a contact does not bounce [m/s]."""
 
 TOUCH_GAP = 1e-5
 """Gap below which contacts act together, in sizes of the body."""
 
 MIN_APPROACH_SPEED = 1e-9
-"""Speeds below are no approach [m/s]."""
+"""Approach speed below which nothing is resolved [m/s]."""
 
 ENERGY_ROUNDING = 1e-12
-"""Part of the energy that is rounding."""
+"""Relative rounding error of the energy."""
 
 
 class Impact(NamedTuple):
-    """What an impact does to a body.
+    """Result of an impact.
 
     Attributes:
         v: velocity after [m/s].
         w: angular velocity after, in the frame of the body [rad/s].
-        speed: greatest approach of a contact, 0 where none struck [m/s].
-        energy: of what came at this speed [J].
-        place: middle of the impulses, from the centre of mass [m].
+        speed: greatest approach speed of a contact, 0 without an impact [m/s].
+        energy: kinetic energy of the approach [J].
+        place: centre of the impulses, from the centre of mass [m].
         normal: of the ground there.
     """
 
@@ -73,7 +73,7 @@ class Impact(NamedTuple):
 
 
 class BodyMatter(NamedTuple):
-    """A body as an impact sees it: mass, inertia in the world and its inverse, friction."""
+    """Mass, inertia in the world, its inverse, and friction of a body."""
 
     mass: float
     inertia: Rows
@@ -83,7 +83,7 @@ class BodyMatter(NamedTuple):
 
 @compiled
 def matter_in_world(body: Record, R: Rows) -> BodyMatter:
-    """Return a body's matter in an attitude."""
+    """Returns mass, inertia and friction of a body in an attitude."""
     return BodyMatter(
         body.mass,
         carried(R, rows_of(body.inertia)),
@@ -94,12 +94,12 @@ def matter_in_world(body: Record, R: Rows) -> BodyMatter:
 
 @compiled
 def resolve_impact(body: Record, now: Motion, parts: Records) -> Impact:
-    """Return what the contacts that approach do; nothing where none does.
+    """Returns the effect of the approaching contacts; the unchanged motion if none approaches.
 
     Args:
-        body: with its contacts.
-        now: how it is.
-        parts: room for contacts that act.
+        body: record with its contacts.
+        now: its pose and velocity.
+        parts: workspace for the active contacts.
     """
     R = rotation(now.q)
     w = turned(R, now.w)
@@ -111,7 +111,7 @@ def resolve_impact(body: Record, now: Motion, parts: Records) -> Impact:
         fastest = min(fastest, u)
         n = k + 1
     nothing = (0.0, 0.0, 0.0)
-    # What lies comes here sub-step by sub-step, and needs no more.
+    # Resting bodies come here in every sub-step, and need no more.
     if not fastest < -MIN_APPROACH_SPEED:
         return Impact(now.v, now.w, 0.0, 0.0, nothing, nothing)
     matter = matter_in_world(body, R)
@@ -140,7 +140,7 @@ def _kinetic(matter: BodyMatter, v: Vector, w: Vector) -> float:
 def _dissipative_solution(
     matter: BodyMatter, parts: Records, n: int, v0: Vector, w0: Vector
 ) -> tuple[Vector, Vector]:
-    """Return velocity and turning after, with no more energy than before."""
+    """Returns velocities after the impact, with no more energy than before."""
     before = _kinetic(matter, v0, w0) * (1.0 + ENERGY_ROUNDING)
     per_mass = 1.0 / matter.mass
     v, w = solve_contacts(parts, n, v0, w0, per_mass, matter.friction, CONVERGED, MAX_SWEEPS)
@@ -149,7 +149,7 @@ def _dissipative_solution(
         return v, w
     rough = parts[:n].copy()
     smooth_v, smooth_w = _frictionless_solution(matter, parts, n, v0, w0, before)
-    # T(s) = T0 + s B + s² C along the way from no friction (s = 0) to all of it (s = 1).
+    # T(s) = T0 + s B + s² C between no friction (s = 0) and all of it (s = 1).
     low = _kinetic(matter, smooth_v, smooth_w)
     half = _kinetic(matter, times(0.5, plus(smooth_v, v)), times(0.5, plus(smooth_w, w)))
     C = 2.0 * (high + low) - 4.0 * half
@@ -170,7 +170,7 @@ def _dissipative_solution(
 def _frictionless_solution(
     matter: BodyMatter, parts: Records, n: int, v0: Vector, w0: Vector, before: float
 ) -> tuple[Vector, Vector]:
-    """Return the same without friction; of contacts that leave anyway only if that loses."""
+    """Returns velocities without friction; separating contacts act only if that loses energy."""
     _clear_impulses(parts, n)
     v, w = solve_contacts(parts, n, v0, w0, 1.0 / matter.mass, 0.0, CONVERGED, MAX_SWEEPS)
     if _kinetic(matter, v, w) <= before:
@@ -183,6 +183,5 @@ def _frictionless_solution(
 
 @compiled
 def _clear_impulses(parts: Records, n: int) -> None:
-    """Begin without impulses."""
     for k in range(n):
         parts[k].impulse[0] = parts[k].impulse[1] = parts[k].impulse[2] = 0.0

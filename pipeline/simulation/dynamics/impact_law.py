@@ -1,17 +1,17 @@
-"""Impact law: the spring between two bodies in contact that gives the bounciness asked for.
+"""Impact law: springs between MuJoCo bodies in contact that give the bounciness asked for.
 
-While they approach, the spring pushes them apart with ω² d at depth d; once they part, with
-b² ω² d. What the spring took up it gives back times b², so they part at b times the speed
-at which they met, however fast that was and whatever they weigh. A damper instead, as
-contacts usually have, gives a ratio that changes with the speed and with how deep the two
-were when they were found to touch; b = 0.2 was off by 0.05, see `MEASURED`.
+While two bodies approach, the spring separates them with ω² d at depth d; once they part, with
+b² ω² d. The spring returns b² of the energy it took, so they part at b times the speed at which
+they met, whatever that speed and their masses. A damper, as contacts usually have, gives a ratio
+that depends on the speed and on the depth at which the contact was found; b = 0.2 was off by
+0.05, see `MEASURED_BOUNCINESS`.
 
-Within the step of length h in which they turn, v < 0 < v + ω² d h, the approach is stopped
-and b² of the rest of the push stays: a = -v (1 - b²)/h + b² ω² d. Without that, b = 0 came
-out as up to 0.19.
+Within the step of length h in which they turn, v < 0 < v + ω² d h, the approach is stopped and
+b² of the rest of the push remains: a = -v (1 - b²)/h + b² ω² d. Without that, b = 0 came out as
+up to 0.19.
 
-Contacts that began at less than the rest speed, or have lasted longer than a bounce, are
-damped critically: what rests does not jitter, however bouncy it is.
+Contacts that began below the rest speed, or have lasted longer than a bounce, are damped
+critically, so that resting bodies do not jitter, however bouncy they are.
 
 Source: Walton and Braun 1986 for springs that are softer on the way back.
 """
@@ -19,50 +19,48 @@ Source: Walton and Braun 1986 for springs that are softer on the way back.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled
 from pipeline.simulation.dynamics.gravity import GRAVITY
+from pipeline.simulation.dynamics.impact_arrays import ContactSet, ImpactLaw
 from pipeline.simulation.dynamics.vectors import Vector, cross, dot, minus, times, triple
-from pipeline.simulation.spatial import Array
 
 STIFFNESS = 0.25
-"""ω h: more is less exact, less costs more steps."""
+"""ω h: a larger value is less exact, a smaller one costs more sub-steps."""
 
 REST_SPEED = 0.05
-"""What comes nearer more slowly does not bounce [m/s]."""
+"""Approach speed below which a contact does not bounce [m/s]."""
 
 SLAM_SPEED = 0.2
-"""Likewise where the two touch already, at another corner [m/s]."""
+"""The same for a pair that touches already, at another corner [m/s]."""
 
-DULL = 0.05
-"""Bounciness below which nothing is given back."""
+MIN_BOUNCINESS = 0.05
+"""Bounciness below which nothing is returned."""
 
-ROLLING = 10.0
-"""Rate at which spin and rolling come to rest where friction can do it [1/s]."""
+ROLLING_DAMPING = 10.0
+"""Rate at which friction stops spin and rolling [1/s]."""
 
-SPARE = 4.0
-"""Weights that a contact may carry beyond its own."""
+SPARE_LOAD = 4.0
+"""Load that a contact may carry beyond its own, in weights."""
 
-EXACTLY = 0.999
-"""What rounding leaves of what is sure."""
+ROUNDING_FACTOR = 0.999
+"""Factor that leaves room for rounding in a sure comparison."""
 
-LONGER = 1.5
-"""How long a bounce may last, in its own length by the formula."""
+MAX_BOUNCE_DURATION = 1.5
+"""Longest duration of a bounce, in its duration by the formula."""
 
-ALIKE = 0.999
+SAME_PLANE_COSINE = 0.999
 """Cosine between normals of one plane."""
 
-RIM = 0.02
-"""Height above a plane that is none, in radii of the ball."""
+RIM_HEIGHT = 0.02
+"""Height above a plane that counts as zero, in radii of the ball."""
 
-YIELDING = 1e6
-"""Acceleration towards one another that is asked of what is not to push [m/s²]."""
+DISABLING_ACCELERATION = 1e6
+"""Acceleration towards each other that disables a contact [m/s²]."""
 
-MEASURED = {
+MEASURED_BOUNCINESS = {
     0.0: (0.000, 0.000),
     0.2: (0.196, 0.214),
     0.4: (0.395, 0.414),
@@ -71,123 +69,24 @@ MEASURED = {
     0.95: (0.949, 0.966),
     1.0: (0.992, 1.012),
 }
-"""Bounciness asked for: least and greatest found, of balls and boxes that fall flat at 0.5
-to 6 m/s and touch anywhere within a step; `benchmarks/bounciness.py` measures it."""
-
-
-THING = np.dtype(
-    [
-        # Of two the lower one holds.
-        ("bounciness", "f8"),
-        # 0 of what does not give way [1/kg]; in its own frame, likewise [1/(kg m²)].
-        ("inverse_mass", "f8"),
-        ("inverse_inertia", "f8", (3, 3)),
-        # The most that a unit of impulse gives any place of it [1/kg].
-        ("gives", "f8"),
-        # Of balls, 0 of what is none [m].
-        ("radius", "f8"),
-        # Just now, of what touches: angular and linear velocity in the world at its centre
-        # [rad/s, m/s], centre [m], rotation matrix.
-        ("velocity", "f8", 6),
-        ("centre", "f8", 3),
-        ("attitude", "f8", 9),
-    ],
-    align=True,
-)
-"""A thing: the terrain, a body, or who pushes, in this order."""
-
-PAIR = np.dtype([("key", "i8"), ("onset", "f8")])
-"""Two things that touch, by number, and when their last bounce began [s]."""
-
-STRIKE = np.dtype(
-    [
-        # Numbers of a body and of the other thing; the time in the world [s]; see `Strike`.
-        ("one", "i8"),
-        ("other", "i8"),
-        ("time", "f8"),
-        ("place", "f8", 3),
-        ("normal", "f8", 3),
-        ("speed", "f8"),
-        ("energy", "f8"),
-    ],
-    align=True,
-)
-"""The begin of an impact."""
-
-NOW = np.dtype(
-    [
-        # Length of the step [s]; how many bodies there are.
-        ("h", "f8"),
-        ("bodies", "i8"),
-        # Whether the ground is a height field.
-        ("uneven", "?"),
-        # Which half of the pairs is known, how many these are, how many strikes are told.
-        ("half", "i8"),
-        ("known", "i8"),
-        ("told", "i8"),
-    ],
-    align=True,
-)
-"""How it stands with a world."""
-
-
-class Touching(NamedTuple):
-    """All n places at which things touch at one moment, those of one pair in a row.
-
-    Attributes:
-        contacts: (n,) of MuJoCo: where, `dist` negative where one is in the other [m]; the
-            first three of `frame` are the normal from the first to the second; `dim` rows
-            from `efc_address`, negative for none: normal, two of sliding, spin and rolling.
-        things: (g,) to which thing each of MuJoCo's geoms belongs.
-        springs: (k, 4) of rows; the first two become stiffness [1/s²] and damping [1/s].
-        depths: (k,) of rows: distances that the springs see [m].
-        velocity: (m, 6) angular and linear velocities of all things in the world, at their
-            centres [rad/s, m/s].
-        centre: (m, 3) of all things [m].
-        attitude: (m, 9) rotation matrices of all things.
-    """
-
-    contacts: Records
-    things: NDArray[np.int32]
-    springs: Array
-    depths: Array
-    velocity: Array
-    centre: Array
-    attitude: Array
-
-
-class Law(NamedTuple):
-    """Which pairs bounce at the moment, which rest, and what is known of things.
-
-    Attributes:
-        now: a `NOW`.
-        things: (m,) `THING`.
-        pairs: (2, room) `PAIR` of this step and of the one before, in order.
-        speeds: (room,) at which places part [m/s].
-        strikes: `STRIKE`, as many as there is room for.
-    """
-
-    now: Record
-    things: Records
-    pairs: Records
-    speeds: Array
-    strikes: Records
+"""Bounciness asked for: least and greatest found, of balls and boxes that fall flat at 0.5 to 6 m/s
+and touch anywhere within a step; `benchmarks/bounciness.py` measures it."""
 
 
 @compiled
-def press(t: Touching, law: Law, time: float) -> None:
-    """Set the springs for a step from `time` [s] on, and keep the bounces that begin."""
+def set_springs(t: ContactSet, law: ImpactLaw, time: float) -> None:
+    """Sets the springs for a step from `time` [s] on, and records the bounces that begin."""
     now, contacts, speeds = law.now, t.contacts, law.speeds
     known, pairs = law.pairs[now.half], law.pairs[1 - now.half]
     n, end, count, k, ordered = len(contacts), 0, 0, 0, True
     while end < n:
         first, quickest = end, end
-        a, b = _two(t, first)
+        a, b = _things_of(t, first)
         one, other = law.things[a], law.things[b]
-        _look(t, a, one)
-        _look(t, b, other)
-        while end < n and _two(t, end) == (a, b):
-            speeds[end] = _parting(contacts[end], one, other)
+        _copy_motion(t, a, one)
+        _copy_motion(t, b, other)
+        while end < n and _things_of(t, end) == (a, b):
+            speeds[end] = _separation_speed(contacts[end], one, other)
             if speeds[end] < speeds[quickest]:
                 quickest = end
             end += 1
@@ -199,31 +98,31 @@ def press(t: Touching, law: Law, time: float) -> None:
         touched = k < now.known and known[k].key == key
         begun = known[k].onset if touched else -np.inf
         bounciness = min(one.bounciness, other.bounciness)
-        bounces = time - begun < _lasts(bounciness, now.h)
+        bounces = time - begun < _bounce_duration(bounciness, now.h)
         if not bounces and -speeds[quickest] > (SLAM_SPEED if touched else REST_SPEED):
             begun, bounces = time, True
-            _tell(t, law, time, first, end, quickest)
+            _record_impact(t, law, time, first, end, quickest)
         pairs[count].key, pairs[count].onset = key, begun
         count += 1
-        _set_springs(t, law, first, end, bounces)
+        _set_pair_springs(t, law, first, end, bounces)
         if now.uneven and a == 0 and other.radius > 0.0 and end - first > 1:
-            _let_in_beside(t, first, end, other.radius)
+            _disable_rim_contacts(t, first, end, other.radius)
     if not ordered:
-        _sort(pairs, count)
+        _sort_pairs(pairs, count)
     now.half, now.known = 1 - now.half, count
 
 
 @compiled
-def _two(t: Touching, i: int) -> tuple[int, int]:
-    """Return the numbers of the things that touch at a place."""
+def _things_of(t: ContactSet, i: int) -> tuple[int, int]:
+    """Returns the numbers of the things of a contact."""
     geom = t.contacts[i].geom
     return t.things[geom[0]], t.things[geom[1]]
 
 
 @compiled
-def _set_springs(t: Touching, law: Law, first: int, end: int, bounces: bool) -> None:
-    """Set the springs of a pair, which touches from place `first` to `end`."""
-    h, speeds, (a, b) = law.now.h, law.speeds, _two(t, first)
+def _set_pair_springs(t: ContactSet, law: ImpactLaw, first: int, end: int, bounces: bool) -> None:
+    """Sets the springs of a pair, whose contacts are `first` to `end`."""
+    h, speeds, (a, b) = law.now.h, law.speeds, _things_of(t, first)
     one, other = law.things[a], law.things[b]
     bounciness = min(one.bounciness, other.bounciness)
     for i in range(first, end):
@@ -236,12 +135,12 @@ def _set_springs(t: Touching, law: Law, first: int, end: int, bounces: bool) -> 
         pushed = stiffness * depth - damping * speeds[i]
         sliding = _friction(contact, one, other, pushed, STIFFNESS / h)
         for k in range(1, contact.dim):
-            t.springs[row + k, 1] = sliding if k < 3 else ROLLING
+            t.springs[row + k, 1] = sliding if k < 3 else ROLLING_DAMPING
 
 
 @compiled
-def _look(t: Touching, number: int, thing: Record) -> None:
-    """Note how a thing is just now."""
+def _copy_motion(t: ContactSet, number: int, thing: Record) -> None:
+    """Copies the present motion of a thing."""
     for k in range(3):
         thing.centre[k] = t.centre[number, k]
     for k in range(6):
@@ -251,29 +150,29 @@ def _look(t: Touching, number: int, thing: Record) -> None:
 
 
 @compiled
-def _parting(contact: Record, one: Record, other: Record) -> float:
-    """Return the speed along the normal at which two part at a place [m/s]."""
+def _separation_speed(contact: Record, one: Record, other: Record) -> float:
+    """Returns the separation speed along the normal at a contact [m/s]."""
     n, place = triple(contact.frame), triple(contact.pos)
-    return dot(n, _velocity(other, place)) - dot(n, _velocity(one, place))
+    return dot(n, _point_velocity(other, place)) - dot(n, _point_velocity(one, place))
 
 
 @compiled
-def _velocity(thing: Record, place: Vector) -> Vector:
-    """Return v + w × r of a place of a thing [m/s]."""
+def _point_velocity(thing: Record, place: Vector) -> Vector:
+    """Returns v + w × r at a point of a thing [m/s]."""
     x, y, z = minus(place, triple(thing.centre))
     w = thing.velocity
     return (w[3] + w[1] * z - w[2] * y, w[4] + w[2] * x - w[0] * z, w[5] + w[0] * y - w[1] * x)
 
 
 @compiled
-def _lasts(b: float, h: float) -> float:
-    """Return how long a bounce may last [s]."""
-    return LONGER * 0.5 * np.pi * h / STIFFNESS * (1.0 + 1.0 / max(b, DULL))
+def _bounce_duration(b: float, h: float) -> float:
+    """Returns the longest duration of a bounce [s]."""
+    return MAX_BOUNCE_DURATION * 0.5 * np.pi * h / STIFFNESS * (1.0 + 1.0 / max(b, MIN_BOUNCINESS))
 
 
 @compiled
-def _sort(pairs: Records, count: int) -> None:
-    """Bring pairs in order; they nearly are."""
+def _sort_pairs(pairs: Records, count: int) -> None:
+    """Sorts pairs, which are nearly sorted, by insertion."""
     for i in range(1, count):
         k, key, onset = i, pairs[i].key, pairs[i].onset
         while k > 0 and pairs[k - 1].key > key:
@@ -283,11 +182,13 @@ def _sort(pairs: Records, count: int) -> None:
 
 
 @compiled
-def _tell(t: Touching, law: Law, time: float, first: int, end: int, i: int) -> None:
-    """Keep the bounce that begins at place `i`, of a pair that touches from `first` to `end`.
+def _record_impact(
+    t: ContactSet, law: ImpactLaw, time: float, first: int, end: int, i: int
+) -> None:
+    """Records the bounce that begins at contact `i` of a pair with contacts `first` to `end`.
 
-    What lands flat touches at many corners at once: it is in their middle, and its whole
-    mass counts.
+    A flat landing touches at many corners at once: it is placed at their centre, and the whole mass
+    counts.
     """
     if law.now.told == len(law.strikes):
         return
@@ -298,7 +199,7 @@ def _tell(t: Touching, law: Law, time: float, first: int, end: int, i: int) -> N
             place = (place[0] + x, place[1] + y, place[2] + z)
             count += 1
     place = times(1.0 / count, place)
-    (a, b), n = _two(t, i), triple(t.contacts[i].frame)
+    (a, b), n = _things_of(t, i), triple(t.contacts[i].frame)
     strike = law.strikes[law.now.told]
     law.now.told += 1
     # Bodies come first, in order.
@@ -307,18 +208,18 @@ def _tell(t: Touching, law: Law, time: float, first: int, end: int, i: int) -> N
     side = 1.0 if turned else -1.0
     for k in range(3):
         strike.place[k], strike.normal[k] = place[k], side * n[k]
-    # It was found a little after it began.
+    # The contact was found a little after it began.
     strike.time = time - max(-t.contacts[i].dist, 0.0) / -speed
     strike.speed = -speed
-    strike.energy = 0.5 * speed**2 / _yields(law.things[a], law.things[b], place, n)
+    strike.energy = 0.5 * speed**2 / _pair_compliance(law.things[a], law.things[b], place, n)
 
 
 @compiled
 def _spring(depth: float, v: float, h: float, b: float, bounces: bool) -> tuple[float, float]:
-    """Return stiffness [1/s²] and damping [1/s] at a place that parts at `v` [m/s]."""
+    """Returns stiffness [1/s²] and damping [1/s] of a contact that separates at `v` [m/s]."""
     w = STIFFNESS / h
     stiffness, damping = w * w, 2.0 * w
-    if bounces and b >= DULL:
+    if bounces and b >= MIN_BOUNCINESS:
         damping = 0.0
         if v < 0.0 and v + w * w * depth * h > 0.0:
             stiffness, damping = b * b * stiffness, (1.0 - b * b) / h
@@ -327,43 +228,43 @@ def _spring(depth: float, v: float, h: float, b: float, bounces: bool) -> tuple[
     elif bounces and v < -REST_SPEED:
         stiffness, damping = 0.0, 1.0 / h
     elif w * depth > 2.0 * REST_SPEED:
-        # A spring cannot pull: what it pushed out faster would hop.
+        # A spring cannot pull: a faster separation would hop.
         stiffness *= 2.0 * REST_SPEED / (w * depth)
     return stiffness, damping
 
 
 @compiled
 def _friction(contact: Record, one: Record, other: Record, pushed: float, w: float) -> float:
-    """Return the damping of what slides at a place, which is `pushed` apart [m/s²].
+    """Returns the damping of sliding at a contact with normal acceleration `pushed` [m/s²].
 
-    MuJoCo solves for friction and for the push together and weighs one against the other: a
-    contact that is asked to stop what slides, faster than Coulomb's friction can, lifts it
-    off instead. A ball of bounciness 0.5 that came at 6 m/s aslant left with 0.74 of its
-    speed. So it is asked for no more than Coulomb gives.
+    MuJoCo solves friction and normal force together and trades them against each other: a contact
+    that must stop sliding faster than Coulomb's friction can lifts it off instead. A ball of
+    bounciness 0.5 that came at 6 m/s aslant left with 0.74 of its speed. So no more than Coulomb's
+    friction is asked for.
     """
     n, place, damping = triple(contact.frame), triple(contact.pos), 2.0 * w
-    slides = minus(_velocity(other, place), _velocity(one, place))
+    slides = minus(_point_velocity(other, place), _point_velocity(one, place))
     slides = minus(slides, times(dot(slides, n), n))
     speed = math.sqrt(dot(slides, slides))
-    least = contact.friction[0] * (max(pushed, 0.0) + SPARE * GRAVITY)
-    # Most places hardly slide, and need no exact answer.
+    least = contact.friction[0] * (max(pushed, 0.0) + SPARE_LOAD * GRAVITY)
+    # Most contacts hardly slide, and need no exact answer.
     eases = one.inverse_mass + other.inverse_mass
-    if damping * speed * (one.gives + other.gives) <= EXACTLY * least * eases:
+    if damping * speed * (one.gives + other.gives) <= ROUNDING_FACTOR * least * eases:
         return damping
-    ratio = _yields(one, other, place, times(1.0 / speed, slides))
-    ratio /= max(_yields(one, other, place, n), 1e-12)
+    ratio = _pair_compliance(one, other, place, times(1.0 / speed, slides))
+    ratio /= max(_pair_compliance(one, other, place, n), 1e-12)
     result: float = min(damping, least * ratio / speed)
     return result
 
 
 @compiled
-def _yields(one: Record, other: Record, place: Vector, n: Vector) -> float:
-    """Return the speed that a unit of impulse along `n` gives two things at a place [1/kg]."""
-    return _gives(one, place, n) + _gives(other, place, n)
+def _pair_compliance(one: Record, other: Record, place: Vector, n: Vector) -> float:
+    """Returns the speed that a unit impulse along `n` gives two things at a point [1/kg]."""
+    return _compliance(one, place, n) + _compliance(other, place, n)
 
 
 @compiled
-def _gives(thing: Record, place: Vector, n: Vector) -> float:
+def _compliance(thing: Record, place: Vector, n: Vector) -> float:
     if thing.inverse_mass == 0.0:
         return 0.0
     R, J = thing.attitude, thing.inverse_inertia
@@ -381,19 +282,18 @@ def _gives(thing: Record, place: Vector, n: Vector) -> float:
 
 
 @compiled
-def _let_in_beside(t: Touching, first: int, end: int, radius: float) -> None:
-    """Let a ball fall into the rim of triangles that it is not over.
+def _disable_rim_contacts(t: ContactSet, first: int, end: int, radius: float) -> None:
+    """Disables contacts of a ball with the rim of triangles that it is not over.
 
-    MuJoCo looks at each prism of a height field alone, so a ball that has sunk into one is
-    pushed aside by its neighbours, though their surfaces lie in one plane: 0.95 m/s after an
-    impact at 6 m/s. A place counts if it lies above the plane of the deepest one, or has the
-    same normal; at others so much is asked to fall in that nothing pushes.
+    MuJoCo treats each prism of a height field alone, so its neighbours push a sunken ball sideways
+    though their surfaces lie in one plane: 0.95 m/s after an impact at 6 m/s. A contact counts if
+    it lies above the plane of the deepest one, or has the same normal.
 
     Args:
-        t: see there; the terrain comes first, normals are upward, and places are in the
-            middle between both surfaces.
-        first: of the places of ball and ground.
-        end: of them.
+        t: contacts; the terrain comes first, normals are upward, and positions are halfway between
+            both surfaces.
+        first: first contact of ball and ground.
+        end: end of them.
         radius: of the ball [m].
     """
     deepest = first
@@ -401,17 +301,17 @@ def _let_in_beside(t: Touching, first: int, end: int, radius: float) -> None:
         if t.contacts[i].dist < t.contacts[deepest].dist:
             deepest = i
     up = triple(t.contacts[deepest].frame)
-    ground = _ground(t, deepest)
+    ground = _ground_point(t, deepest)
     for i in range(first, end):
         at = t.contacts[i].efc_address
         alike = dot(up, triple(t.contacts[i].frame))
-        above = dot(up, minus(_ground(t, i), ground))
-        if at >= 0 and alike < ALIKE and above < RIM * radius:
-            t.springs[at, 0], t.springs[at, 1], t.depths[at] = -YIELDING, 0.0, -1.0
+        above = dot(up, minus(_ground_point(t, i), ground))
+        if at >= 0 and alike < SAME_PLANE_COSINE and above < RIM_HEIGHT * radius:
+            t.springs[at, 0], t.springs[at, 1], t.depths[at] = -DISABLING_ACCELERATION, 0.0, -1.0
 
 
 @compiled
-def _ground(t: Touching, i: int) -> Vector:
-    """Return where on the ground place `i` is [m]."""
+def _ground_point(t: ContactSet, i: int) -> Vector:
+    """Returns the point on the ground of contact `i` [m]."""
     down = times(0.5 * t.contacts[i].dist, triple(t.contacts[i].frame))
     return minus(triple(t.contacts[i].pos), down)

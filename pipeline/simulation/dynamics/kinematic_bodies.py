@@ -12,34 +12,29 @@ import numpy as np
 from pipeline.simulation.spatial import Array, quaternion
 
 TELEPORT_SPEED = 100.0
-"""Speed above which a solid was put elsewhere and pushes nothing on its way [m/s]."""
+"""Speed above which a solid counts as placed elsewhere and pushes nothing on its way [m/s]."""
 
 NO_VELOCITIES = np.zeros((0, 6))
-"""Velocities of nobody."""
+"""Velocities of no bodies."""
 
 NO_PATHS = np.zeros((0, 5))
-"""Paths of nobody."""
+"""Paths of no bodies."""
 
 
 @dataclass(frozen=True, slots=True)
 class Poses:
-    """Where P solids are.
-
-    Attributes:
-        p: (P, 3) their origins [m].
-        R: (P, 3, 3).
-    """
+    """Poses of P solids: origins p (P, 3) [m] and rotations R (P, 3, 3)."""
 
     p: Array
     R: Array
 
 
 class KinematicBodies:
-    """P solids, and how they move within a step.
+    """P solids, and their motion within a step.
 
     Attributes:
-        begin: (P, 7) p and q at the begin of the step.
-        speed: (P,) of their origins in it [m/s].
+        begin: (P, 7) p and q at the start of the step.
+        speed: (P,) of their origins during it [m/s].
     """
 
     def __init__(self, count: int, step: float) -> None:
@@ -49,13 +44,13 @@ class KinematicBodies:
         self._now: Poses | None = None
 
     def put(self, poses: Poses) -> Array:
-        """Put them at places without moving them there; return p and q (P, 7)."""
+        """Places them without motion; returns p and q (P, 7)."""
         self._now = poses
         self.begin = np.concatenate([poses.p, quaternion(poses.R)], axis=1)
         return self.begin
 
     def motion(self, poses: Poses | None) -> Array:
-        """Return the velocities (P, 6), v and w, that lead to `poses` at the end of the step."""
+        """Returns velocities (P, 6), v and w, that reach `poses` at the end of the step."""
         before = self._now
         if poses is None or before is None:
             return NO_VELOCITIES
@@ -71,7 +66,7 @@ class KinematicBodies:
         return np.concatenate([v, w], axis=1)
 
     def paths(self, far: Array) -> Array:
-        """Return (P, 5): where they begin, how far they reach and go in two steps, and speeds.
+        """Returns (P, 5): start, reach including the way of two steps [m], and speed [m/s].
 
         Args:
             far: (P,) distance of their farthest corner [m].
@@ -83,7 +78,7 @@ class KinematicBodies:
 
 
 def _rotation_vector(R: Array) -> Array:
-    """Return the vectors (P, 3), axis times angle, of rotations (P, 3, 3)."""
+    """Returns the vectors (P, 3), axis times angle, of rotations (P, 3, 3)."""
     q = quaternion(R)
     q = np.where(q[:, :1] < 0.0, -q, q)
     sine = np.sqrt((q[:, 1:] ** 2).sum(axis=1))

@@ -1,6 +1,6 @@
-"""Linkage: rigid links that hinges join, each hinge with a servo, some places pulled through space.
+"""Linkage: rigid links connected by hinges with servos, and spots pulled through space.
 
-A description alone; `mujoco_linkage.py` moves it.
+A description; `mujoco_linkage` simulates it.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from typing import Literal
 
 from pipeline.simulation.spatial import Array
 
-Meets = Literal["limb", "trunk", "nothing"]
-"""Limbs meet limbs and trunks; trunks meet limbs alone."""
+CollisionGroup = Literal["limb", "trunk", "nothing"]
+"""Collision groups: limbs collide with limbs and trunks; trunks collide with limbs only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,9 +23,9 @@ class Hinge:
         axis: (3,) of unit length, at rest.
         lower: least angle [rad].
         upper: greatest angle [rad].
-        stiffness: of its servo [N m/rad].
-        damping: of its servo [N m s/rad].
-        strength: greatest torque of its servo [N m].
+        stiffness: of the servo [N m/rad].
+        damping: of the servo [N m s/rad].
+        strength: greatest torque of the servo [N m].
     """
 
     name: str
@@ -39,28 +39,28 @@ class Hinge:
 
 @dataclass(frozen=True, eq=False)
 class Capsule:
-    """A round solid of a link: all that is within `radius` of the line between two ends.
+    """A capsule of a link: all points within `radius` of a line.
 
     Attributes:
         name: unique.
-        ends: (2, 3) at rest [m].
+        ends: (2, 3) ends of the line at rest [m].
         radius: [m].
-        meets: what it meets.
+        meets: collision group.
     """
 
     name: str
     ends: Array
     radius: float
-    meets: Meets = "nothing"
+    meets: CollisionGroup = "nothing"
 
 
 @dataclass(frozen=True, eq=False)
 class Disc:
-    """An upright cylinder that stands still and is struck from above.
+    """A fixed upright cylinder that is struck from above.
 
     Attributes:
         name: unique.
-        middle: (3,) of it [m].
+        middle: (3,) centre [m].
         radius: [m].
         height: [m].
     """
@@ -73,16 +73,16 @@ class Disc:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A rigid link; its mass is spread evenly over its solids.
+    """A rigid link; its mass is distributed evenly over its solids.
 
     Attributes:
         name: unique.
-        parent: number of the link it hangs on, -1 for what stands still.
+        parent: number of the parent link, -1 for the fixed base.
         place: (3,) of its hinges at rest [m].
-        mass: [kg]; of what stands still it does not matter.
-        hinges: from its parent on, the first turning the others; without any it is fixed.
-        solids: that it consists of.
-        weightless: whether its weight is compensated.
+        mass: [kg]; without effect on a fixed link.
+        hinges: from the parent outward, each turning the next; none for a fixed link.
+        solids: its capsules.
+        weightless: whether gravity is compensated.
     """
 
     name: str
@@ -96,7 +96,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """A place that goes with a link, -1 for what stands still; `place` (3,) at rest [m]."""
+    """A point on a link, -1 for the fixed base; `place` (3,) at rest [m]."""
 
     name: str
     link: int
@@ -105,16 +105,16 @@ class Spot:
 
 @dataclass(frozen=True, eq=False)
 class Linkage:
-    """All of it.
+    """Links, spots and discs.
 
     Attributes:
         links: parents first.
-        spots: places whose way matters, those of a link after those of the links before it.
+        spots: points of interest, in the order of their links.
         pulled: names of the spots that a force can pull.
         drag: c of these forces, c (v_desired - v) [N s/m].
-        most_force: greatest along each axis [N].
-        apart: pairs of names of links that never meet one another.
-        discs: that stand about it.
+        most_force: greatest force along each axis [N].
+        apart: pairs of names of links that never collide.
+        discs: fixed discs.
     """
 
     links: tuple[Link, ...]

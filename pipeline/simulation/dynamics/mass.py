@@ -1,16 +1,15 @@
-"""Mass properties: mass, centre of mass and inertia, of polyhedra and of point masses.
+"""Mass properties: mass, centre of mass and inertia of polyhedra and of point masses.
 
-A closed surface is the sum of tetrahedra from one apex to its triangles, each counted with
-its sign, and what they have in common or outside it cancels. With the apex at the origin,
-corners a, b, c and s = a + b + c, a tetrahedron has
+A closed surface is the signed sum of tetrahedra from one apex to its triangles. With the apex at
+the origin, corners a, b, c and s = a + b + c, a tetrahedron has
 
     V = a · (b × c) / 6,   ∫ x dV = V s / 4,   ∫ x xᵀ dV = V / 20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ),
 
-so nothing but rounding stands between the result and the polyhedron's own. A second moment
-C = ∫ x xᵀ dm gives the inertia I = tr(C) 1 - C.
+so the result is exact for the polyhedron but for rounding. A second moment C = ∫ x xᵀ dm gives the
+inertia I = tr(C) 1 - C.
 
-Source: Sims 1987, 7.1.1, whose three moments about the axes are no matrix: turned, a figure
-needs the products as well, I = Σ m (|L|² 1 - L Lᵀ). Mirtich 1996 for polyhedra.
+Source: Sims 1987, 7.1.1, whose three moments about the axes are no matrix: a turned figure needs
+the products as well, I = Σ m (|L|² 1 - L Lᵀ). Mirtich 1996 for polyhedra.
 """
 
 from __future__ import annotations
@@ -27,16 +26,16 @@ from pipeline.errors import MassError
 from pipeline.simulation.spatial import Array, cross
 
 _CLOSED: WeakValueDictionary[tuple[int, int], NDArray[Any]] = WeakValueDictionary()
-"""Faces that cannot change and were found closed, by their address and how many vertices
-they have: the links of a figure share theirs, and looking costs more than all else."""
+"""Immutable face arrays that were found closed, by address and number of vertices: the links of a
+figure share theirs, and the check costs more than all else."""
 
 FLAT = 1e-13
-"""Volume that is none but rounding, as a part of the cube around a surface."""
+"""Volume that counts as rounding, relative to the cube around a surface."""
 
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
-    """All that matters of a rigid body's mass to how it moves, told in some frame B.
+    """Mass properties of a rigid body in some frame B.
 
     Attributes:
         mass: [kg].
@@ -49,7 +48,7 @@ class MassProperties:
     inertia: Array
 
     def in_frame(self, X_AB: Array) -> MassProperties:
-        """Return the same told in another frame.
+        """Returns the same in another frame.
 
         Args:
             X_AB: (4, 4) pose of the present frame B in the other one, A.
@@ -60,16 +59,16 @@ class MassProperties:
         )
 
     def about(self, point: Array) -> Array:
-        """Return the inertia (3, 3) about a `point` (3,) of B, along its axes [kg m²].
+        """Returns the inertia (3, 3) about a `point` (3,) of B, along its axes [kg m²].
 
-        Source: the theorem of parallel axes, for tensors.
+        Source: parallel axis theorem, for tensors.
         """
         arm = self.centre - point
         result: Array = self.inertia + _inertia(self.mass * np.outer(arm, arm))
         return result
 
     def moment(self, axis: Array) -> float:
-        """Return the moment of inertia about an axis through the centre of mass [kg m²].
+        """Returns the moment of inertia about an axis through the centre of mass [kg m²].
 
         Args:
             axis: (3,) of length one.
@@ -82,9 +81,9 @@ class MassProperties:
 def mass_of_solid(
     vertices: Array, faces: NDArray[np.integer[Any]], density: float
 ) -> MassProperties:
-    """Return the mass properties of what a closed surface encloses.
+    """Returns the mass properties of the volume that a closed surface encloses.
 
-    Its pieces may be several; one that faces inward is a hole in another.
+    The surface may have several pieces; one that faces inward is a hole in another.
 
     Args:
         vertices: (V, 3) [m].
@@ -92,8 +91,8 @@ def mass_of_solid(
         density: [kg/m³].
 
     Raises:
-        MassError: the surface is open, inside out, flat or not finite, or the density is
-            not positive.
+        MassError: if the surface is open, inside out, flat or not finite, or the density is not
+            positive.
     """
     _refuse_open(vertices, faces)
     _refuse_weightless(density, "density")
@@ -114,25 +113,25 @@ def mass_of_solid(
 
 
 def volume_of_solid(vertices: Array, faces: NDArray[np.integer[Any]]) -> float:
-    """Return the volume [m³] that a closed surface encloses, at a fraction of the cost of all.
+    """Returns the volume [m³] that a closed surface encloses, without checks.
 
     Args:
         vertices: (V, 3) [m].
-        faces: (F, 3), counter-clockwise from outside; that they close is not looked at.
+        faces: (F, 3), counter-clockwise from outside.
     """
     a, b, c = (vertices - vertices[0])[faces.T]
     return float(np.einsum("fi,fi->", a, cross(b, c))) / 6.0
 
 
 def mass_of_points(masses: ArrayLike, places: ArrayLike) -> MassProperties:
-    """Return the mass properties of points that are held together.
+    """Returns the mass properties of rigidly connected points.
 
     Args:
         masses: (n,) none of them negative [kg].
         places: (n, 3) [m].
 
     Raises:
-        MassError: a mass is negative, all are zero, or something is not finite.
+        MassError: if a mass is negative, all are zero, or a value is not finite.
 
     Source: Sims 1987, 7.1.1; see the head of this module.
     """
@@ -147,10 +146,10 @@ def mass_of_points(masses: ArrayLike, places: ArrayLike) -> MassProperties:
 
 
 def joined(parts: Iterable[MassProperties]) -> MassProperties:
-    """Return the mass properties of bodies held together, all told in one frame.
+    """Returns the mass properties of rigidly connected bodies, all in one frame.
 
     Raises:
-        MassError: there are none.
+        MassError: if there are none.
     """
     bodies = list(parts)
     if not bodies:
@@ -173,7 +172,7 @@ def _symmetric(matrix: Array) -> Array:
 
 
 def _refuse_open(vertices: Array, faces: NDArray[np.integer[Any]]) -> None:
-    """Refuse a surface that is no boundary: each edge is passed as often to as fro."""
+    """Refuses a surface whose edges are not passed as often one way as the other."""
     if not len(faces) or not np.isfinite(vertices).all():
         raise MassError("the surface has no faces, or vertices that are not finite")
     known = id(faces), len(vertices)
@@ -199,7 +198,7 @@ def _refuse_open(vertices: Array, faces: NDArray[np.integer[Any]]) -> None:
 
 
 def _refuse_empty(volume: float, extent: Array) -> None:
-    # A plate may be thin: the cube, not the box, is what rounding grows with.
+    # A plate may be thin: rounding grows with the cube around it, not the box.
     if abs(volume) <= FLAT * float(extent.max()) ** 3:
         raise MassError("the surface encloses no volume")
     if volume < 0.0:

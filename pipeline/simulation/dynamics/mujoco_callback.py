@@ -19,39 +19,39 @@ from numba.core import cgutils
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.compiled import KEPT, Records
-from pipeline.simulation.dynamics.impact_law import (
-    NOW,
+from pipeline.simulation.dynamics.compiled import CACHE_WRITABLE, Records
+from pipeline.simulation.dynamics.impact_arrays import (
+    LAW_STATE,
     PAIR,
     STRIKE,
     THING,
-    Law,
-    Touching,
-    press,
+    ContactSet,
+    ImpactLaw,
 )
+from pipeline.simulation.dynamics.impact_law import set_springs
 
 PAGE_BYTES = 4096
-"""Bytes that are looked at together."""
+"""Bytes searched together."""
 
 MAX_STRUCT_BYTES = 2**20
-"""Bytes of a structure in which values are looked for."""
+"""Bytes of a structure that are searched for values."""
 
 CONTACT_FIELDS = ("dist", "pos", "frame", "friction", "dim", "geom", "efc_address")
-"""Of a contact."""
+"""Fields of a contact."""
 
 COUNT_FIELDS = ("ncon", "nefc")
-"""Of the data: of contacts, and of their rows."""
+"""Fields of the data: numbers of contacts, and of their rows."""
 
 ARRAY_FIELDS = ("efc_KBIP", "efc_pos", "userdata")
-"""Of the data, which become addresses."""
+"""Fields of the data that hold addresses of arrays."""
 
 
 class Layout(NamedTuple):
-    """Where MuJoCo keeps things.
+    """Record types of MuJoCo's structures.
 
     Attributes:
-        data: an `MjData`: `COUNT_FIELDS`, `time`, and addresses of `contact` and `ARRAY_FIELDS`.
-        contact: an `mjContact`.
+        data: `MjData`: `COUNT_FIELDS`, `time`, and addresses of `contact` and `ARRAY_FIELDS`.
+        contact: `mjContact`.
     """
 
     data: np.dtype[np.void]
@@ -60,7 +60,7 @@ class Layout(NamedTuple):
 
 @cache
 def layout_of(mujoco: Any) -> Layout:
-    """Find where this MuJoCo keeps things."""
+    """Returns the layout of this version of MuJoCo."""
     spec = mujoco.MjSpec()
     spec.nuserdata = 1
     for height in (0.0, 0.1, 0.2):
@@ -106,7 +106,7 @@ def _dtype(fields: dict[str, tuple[int, Any]], size: int | None = None) -> np.dt
 
 
 def _find_value(begin: int, value: Any) -> int:
-    """Return how far behind `begin` a value lies [bytes]."""
+    """Returns the offset of a value behind `begin` [bytes]."""
     for offset, values in _pages(begin, value.dtype):
         places = np.flatnonzero(values == value)
         if len(places):
@@ -120,7 +120,7 @@ def _pages(begin: int, kind: Any) -> Iterator[tuple[int, NDArray[Any]]]:
 
 
 def array_at(address: int, count: int, kind: np.dtype[Any]) -> Records:
-    """Return the array that begins at an address."""
+    """Returns a view of the array at an address."""
     room = (ctypes.c_byte * (int(count) * kind.itemsize)).from_address(int(address))
     values: NDArray[Any] = np.frombuffer(room, dtype=kind)  # type: ignore[call-overload]
     return values.view(np.recarray) if kind.names else values
@@ -128,7 +128,7 @@ def array_at(address: int, count: int, kind: np.dtype[Any]) -> Records:
 
 @intrinsic  # type: ignore[untyped-decorator]
 def _pointer(context: Any, address: Any) -> Any:
-    """Return an address as a pointer."""
+    """Converts an address to a pointer."""
 
     def generate(_: Any, builder: Any, signature: Any, values: Any) -> Any:
         return builder.inttoptr(values[0], cgutils.voidptr_t)
@@ -145,19 +145,19 @@ def _array_at(address: int, count: int, kind: Any) -> Callable[..., Any]:
 
 
 def native_callback(function: Callable[[int, int], None]) -> Any:
-    """Return machine code that is called with two addresses, by MuJoCo too."""
+    """Returns machine code that MuJoCo or Python calls with two addresses."""
     if numba.config.DISABLE_JIT:
         return function
     nothing, address = numba.types.void, numba.types.intp
-    made = numba.cfunc(nothing(address, address), cache=KEPT)(function)
-    # The machine code lives as long as this does.
+    made = numba.cfunc(nothing(address, address), cache=CACHE_WRITABLE)(function)
+    # The machine code lives as long as this object.
     result = made.ctypes
     result.made = made
     return result
 
 
 BASE_IMPACT_CAPACITY, IMPACT_CAPACITY_PER_BODY = 4096, 256
-"""Room for the strikes of one step; a pair that bounces strikes again some sub-steps later."""
+"""The same for each body; a bouncing pair may strike again some sub-steps later."""
 
 ADDRESS_NAMES = (
     "now",
@@ -172,43 +172,42 @@ ADDRESS_NAMES = (
 )
 
 ADDRESSES = np.dtype([(name, "i8") for name in (*ADDRESS_NAMES, "kinds", "room", "told", "geoms")])
-"""Addresses of what the law works with, number of things, room for contacts and strikes,
-number of geoms."""
+"""Addresses of the arrays of a law, and their lengths."""
 
 FLOAT64, INT32 = np.dtype("f8"), np.dtype("i4")
 
 
 class ImpactCallback:
-    """The law of one world.
+    """The impact law of one world.
 
     Args:
-        things: (m,) what is known of them.
-        bodies: how many of them are.
+        things: (m,) constants of the things.
+        bodies: number of bodies.
         uneven: whether the ground is a height field.
         model: of MuJoCo.
-        data: its state; has room for one number of ours.
+        data: its state, with room for one user value.
         mujoco: the module.
 
     Attributes:
         h: (1,) length of a sub-step [s].
-        told: (1,) how many strikes are kept.
-        strikes: `STRIKE`, the bounces that began.
-        callback: what MuJoCo is to call.
+        told: (1,) number of impacts recorded.
+        strikes: `STRIKE` records of the bounces that began.
+        callback: function for MuJoCo's passive-force callback.
     """
 
     def __init__(
         self, things: Records, bodies: int, uneven: bool, model: Any, data: Any, mujoco: Any
     ) -> None:
-        now = np.zeros(1, dtype=NOW)
+        now = np.zeros(1, dtype=LAW_STATE)
         now["uneven"], now["bodies"] = uneven, bodies
         self.strikes = np.zeros(
             BASE_IMPACT_CAPACITY + IMPACT_CAPACITY_PER_BODY * len(things), dtype=STRIKE
         )
-        # Names of records cost more than the rest of a step of one body.
+        # Access by field name costs more than the rest of a step of one body.
         self.h, self.told = now["h"], now["told"]
         layout = layout_of(mujoco)
         room = data.narena // layout.contact.itemsize
-        # Memory that is asked for is taken up where it is used.
+        # Memory is committed only where it is used.
         arrays = (now, things, np.zeros(2 * room, dtype=PAIR), np.zeros(room), self.strikes)
         fixed = (data.cvel, data.xipos, data.xmat, model.geom_bodyid)
         counts = (len(things), room, len(self.strikes), model.ngeom)
@@ -220,21 +219,21 @@ class ImpactCallback:
 
 @cache
 def _compile_callback(layout: Layout) -> Any:
-    """Return what MuJoCo calls, which finds its world by the number that its data hold."""
+    """Returns the callback, which finds its world by the address in MuJoCo's user data."""
     data_kind, contact_kind = layout
 
     def push(_: int, address: int) -> None:
         data = array_at(address, 1, data_kind)[0]
         where = array_at(data.userdata, 1, FLOAT64).view(np.int64)[0]
-        # MuJoCo forgets all when it begins anew, after what is no number.
+        # MuJoCo clears the user data when it resets after an invalid state.
         if where == 0:
             return
         at = array_at(where, 1, ADDRESSES)[0]
-        now = array_at(at.now, 1, NOW)[0]
+        now = array_at(at.now, 1, LAW_STATE)[0]
         if data.ncon == 0:
             now.known = 0
             return
-        touching = Touching(
+        touching = ContactSet(
             array_at(data.contact, data.ncon, contact_kind),
             array_at(at.owners, at.geoms, INT32),
             array_at(data.efc_KBIP, 4 * data.nefc, FLOAT64).reshape(-1, 4),
@@ -243,17 +242,17 @@ def _compile_callback(layout: Layout) -> Any:
             array_at(at.centre, 3 * at.kinds, FLOAT64).reshape(-1, 3),
             array_at(at.attitude, 9 * at.kinds, FLOAT64).reshape(-1, 9),
         )
-        law = Law(
+        law = ImpactLaw(
             now,
             things=array_at(at.things, at.kinds, THING),
             pairs=array_at(at.pairs, 2 * at.room, PAIR).reshape(2, -1),
             speeds=array_at(at.speeds, at.room, FLOAT64),
             strikes=array_at(at.strikes, at.told, STRIKE),
         )
-        press(touching, law, data.time)
+        set_springs(touching, law, data.time)
 
     made = native_callback(push)
     if made is push:
-        # Not compiled: MuJoCo calls it with its objects.
+        # Not compiled: MuJoCo passes its objects.
         return lambda model, data: push(model._address, data._address)
     return made

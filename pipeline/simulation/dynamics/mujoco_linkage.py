@@ -1,9 +1,9 @@
-"""Linkage in motion: hinges, limits, servos, pulled places and contacts, solved by MuJoCo.
+"""Linkage simulation: hinges, limits, servos, pulled spots and contacts, solved by MuJoCo.
 
-Every hinge has a position servo, T = k (θ_d - θ) + k_d (θ'_d - θ'), and every place that can be
-pulled a force F = c (v_desired - v) along each axis of the world. Both are actuators whose
-damping enters the step implicitly, which keeps stiff gains stable at a film's steps. `mujoco`
-is imported when the first linkage is built.
+Every hinge has a position servo, T = k (θ_d - θ) + k_d (θ'_d - θ'), and every pulled spot a force
+F = c (v_desired - v) along each axis of the world. Both are actuators whose damping is integrated
+implicitly, which keeps stiff gains stable at a film's steps. `mujoco` is imported when the first
+linkage is built.
 
 Source: Todorov 2014 (MuJoCo); Matarić, Zordan and Mason 1998, sections 5 and 6.
 """
@@ -22,34 +22,39 @@ from pipeline.simulation.dynamics.linkage import Capsule, Link, Linkage
 from pipeline.simulation.dynamics.mujoco_model import log_warnings
 from pipeline.simulation.spatial import Array
 
-HARD = 0.009
+CONTACT_TIME = 0.009
 """Time constant of contacts and limits [s]; critically damped, so that nothing rebounds."""
 
 ARMATURE = 0.004
-"""Inertia that every hinge has of its own [kg m²]: wrists would tremble at a film's steps."""
+"""Extra inertia of every hinge [kg m²]: wrists would tremble at a film's steps."""
 
 FRICTION = 0.5
-"""Of skin on skin."""
+"""Friction of skin on skin."""
 
-STRIDE = 3
-"""Steps after which it is looked whether something has come into contact."""
+CONTACT_CHECK_STEPS = 3
+"""Steps between two checks for new contacts."""
 
-LIMB, TRUNK = 1, 2
-"""Bits of what meets what."""
+LIMB_BIT, TRUNK_BIT = 1, 2
+"""Collision bits."""
 
-BITS = {"limb": (LIMB, LIMB | TRUNK), "trunk": (TRUNK, LIMB), "nothing": (0, 0)}
+COLLISION_BITS = {
+    "limb": (LIMB_BIT, LIMB_BIT | TRUNK_BIT),
+    "trunk": (TRUNK_BIT, LIMB_BIT),
+    "nothing": (0, 0),
+}
+"""Collision type and affinity of each collision group."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Touch:
-    """Two solids that are in contact.
+class SolidContact:
+    """Two solids in contact.
 
     Attributes:
         one, other: their names, in the order of the linkage.
-        depth: by which they overlap [m]; below 0 they are about to meet.
+        depth: overlap [m]; negative for a gap.
         place: (3,) [m].
         normal: (3,) from the one to the other.
-        speed: of approach [m/s].
+        speed: approach speed [m/s].
     """
 
     one: str
@@ -60,20 +65,20 @@ class Touch:
     speed: float
 
 
-class Moving:
-    """A linkage in motion.
+class LinkageSimulation:
+    """A simulated linkage.
 
     Args:
-        linkage: what moves.
+        linkage: the linkage.
         step: of the integration [s].
 
     Attributes:
-        q: (n,) angles of the hinges, a view [rad].
-        v: (n,) their speeds, a view [rad/s].
+        q: (n,) hinge angles, a view [rad].
+        v: (n,) hinge speeds, a view [rad/s].
         places: (S, 3) of the spots, a view [m].
-        targets: (n,) angles that the servos aim at, a view to be written [rad].
-        velocities: (P, 3) that the pulled spots are to have, a view to be written [m/s].
-        push: (n,) torques beside all these, a view to be written [N m].
+        targets: (n,) target angles of the servos, a writable view [rad].
+        velocities: (P, 3) desired velocities of the pulled spots, a writable view [m/s].
+        push: (n,) additional torques, a writable view [N m].
         pulled: number of the spot that each force pulls.
     """
 
@@ -98,22 +103,22 @@ class Moving:
         self.settle()
 
     def settle(self) -> None:
-        """Work out where everything is after `q` was written."""
+        """Computes all poses after `q` was written."""
         self._mujoco.mj_forward(self.model, self.data)
 
     def advance(self, count: int) -> int:
-        """Go on with the targets, velocities and torques as they are.
+        """Advances with constant targets, velocities and torques.
 
         Args:
-            count: steps at most; it stops where something has come into contact.
+            count: largest number of steps; it stops at a new contact.
 
         Returns:
-            Steps that were done.
+            Number of steps done.
         """
         model, data, step = self.model, self.data, self._mujoco.mj_step
         done = 0
         while done < count:
-            stride = min(STRIDE, count - done)
+            stride = min(CONTACT_CHECK_STEPS, count - done)
             step(model, data, stride)
             done += stride
             touching = data.ncon
@@ -124,14 +129,14 @@ class Moving:
         return done
 
     def share(self, first: int, last: int, pulled: int, servo: float, calm: float) -> None:
-        """Let the hinges `first` to `last` be driven by servos, and a spot be pulled.
+        """Sets the weights of servos and pulling force on a chain of hinges.
 
         Args:
             first: number of the first hinge.
             last: number of the hinge after the last.
             pulled: number of the pulled spot that they carry.
             servo: weight of the servos, 0 to 1; the force has the rest.
-            calm: damping that the hinges have at least [N m s/rad].
+            calm: least damping of the hinges [N m s/rad].
         """
         model, n = self.model, len(self.linkage.hinges)
         own = slice(n + 3 * pulled, n + 3 * pulled + 3)
@@ -142,40 +147,40 @@ class Moving:
         hinges[:] = np.minimum(hinges, -calm)
 
     def jacobian(self, pulled: int) -> Array:
-        """Return (3, n) how fast a pulled spot moves by each hinge; overwritten by the next."""
+        """Returns the velocity of a pulled spot by each hinge (3, n), a reused array."""
         spot = self.pulled[pulled] + 1
         self._mujoco.mj_jacSite(self.model, self.data, self._jacobian, None, spot)
         return self._jacobian
 
     def place_of(self, link: int) -> Array:
-        """Return where a link's hinges are, a view (3,) [m]."""
+        """Returns the position of a link's hinges, a view (3,) [m]."""
         place: Array = self.data.xpos[self._bodies[link]]
         return place
 
     def turned(self, link: int) -> Array:
-        """Return how a link is turned, row by row, a view (9,)."""
+        """Returns the rotation of a link, row by row, a view (9,)."""
         R: Array = self.data.xmat[self._bodies[link]]
         return R
 
     def poses(self) -> tuple[Array, Array]:
-        """Return rotations (L, 3, 3) and places (L, 3) of the links, as copies."""
+        """Returns rotations (L, 3, 3) and positions (L, 3) of the links, as copies."""
         R = self.data.xmat[self._bodies].reshape(-1, 3, 3)
         return R, self.data.xpos[self._bodies]
 
     def given(self) -> Array:
-        """Return (n,) what servos and forces give the hinges [N m]."""
+        """Returns (n,) torques of servos and forces on the hinges [N m]."""
         result: Array = self.data.qfrc_actuator.copy()
         return result
 
     def torques(self) -> Array:
-        """Return (n,) what drives the hinges in all: servos, forces, compensation [N m]."""
+        """Returns (n,) total torques on the hinges: servos, forces, compensation [N m]."""
         data = self.data
         result: Array = data.qfrc_actuator + data.qfrc_applied + data.qfrc_gravcomp
         return result
 
-    def touches(self) -> list[Touch]:
-        """Return what is in contact, at the begin of the last step."""
-        data, found = self.data, list[Touch]()
+    def touches(self) -> list[SolidContact]:
+        """Returns the contacts at the start of the last step."""
+        data, found = self.data, list[SolidContact]()
         for i in range(data.ncon):
             one = data.contact[i]
             row = int(one.efc_address)
@@ -184,12 +189,12 @@ class Moving:
             names = self.solids[int(one.geom[0])], self.solids[int(one.geom[1])]
             speed = -float(data.efc_vel[row])
             place, normal = np.array(one.pos), np.array(one.frame[:3])
-            found.append(Touch(*names, -float(one.dist), place, normal, speed))
+            found.append(SolidContact(*names, -float(one.dist), place, normal, speed))
         return found
 
     @property
     def has_changed(self) -> bool:
-        """Whether other solids are in contact than when this was asked last."""
+        """Whether the colliding pairs differ from those at the last query."""
         pairs = self.data.contact.geom.tobytes() if self.data.ncon else b""
         changed = pairs != self._pairs
         self._pairs = pairs
@@ -245,12 +250,12 @@ def _add_link(
             limited=1,
             range=[hinge.lower, hinge.upper],
             armature=ARMATURE,
-            solref_limit=[HARD, 1.0],
+            solref_limit=[CONTACT_TIME, 1.0],
             solimp_limit=[0.95, 0.99, 0.001, 0.5, 2.0],
         )
     volume = sum(_volume(solid) for solid in link.solids)
     for solid in link.solids:
-        own, met = BITS[solid.meets]
+        own, met = COLLISION_BITS[solid.meets]
         mass = link.mass * _volume(solid) / volume
         _add_capsule(body, mujoco, solid, link.place, mass, own, met)
     return body
@@ -275,7 +280,7 @@ def _matter() -> dict[str, Any]:
     return {
         "friction": [FRICTION, 0.0, 0.0],
         "condim": 3,
-        "solref": [HARD, 1.0],
+        "solref": [CONTACT_TIME, 1.0],
         "solimp": [0.95, 0.99, 0.001, 0.5, 2.0],
     }
 
@@ -293,14 +298,14 @@ def _add_disc(spec: Any, mujoco: Any, disc: Any) -> None:
         pos=disc.middle,
         quat=[math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0],
         size=[disc.radius, 0.5 * disc.height, 0.0],
-        contype=TRUNK,
-        conaffinity=LIMB,
+        contype=TRUNK_BIT,
+        conaffinity=LIMB_BIT,
         **_matter(),
     )
 
 
 def _add_servos(spec: Any, mujoco: Any, linkage: Linkage) -> None:
-    """Add the actuators: hinge by hinge, then x, y and z of each spot that is pulled."""
+    """Adds the actuators: hinge by hinge, then x, y and z of each pulled spot."""
     fixed, affine = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_AFFINE
     for hinge in linkage.hinges:
         spec.add_actuator(
@@ -336,7 +341,7 @@ def _padded(values: Sequence[float]) -> list[float]:
 
 
 def _check_order(model: Any, linkage: Linkage) -> None:
-    """See that MuJoCo numbers hinges and spots as the linkage does: link by link, depth first."""
+    """Checks that MuJoCo numbers hinges and spots as the linkage does: depth first."""
     names = [model.joint(i).name for i in range(model.njnt)]
     if names != [hinge.name for hinge in linkage.hinges]:
         raise AssertionError("links have to stand depth first")

@@ -1,4 +1,4 @@
-"""Parts that all MuJoCo models of the project share: warnings, memory, and the terrain.
+"""MuJoCo models: warnings, memory, and the terrain, as all adapters need them.
 
 MuJoCo stands a height field on its local Z: here its X is our Z and its Y our X, so that its cells
 are cut along our diagonal. Callers pass the module `mujoco`, which only adapters import.
@@ -18,7 +18,10 @@ from pipeline.simulation.terrain.heightfield import HeightField
 
 
 def log_warnings(mujoco: Any) -> None:
-    """Let MuJoCo's warnings be told, unless somebody has said how."""
+    """Sends MuJoCo's warnings to the log, unless a handler is set.
+
+    MuJoCo itself would write a file into the working directory.
+    """
     if mujoco.get_mju_user_warning() is None:
         mujoco.set_mju_user_warning(_log_warning)
 
@@ -31,35 +34,38 @@ GROUND_THICKNESS = 5.0
 """Thickness of the ground [m]."""
 
 QUAD_SUBDIVISION = 4
-"""Cells that one cell of quadrilaterals becomes, along each side: MuJoCo has triangles."""
+"""Cells that replace a cell of quadrilaterals, along each side: MuJoCo has triangles."""
 
 TILE_CELLS = 5
-"""Cells along a tile: each is two prisms, which touch a body once, and MuJoCo keeps 50
-contacts of two geoms."""
+"""Cells along a tile: each is two prisms with one contact per body, and MuJoCo keeps 50 contacts
+of two geoms."""
 
-BASE_MEMORY, MEMORY_PER_BODY = 2**25, 2**18
-"""For contacts, which is taken up as it is used [bytes]."""
+BASE_MEMORY = 2**25
+"""Memory of a model for contacts, committed as it is used [bytes]."""
+
+MEMORY_PER_BODY = 2**18
+"""The same for each body [bytes]."""
 
 MIN_FIELD_HEIGHT = 1e-9
-"""Height that a height field has at least [m]."""
+"""Least height of a height field [m]."""
 
 
 def is_level(field: HeightField) -> bool:
-    """Tell whether all of a terrain has one height."""
+    """Returns whether all of a terrain has one height."""
     return float(np.ptp(field.heights)) == 0.0
 
 
 def memory_for(bodies: int) -> int:
-    """Return the memory that a model of so many bodies needs for contacts [bytes]."""
+    """Returns the memory that a model of so many bodies needs for contacts [bytes]."""
     return BASE_MEMORY + MEMORY_PER_BODY * bodies
 
 
 def use_upward_collision(option: Any, mujoco: Any) -> None:
-    """Choose the algorithm that finds its way out of a height field upward.
+    """Selects the collision algorithm that pushes bodies out of a height field upward.
 
-    A height field is prisms side by side, and the way out of one can be through its side. This
-    algorithm looks along the line from inside a prism; with the other boxes were thrown about
-    at 1 m/s and more.
+    A height field is prisms side by side, and the shortest way out of one can be through its
+    side. This algorithm searches along the line from inside a prism; with the other one boxes
+    were thrown about at 1 m/s and more.
     """
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_NATIVECCD)
 
@@ -67,14 +73,14 @@ def use_upward_collision(option: Any, mujoco: Any) -> None:
 def add_ground(
     spec: Any, mujoco: Any, field: HeightField, corners: Sequence[Array], matter: Mapping[str, Any]
 ) -> None:
-    """Add the terrain to a model.
+    """Adds the terrain to a model.
 
     Args:
         spec: the model.
         mujoco: the module.
         field: the terrain.
-        corners: (V, 3) of each solid that may lie on it, balls left out, in its own frame [m].
-        matter: what its geoms have in common.
+        corners: (V, 3) of each solid but balls that may lie on it, in its own frame [m].
+        matter: common options of its geoms.
     """
     c, s = math.cos(0.5 * field.heading), math.sin(0.5 * field.heading)
     turned = np.array([c, 0.0, s, 0.0])
@@ -117,7 +123,7 @@ def _span_heights(heights: Array, span: Span) -> Array:
 
 
 def _needs_tiles(field: HeightField, whole: Span, corners: Sequence[Array]) -> bool:
-    """Tell whether a solid can touch more cells at once than a height field has contacts."""
+    """Returns whether a solid can touch more cells than a height field may have contacts."""
     cells = np.array(field.size) / (whole[1], whole[3])
     for one in corners:
         _, b, a = np.sort(np.ptp(one, axis=0))
@@ -133,7 +139,7 @@ def _tiles(whole: Span) -> Iterator[Span]:
 
 
 def _span_middle(field: HeightField, whole: Span, span: Span) -> tuple[float, float]:
-    """Return where the middle of some cells is, x and z [m]."""
+    """Returns the centre of some cells, x and z [m]."""
     x, z = (
         (0.5 * (first + last) / count - 0.5) * size
         for first, last, count, size in zip(
@@ -163,10 +169,10 @@ def _add_tile(
 
 
 def _triangulated_heights(field: HeightField) -> Array:
-    """Return heights whose cells, cut from the low corner to the high one, are the surface.
+    """Returns heights whose cells, cut along the main diagonal, are the surface.
 
-    Of quadrilaterals the finer grid misses what is left of a crease that runs the other
-    way: up to a twenty-fourth of how far its corners are from one plane.
+    Of quadrilaterals the finer grid misses the rest of a crease that runs the other way: up to a
+    twenty-fourth of the distance of their corners from one plane.
     """
     if type(field) is HeightField:
         return field.heights

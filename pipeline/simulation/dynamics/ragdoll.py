@@ -1,10 +1,10 @@
-"""Ragdoll: rigid bodies that hang together by joints, and fall on a terrain.
+"""Ragdoll: rigid bodies connected by joints that fall on a terrain.
 
-One creature, one MuJoCo model; `mujoco` is imported when the first ragdoll is built. MuJoCo
-solves joints, limits and contacts together. Contacts give way a little and throw nothing back;
-what begins inside the ground is pushed out slowly.
+One creature is one MuJoCo model; `mujoco` is imported when the first ragdoll is built. MuJoCo
+solves joints, limits and contacts together. Contacts give way a little and return nothing; bones
+that begin inside the ground are pushed out slowly.
 
-Mass counts in proportion alone, so all of it is one, and times go by how long the ragdoll
+Only ratios of masses count, so their sum is one, and times scale with the time that the ragdoll
 takes to fall over, τ = √(size / g): a mouse and an elephant cost the same.
 
 Source: Todorov 2014 (MuJoCo); Sims 1987, 9.4.
@@ -15,91 +15,61 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from pipeline.simulation.dynamics.bones import Bone, Flesh, flesh_of, size_of
 from pipeline.simulation.dynamics.gravity import GRAVITY
-from pipeline.simulation.dynamics.mass import MassProperties
-from pipeline.simulation.dynamics.mujoco_model import (
-    add_ground,
-    is_level,
-    log_warnings,
-    memory_for,
-    use_upward_collision,
+from pipeline.simulation.dynamics.ragdoll_model import (
+    CONTACT_DAMPING,
+    CONTACT_TIME,
+    Bone,
+    RagdollState,
+    build_model,
+    size_of,
 )
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
-FRICTION = 0.7
-"""Of flesh on the ground."""
+MAX_SUBSTEP = 1.0 / 200.0
+"""Longest sub-step [τ]."""
 
-SUBSTEP, HARD, SPENT = 1.0 / 200.0, 1.0 / 90.0, 3.0
-"""Longest sub-step, and time constant of contacts, in τ, and their damping in the critical one."""
 
-GRIPS = 4
-"""Rounds in which friction is made to hold: without them what lies creeps."""
+DEPENETRATION_SPEED = 0.03
+"""Speed at which a bone that begins in the ground is pushed out [size / τ]."""
 
-LIGHTEST, THINNEST = 1e-5, 1e-8
-"""Least mass and moment of inertia of a bone, in the mass of all, and in that times size²."""
+HEARD_SPEED = 0.06
+"""Least speed of an audible impact of a bone [size / τ]."""
 
-OUT = 0.03
-"""Speed at which what begins in the ground is pushed out, in size / τ."""
+HEARD_PAUSE = 0.35
+"""Time that a bone has to be clear of the ground before it is heard again [τ]."""
 
-HEARD, AGAIN = 0.06, 0.35
-"""Speed from which a bone is heard on the ground, in size / τ, and how long it has to be clear of
-it to be heard again, in τ."""
+REST_SPEED = 0.02
+"""Speed of the first bone below which a ragdoll comes to rest [size / τ]."""
 
-SLOW, TWITCH = 0.02, 0.5
-"""Speed of the first bone below which a ragdoll is on its way to rest, in size / τ, and of its
-joints, in 1 / τ: limbs may tremble, but what still topples is let topple."""
+REST_JOINT_SPEED = 0.5
+"""The same for its joints [1 / τ]: limbs may tremble, but a body that topples goes on."""
 
-DROWSES, SLEEPS = 0.5, 6.0
-"""How long it takes, in τ, until what still moves is braked e times as hard, and after how many
-such times it rests."""
+BRAKING_TIME = 0.5
+"""Time in which the braking of a slow ragdoll grows by a factor e [τ]."""
 
-STOPS = 4.0
-"""Damping of the limits of joints, in the critical one: so they give nothing back."""
+BRAKING_TIMES = 6.0
+"""Number of such times after which it rests."""
 
-GONE = 20.0
-"""Depth below the terrain at which nothing matters any more, in sizes."""
 
-GROUND = 1
-"""Bit of what bones meet."""
+LOST_DEPTH = 20.0
+"""Depth below the terrain at which a ragdoll is lost, in sizes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Attitude:
-    """How a ragdoll is.
+class BoneImpact:
+    """Impact of a bone on the ground.
 
     Attributes:
-        p: (3,) origin of the first bone's creation frame [m].
-        q: (4,) its attitude wxyz.
-        v: (3,) velocity of that origin [m/s].
-        w: (3,) angular velocity, in the bone's own frame [rad/s].
-        joints: (J,) values, bone by bone [rad or m].
-        speeds: (J,) of them [rad/s or m/s].
-    """
-
-    p: Array
-    q: Array
-    v: Array
-    w: Array
-    joints: Array
-    speeds: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Knock:
-    """A bone has struck the ground.
-
-    Attributes:
-        bone: its number.
-        time: after the begin of the advance [s].
-        place, normal: (3,) where [m], and of the ground.
-        speed: of approach [m/s].
-        energy: of what came at this speed [J].
+        bone: number of the bone.
+        time: after the start of the advance [s].
+        place, normal: (3,) position [m], and normal of the ground.
+        speed: approach speed [m/s].
+        energy: kinetic energy of the approach [J].
     """
 
     bone: int
@@ -115,23 +85,23 @@ class Ragdoll:
 
     Args:
         bones: the first one moves freely.
-        begin: how it is.
+        begin: initial state.
         field: the terrain.
 
     Attributes:
-        size: greatest extent of it [m].
-        tau: time that it takes to fall over, about [s].
+        size: greatest extent [m].
+        tau: time to fall over, about [s].
         mass: [kg].
-        is_at_rest: whether it moves no more.
-        is_gone: whether that is because it fell off the terrain.
+        is_at_rest: whether it no longer moves.
+        is_gone: whether it fell off the terrain.
     """
 
-    def __init__(self, bones: Sequence[Bone], begin: Attitude, field: HeightField) -> None:
+    def __init__(self, bones: Sequence[Bone], begin: RagdollState, field: HeightField) -> None:
         self.size = size_of(bones)
         self.tau = math.sqrt(self.size / GRAVITY)
         self.mass = sum(bone.mass.mass for bone in bones)
         self.is_at_rest = self.is_gone = False
-        self.model, self.data, self._mujoco = _build(
+        self.model, self.data, self._mujoco = build_model(
             bones, begin, field, self.mass, self.size, self.tau
         )
         # MuJoCo numbers bodies and joints depth first.
@@ -144,84 +114,84 @@ class Ragdoll:
         inverse = self.model.body_invweight0[[int(body.id) for body in named], 0]
         self._carried = self.mass / inverse
         self._put(begin)
-        self._floor = float(field.heights.min()) - GONE * self.size
+        self._floor = float(field.heights.min()) - LOST_DEPTH * self.size
         self._touched = np.full(len(bones), -math.inf)
-        self._drowsy = 0.0
-        self._soft = self._slowly()
+        self._slow_time = 0.0
+        self._soft = self._contact_times()
 
     @property
-    def attitude(self) -> Attitude:
-        """How it is just now, as copies."""
+    def attitude(self) -> RagdollState:
+        """Present state, as copies."""
         x, v = self.data.qpos.copy(), self.data.qvel.copy()
-        return Attitude(x[:3], x[3:7], v[:3], v[3:6], x[self._places], v[self._dofs])
+        return RagdollState(x[:3], x[3:7], v[:3], v[3:6], x[self._places], v[self._dofs])
 
-    def _put(self, it: Attitude) -> None:
+    def _put(self, it: RagdollState) -> None:
         x, v = self.data.qpos, self.data.qvel
         x[:3], x[3:7], x[self._places] = it.p, it.q, it.joints
         v[:3], v[3:6], v[self._dofs] = it.v, it.w, it.speeds
 
     @property
     def energy(self) -> float:
-        """Of motion, height, and joints away from their rest [J]."""
+        """Kinetic, potential and elastic energy [J]."""
         self._mujoco.mj_fwdPosition(self.model, self.data)
         self._mujoco.mj_energyPos(self.model, self.data)
         self._mujoco.mj_energyVel(self.model, self.data)
         return self.mass * float(self.data.energy.sum())
 
-    def advance(self, h: float) -> list[Knock]:
-        """Go on by `h` [s]; return what has struck the ground, in the order of time."""
-        found = list[Knock]()
+    def advance(self, h: float) -> list[BoneImpact]:
+        """Advances by `h` [s]; returns impacts on the ground in the order of time."""
+        found = list[BoneImpact]()
         if self.is_at_rest:
             return found
-        count = max(1, math.ceil(h / (SUBSTEP * self.tau) - 1e-9))
+        count = max(1, math.ceil(h / (MAX_SUBSTEP * self.tau) - 1e-9))
         one = self.model.opt.timestep = h / count
         began = self.data.time
         for k in range(count):
             self._harden()
             self._mujoco.mj_step(self.model, self.data)
-            # Contacts are those of the begin of the sub-step.
-            found += self._knocks(began + k * one, k * one)
+            # Contacts are those at the start of the sub-step.
+            found += self._impacts(began + k * one, k * one)
             self._brake(one)
         self.is_gone = float(self.data.qpos[1]) < self._floor
-        if self._drowsy > SLEEPS or self.is_gone:
+        if self._slow_time > BRAKING_TIMES or self.is_gone:
             self.is_at_rest = True
             self.data.qvel[:] = 0.0
         return found
 
     # --- within a step ---------------------------------------------------------------
 
-    def _slowly(self) -> Array:
-        """Return the time constants of contacts of bones (n,), long if they begin deep [s]."""
+    def _contact_times(self) -> Array:
+        """Returns the time constants of contacts (n,), long for deep initial overlaps [s]."""
         self._mujoco.mj_forward(self.model, self.data)
         deep = self._depths()
         self._touched[deep > -math.inf] = 0.0
-        return self._times(deep)
+        return self._times_for_depth(deep)
 
     def _harden(self) -> None:
-        """Make contacts of what began in the ground as hard as all others, as it comes out."""
-        if float(self._soft.max()) > HARD * self.tau:
-            self._soft = np.minimum(self._soft, self._times(self._depths()))
+        """Stiffens contacts of bones that began in the ground, as they come out."""
+        if float(self._soft.max()) > CONTACT_TIME * self.tau:
+            self._soft = np.minimum(self._soft, self._times_for_depth(self._depths()))
             self.model.geom_solref[self._geoms, 0] = self._soft
 
-    def _times(self, deep: Array) -> Array:
+    def _times_for_depth(self, deep: Array) -> Array:
         # An overdamped spring comes out by depth / (2 SPENT² time) a second.
-        slow = deep / (2.0 * SPENT**2 * OUT * self.size / self.tau)
-        result: Array = np.maximum(slow, HARD * self.tau)
+        slow = deep / (2.0 * CONTACT_DAMPING**2 * DEPENETRATION_SPEED * self.size / self.tau)
+        result: Array = np.maximum(slow, CONTACT_TIME * self.tau)
         return result
 
     def _depths(self) -> Array:
-        """Return how deep bones (n,) are in the ground, less than any where they are not [m]."""
+        """Returns the depth of bones (n,) in the ground, -inf without contact [m]."""
         deep = np.full(len(self._touched), -math.inf)
         np.maximum.at(deep, self._bones(), -self.data.contact.dist)
         return deep
 
     def _bones(self) -> list[int]:
-        """Return the bones that contacts are of: the ground is the first geom."""
+        """Returns the bones of all contacts: the ground is the first geom."""
         geoms = self.data.contact.geom.reshape(-1, 2).max(axis=1)
         return [self._bone_of[geom] for geom in geoms.tolist()]
 
-    def _knocks(self, now: float, after: float) -> list[Knock]:
-        data, found = self.data, list[Knock]()
+    def _impacts(self, now: float, after: float) -> list[BoneImpact]:
+        data, found = self.data, list[BoneImpact]()
         if not data.ncon:
             return found
         contact, speeds = data.contact, dict[int, tuple[float, int]]()
@@ -229,9 +199,9 @@ class Ragdoll:
             if row >= 0:
                 speed = -float(data.efc_vel[row])
                 speeds[bone] = max(speeds.get(bone, (-math.inf, i)), (speed, i))
-        least = HEARD * self.size / self.tau
+        least = HEARD_SPEED * self.size / self.tau
         for bone, (speed, i) in sorted(speeds.items()):
-            clear = now - self._touched[bone] > AGAIN * self.tau
+            clear = now - self._touched[bone] > HEARD_PAUSE * self.tau
             self._touched[bone] = now
             if clear and speed > least:
                 normal = contact.frame.reshape(-1, 9)[i, :3].copy()
@@ -239,120 +209,28 @@ class Ragdoll:
                     normal = -normal
                 place = contact.pos.reshape(-1, 3)[i].copy()
                 energy = 0.5 * float(self._carried[bone]) * speed * speed
-                found.append(Knock(bone, after, place, normal, speed, energy))
+                found.append(BoneImpact(bone, after, place, normal, speed, energy))
         return found
 
     def _brake(self, h: float) -> None:
-        """Brake what lies and hardly moves ever harder, until it is still.
+        """Brakes a ragdoll that lies and hardly moves, ever harder until it is still.
 
-        Joints and contacts that give way a little creep on for long. Taking speed away takes
-        energy away, and nothing else.
+        Compliant joints and contacts creep on for long. Scaling the speed takes energy away, and
+        nothing else.
         """
         v, tau = self.data.qvel, self.tau
         first = max(float(np.abs(v[:3]).max()), self.size * float(np.abs(v[3:6]).max()))
         joints = float(np.abs(v[6:]).max(initial=0.0))
-        slow = first < SLOW * self.size / tau and joints < TWITCH / tau and self.data.ncon > 0
-        # What is woken again and again by one that trembles falls asleep all the same.
-        self._drowsy = max(self._drowsy + (1.0 if slow else -2.0) * h / (DROWSES * tau), 0.0)
-        v *= math.exp(-h / tau * math.expm1(max(self._drowsy - 0.5, 0.0)))
+        slow = (
+            first < REST_SPEED * self.size / tau
+            and joints < REST_JOINT_SPEED / tau
+            and self.data.ncon > 0
+        )
+        # A ragdoll kept awake by a trembling limb comes to rest all the same.
+        self._slow_time = max(
+            self._slow_time + (1.0 if slow else -2.0) * h / (BRAKING_TIME * tau), 0.0
+        )
+        v *= math.exp(-h / tau * math.expm1(max(self._slow_time - 0.5, 0.0)))
 
 
 # --- the model --------------------------------------------------------------------------
-
-
-def _build(
-    bones: Sequence[Bone],
-    begin: Attitude,
-    field: HeightField,
-    mass: float,
-    size: float,
-    tau: float,
-) -> tuple[Any, Any, Any]:
-    """Return model, data and module: the ground's geom first, then one of each bone."""
-    import mujoco
-
-    log_warnings(mujoco)
-    spec = mujoco.MjSpec()
-    spec.compiler.degree = False
-    option = spec.option
-    option.gravity = [0.0, -GRAVITY, 0.0]
-    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.jacobian = mujoco.mjtJacobian.mjJAC_SPARSE
-    option.tolerance = 1e-7
-    option.noslip_iterations = GRIPS
-    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
-    if not is_level(field):
-        use_upward_collision(option, mujoco)
-    hard = [HARD * tau, SPENT]
-    matter = {"friction": [FRICTION, 0.0, 0.0], "condim": 3, "solref": hard}
-    matter["solimp"] = [0.95, 0.99, 0.001 * size, 0.5, 2.0]
-    # Bones are round: fifty places carry one well, and all its cells would cost hundreds.
-    add_ground(spec, mujoco, field, [], {"contype": GROUND, "conaffinity": 0, **matter})
-    # What is said of bones holds of both: the ground gives way as little as they do.
-    matter |= {"contype": 0, "conaffinity": GROUND, "priority": 1}
-    made, first = list[Any](), 0
-    for i, (bone, flesh) in enumerate(zip(bones, flesh_of(bones), strict=True)):
-        body = _add_bone(spec, mujoco, f"bone {i}", bone, bones, made, mass, size)
-        spec.add_mesh(name=f"bone {i}", uservert=(bone.corners - bone.place).ravel().tolist())
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=f"bone {i}", **matter)
-        values = begin.joints[first : first + len(bone.joints)]
-        _add_joints(body, mujoco, bone, flesh, mass, values.tolist(), first, hard)
-        first += len(bone.joints)
-        made.append(body)
-    spec.memory = memory_for(len(bones))
-    model = spec.compile()
-    return model, mujoco.MjData(model), mujoco
-
-
-def _add_bone(
-    spec: Any,
-    mujoco: Any,
-    name: str,
-    bone: Bone,
-    bones: Sequence[Bone],
-    made: Sequence[Any],
-    mass: float,
-    size: float,
-) -> Any:
-    """Add a bone, whose own frame stands at its joints; that of the first where it was created."""
-    if not made:
-        body = spec.worldbody.add_body(name=name)
-        body.add_freejoint()
-    else:
-        body = made[bone.parent].add_body(name=name, pos=bone.place - bones[bone.parent].place)
-    own: MassProperties = bone.mass
-    body.explicitinertial = True
-    body.mass = max(own.mass / mass, LIGHTEST)
-    body.ipos = own.centre - bone.place
-    i = own.inertia / mass + THINNEST * size * size * np.eye(3)
-    body.fullinertia = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
-    return body
-
-
-def _add_joints(
-    body: Any,
-    mujoco: Any,
-    bone: Bone,
-    flesh: Flesh,
-    mass: float,
-    values: Sequence[float],
-    first: int,
-    hard: list[float],
-) -> None:
-    kinds = mujoco.mjtJoint
-    for k, (joint, value) in enumerate(zip(bone.joints, values, strict=True), start=first):
-        held = flesh.of_sliding() if joint.slides else flesh
-        body.add_joint(
-            name=f"joint {k}",
-            type=kinds.mjJNT_SLIDE if joint.slides else kinds.mjJNT_HINGE,
-            axis=joint.axis,
-            limited=1,
-            range=[min(joint.lower, value), max(joint.upper, value)],
-            stiffness=held.stiffness / mass,
-            springref=joint.rest,
-            damping=held.damping / mass,
-            armature=held.inertia / mass,
-            solref_limit=[hard[0], STOPS],
-            solimp_limit=[0.995, 0.9999, 0.001, 0.5, 2.0],
-        )

@@ -43,24 +43,24 @@ HOLD_GAP = 2e-4
 """Gap below which a contact holds, in sizes of the body."""
 
 ALLOWED_DEPTH = 5e-4
-"""Depth that is not mended, in sizes of the body: that would be jitter."""
+"""Depth that is not corrected, in sizes of the body: correcting it would jitter."""
 
 FORCE_TOLERANCE = 1e-5
 """Convergence of the forces, see `solve_contacts`; the energy is limited anyway."""
 
 MAX_FORCE_SWEEPS = 60
-"""Most times that contacts are gone through for them."""
+"""Largest number of sweeps over the contacts."""
 
 WARM_START_DISTANCE = 0.03
-"""Distance of contacts that are the same as a sub-step before, in sizes of the body."""
+"""Distance of contacts that count as the same one sub-step later, in sizes of the body."""
 
 DEPTH_CORRECTION = 0.1
-"""Part of a greater depth that is mended in a sub-step."""
+"""Fraction of a larger depth that is corrected in a sub-step."""
 
 
 @compiled
 def holding_contacts(body: Record, now: Motion, R: Rows, h: float, parts: Records) -> int:
-    """Make parts of the contacts that would come back in a sub-step; return how many."""
+    """Fills parts with the contacts that would close within a sub-step; returns their number."""
     n, w = 0, turned(R, now.w)
     back = (GRAVITY + dot(w, w) * body.reach) * h
     inverse = carried(R, rows_of(body.inverse))
@@ -69,7 +69,7 @@ def holding_contacts(body: Record, now: Motion, R: Rows, h: float, parts: Record
         if gap > HOLD_GAP * body.size:
             break
         u = dot(row(body.normal, which), plus(now.v, cross(w, row(body.lever, which))))
-        # What will come fast enough to bounce shall do so.
+        # A contact that will close fast enough bounces instead.
         comes = u * u + 2.0 * GRAVITY * max(gap, 0.0)
         if u < back and (comes < REST_SPEED * REST_SPEED or gap <= TOUCH_GAP * body.size):
             add_contact(parts[n], body, which, inverse)
@@ -81,16 +81,16 @@ def holding_contacts(body: Record, now: Motion, R: Rows, h: float, parts: Record
 def held_velocity(
     body: Record, now: Motion, R: Rows, parts: Records, n: int, free_w: Vector, h: float
 ) -> tuple[Vector, Vector]:
-    """Return velocity and turning in the world after a sub-step; keep the forces.
+    """Returns velocity and angular velocity in the world after a sub-step; stores the forces.
 
     Args:
-        body: it is held.
-        now: how it begins.
+        body: record of the held body.
+        now: its motion at the start.
         R: its attitude.
-        parts: its contacts that hold.
-        n: how many do.
-        free_w: turning after the sub-step if nothing held, in the world [rad/s].
-        h: its length [s].
+        parts: its holding contacts.
+        n: their number.
+        free_w: angular velocity after the sub-step without contacts, in the world [rad/s].
+        h: length of the sub-step [s].
     """
     w = turned(R, now.w)
     for k in range(n):
@@ -107,7 +107,7 @@ def held_velocity(
         force = times(1.0 / h, unturned(rows_of(parts[k].axes), triple(parts[k].impulse)))
         put(body.force, k, force)
         put(body.force_lever, k, row(body.lever, parts[k].which))
-    # Rolling is resisted by a moment of lever times force.
+    # The moment of rolling resistance is lever times force.
     momentum = length(turned(rows_of(body.inertia), unturned(R, turn)))
     lost = body.rolling * total / max(momentum, 1e-300)
     if lost < 1.0:
@@ -121,7 +121,7 @@ def held_velocity(
 
 @compiled
 def _blocked_ball_velocity(body: Record, v: Vector, parts: Records, n: int, h: float) -> Vector:
-    """Return the velocity of a ball after a sub-step in which it cannot turn."""
+    """Returns the velocity of a ball after a sub-step in which it cannot turn."""
     nothing = (0.0, 0.0, 0.0)
     for k in range(n):
         add_contact(parts[k], body, parts[k].which, (nothing, nothing, nothing))
@@ -134,9 +134,9 @@ def _blocked_ball_velocity(body: Record, v: Vector, parts: Records, n: int, h: f
 
 @compiled
 def _set_target(part: Record, body: Record, v: Vector, w: Vector, h: float) -> None:
-    """Set the speeds that a contact shall have after a sub-step."""
+    """Sets the speeds that a contact must have after a sub-step."""
     if body.radius == 0.0:
-        # A ball is as near to the ground however it turns.
+        # The gap of a ball does not depend on its rotation.
         inward = times(-h, cross(w, cross(w, row(body.lever, part.which))))
         for i in range(3):
             part.target[i] = dot(row(part.axes, i), inward)
@@ -147,7 +147,7 @@ def _set_target(part: Record, body: Record, v: Vector, w: Vector, h: float) -> N
 
 @compiled
 def _warm_start(part: Record, body: Record, h: float) -> None:
-    """Begin with the impulse that the contact at the same place had a sub-step before."""
+    """Sets the impulse of the contact at the same place one sub-step before."""
     nearest, same = -1, (WARM_START_DISTANCE * body.size) * (WARM_START_DISTANCE * body.size)
     for old in range(body.held):
         apart = minus(row(body.force_lever, old), row(body.lever, part.which))
@@ -164,7 +164,7 @@ def _warm_start(part: Record, body: Record, h: float) -> None:
 
 @compiled
 def limit_energy(body: Record, before: Motion, after: Motion) -> Motion:
-    """Return how a body is after a sub-step with no more energy than before it."""
+    """Returns the motion after a sub-step with no more energy than before it."""
     moves = _kinetic(body, after)
     climbed = body.mass * GRAVITY * (after.p[1] - before.p[1])
     gained = moves + climbed - _kinetic(body, before)

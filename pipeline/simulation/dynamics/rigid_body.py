@@ -20,21 +20,21 @@ from pipeline.simulation.dynamics.mass import MassProperties
 from pipeline.simulation.spatial import Array, matrix
 
 GRAVITY_VECTOR = np.array([0.0, -GRAVITY, 0.0])
-"""Acceleration of what falls [m/s²]."""
+"""Acceleration of free fall [m/s²]."""
 
 
 @dataclass(frozen=True, eq=False)
 class BodyModel:
-    """One body as it is built, in its own frame about its centre of mass.
+    """One body in its own frame about its centre of mass.
 
     Attributes:
         mass: mass, and inertia about the centre of mass.
-        hull: its surface; of a ball the middle alone counts.
+        hull: its surface, None for a ball.
         radius: of a ball [m], 0 for a polyhedron.
-        bounciness: velocity ratio after / before.
+        bounciness: velocity ratio after / before an impact.
         friction: Coulomb's coefficient.
-        rolling: lever of the rolling resistance, as a part of the size.
-        soft: how long the ground's force lasts [s], 0 for an impact.
+        rolling: lever of the rolling resistance, as a fraction of the size.
+        soft: duration of the ground's force in a soft impact [s], 0 for an instantaneous one.
     """
 
     mass: MassProperties
@@ -48,17 +48,15 @@ class BodyModel:
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """What stays of N bodies.
+    """Constants of N bodies.
 
     Attributes:
-        hulls: (N,) of polyhedra, None of balls.
+        hulls: (N,) of polyhedra, None for balls.
         mass: (N,) [kg].
         inertia: (N, 3, 3) along the axes of the body [kg m²].
-        inverse: (N, 3, 3) of the same.
-        offsets: (N, P) of the facets from the centre of mass [m].
-        edges: (N, E, 2) vertices of the edges, repeated likewise.
+        inverse: (N, 3, 3) inverse inertia.
         radius: (N,) of balls, 0 for polyhedra [m].
-        reach: (N,) farthest point from the centre of mass [m].
+        reach: (N,) largest distance of a point from the centre of mass [m].
         size: (N,) characteristic length [m].
         thin: (N,) distance of the nearest facet from the centre of mass [m].
         bounciness: (N,).
@@ -82,7 +80,7 @@ class Bodies:
 
     @staticmethod
     def of(builds: Sequence[BodyModel]) -> Bodies:
-        """Collect bodies."""
+        """Returns the constants of bodies as arrays."""
         hulls = np.empty(len(builds), dtype=object)
         hulls[:] = [b.hull for b in builds]
         levers = [np.zeros((1, 3)) if h is None else h.vertices for h in hulls]
@@ -105,13 +103,13 @@ class Bodies:
         )
 
     def some(self, which: NDArray[np.int64]) -> Bodies:
-        """Return some of the bodies."""
+        """Returns some of the bodies."""
         return replace(self, **{name: value[which] for name, value in vars(self).items()})
 
 
 @dataclass(eq=False)
 class State:
-    """How N bodies are just now; see the letters above."""
+    """State of N bodies; see the letters above."""
 
     p: Array
     q: Array
@@ -119,41 +117,41 @@ class State:
     w: Array
 
     def some(self, which: NDArray[np.int64]) -> State:
-        """Return a copy of some of them."""
+        """Returns a copy of the state of some bodies."""
         return State(self.p[which], self.q[which], self.v[which], self.w[which])
 
     def put(self, which: NDArray[np.int64], other: State) -> None:
-        """Take over the state of some of them."""
+        """Sets the state of some bodies."""
         self.p[which], self.q[which] = other.p, other.q
         self.v[which], self.w[which] = other.v, other.w
 
 
 def kinetic_energy(bodies: Bodies, v: Array, w: Array) -> Array:
-    """Return the kinetic energies (N,) [J]."""
+    """Returns the kinetic energies (N,) [J]."""
     turning = dot(w, rotate(bodies.inertia, w))
     result: Array = 0.5 * (bodies.mass * dot(v, v) + turning)
     return result
 
 
 def total_energy(bodies: Bodies, state: State) -> Array:
-    """Return kinetic and potential energy (N,) over height 0 [J]."""
+    """Returns kinetic and potential energy (N,) over height 0 [J]."""
     result: Array = kinetic_energy(bodies, state.v, state.w) + bodies.mass * GRAVITY * state.p[:, 1]
     return result
 
 
 def angular_momentum(bodies: Bodies, state: State) -> Array:
-    """Return the angular momenta (N, 3) about the centres of mass, in the world [kg m²/s]."""
+    """Returns the angular momenta (N, 3) about the centres of mass, in the world [kg m²/s]."""
     return rotate(matrix(state.q), rotate(bodies.inertia, state.w))
 
 
 def dot(a: Array, b: Array) -> Array:
-    """Return a · b (...) of vectors (..., 3), added up in one order however many there are."""
+    """Returns a · b (...) of vectors (..., 3), summed in one order for any number of them."""
     result: Array = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
     return result
 
 
 def rotate(R: Array, v: Array) -> Array:
-    """Return R v (..., 3), added up in one order however many there are."""
+    """Returns R v (..., 3), summed in one order for any number of vectors."""
     result: Array = (R[..., :, 0] * v[..., None, 0] + R[..., :, 1] * v[..., None, 1]) + R[
         ..., :, 2
     ] * v[..., None, 2]
@@ -161,5 +159,5 @@ def rotate(R: Array, v: Array) -> Array:
 
 
 def unrotate(R: Array, v: Array) -> Array:
-    """Return Rᵀ v (..., 3) likewise."""
+    """Returns Rᵀ v (..., 3), summed like `rotate`."""
     return rotate(np.swapaxes(R, -1, -2), v)

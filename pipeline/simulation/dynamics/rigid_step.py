@@ -62,41 +62,44 @@ MAX_FLIGHT_STEP = 1.0 / 24.0
 """Longest sub-step of a flight that meets nothing [s]."""
 
 MAX_TRAVEL = 0.5
-"""Way of any point in a sub-step near the ground, in the depth of the body: none passes
-through what is higher than that."""
+"""Way of any point in a sub-step near the ground, in thicknesses of the body: none passes
+through anything higher."""
 
 IMPACT_DEPTH = 1e-7
-"""Depth at which a body in flight has struck, in sizes; an impact is located to half of it."""
+"""Depth at which a body in flight has struck, in sizes; impacts are located to half of it."""
 
 HELD_IMPACT_DEPTH = 2e-5
-"""The same of new contacts of a body that the ground holds already."""
+"""The same for new contacts of a body that the ground holds already."""
 
 CONTACT_MARGIN = 0.02
-"""Gap up to which contacts are told, in sizes of the body."""
+"""Gap up to which contacts are kept, in sizes of the body."""
 
 MAX_ROOT_ITERATIONS = 60
-"""Most times that a path is cut to find an impact."""
+"""Largest number of bisections of a path in search of an impact."""
 
 MIN_BRACKET = 1e-12
-"""Time in which what happens happens at once [s]."""
+"""Length of a time bracket that ends the search [s]."""
 
 MAX_SUBSTEPS = 400
-"""Sub-steps of one step; what needs more is stuck, and loses the rest of its step."""
+"""Sub-steps of one step; a body that needs more is stuck and loses the rest of its step."""
 
 SLEEP_SPEED = 0.01
 """Speed of any point below which a body is quiet [m/s]."""
 
 SLEEP_TIME = 0.4
-"""How long a body is quiet until it sleeps [s]."""
+"""Quiet time after which a body with stable support sleeps [s]."""
 
-STABLE_CONTACTS, UNSTABLE_SLEEP_TIME = 3, 1.5
-"""Contacts that let a body lie safely; one with fewer sleeps after this time [s]."""
+STABLE_CONTACTS = 3
+"""Contacts that support a body stably."""
+
+UNSTABLE_SLEEP_TIME = 1.5
+"""Quiet time after which a body with fewer contacts sleeps [s]."""
 
 MIN_TIME_LEFT = 1e-12
-"""What is left of a step when it is over [s]."""
+"""Remaining time at which a step is over [s]."""
 
 IMPACT_COLUMNS = 10
-"""Columns of a list of strikes: body, time, place, normal, speed, energy."""
+"""Columns of an impact: body, time, place, normal, speed, energy."""
 
 
 @entry
@@ -107,13 +110,13 @@ def advance_bodies(
     room: Workspace,
     dt: float,
 ) -> Array:
-    """Take bodies that are awake through a step; return their strikes (n, STRIKES).
+    """Advances all bodies that are awake; returns their impacts (n, IMPACT_COLUMNS).
 
     Args:
         grid: the ground.
         shapes: of all bodies.
-        bodies: N `BODY`.
-        room: for one of them at a time.
+        bodies: N `BODY` records.
+        room: workspace for one body.
         dt: the step [s].
     """
     strikes, count = np.empty((16, IMPACT_COLUMNS)), 0
@@ -127,11 +130,11 @@ def advance_bodies(
             if left <= MIN_TIME_LEFT:
                 break
             if body.pushed == 0.0 and smallest_gap(body) <= HOLD_GAP * body.size:
-                one = _resolve_impact(body, room.parts)
-                if one.speed >= REST_SPEED:
+                impact = _resolve_impact(body, room.parts)
+                if impact.speed >= REST_SPEED:
                     if count == len(strikes):
                         strikes = np.concatenate((strikes, np.empty_like(strikes)))
-                    _write_impact(strikes[count], b, dt - left, triple(body.p), one)
+                    _write_impact(strikes[count], b, dt - left, triple(body.p), impact)
                     count += 1
             left -= _sub_step(grid, shapes, body, room, left)
         _fall_asleep(body)
@@ -142,7 +145,7 @@ def advance_bodies(
 def find_contacts(
     grid: Grid, shapes: Shapes, bodies: Records, room: Workspace, slack: float
 ) -> None:
-    """Find the contacts of bodies that were put somewhere, up to gaps of `slack` [m]."""
+    """Finds the contacts of bodies at their present poses, up to gaps of `slack` [m]."""
     for b in range(len(bodies)):
         body = bodies[b]
         motion = motion_of(body)
@@ -151,30 +154,30 @@ def find_contacts(
 
 @compiled
 def _write_impact(
-    strikes: Array, b: int, time: float, p: tuple[float, float, float], one: Impact
+    strikes: Array, b: int, time: float, p: tuple[float, float, float], impact: Impact
 ) -> None:
     strikes[0], strikes[1] = b, time
     for i in range(3):
-        strikes[2 + i], strikes[5 + i] = p[i] + one.place[i], one.normal[i]
-    strikes[8], strikes[9] = one.speed, one.energy
+        strikes[2 + i], strikes[5 + i] = p[i] + impact.place[i], impact.normal[i]
+    strikes[8], strikes[9] = impact.speed, impact.energy
 
 
 @compiled
 def _resolve_impact(body: Record, parts: Records) -> Impact:
-    """Let a body that touches the ground, and approaches it, bounce."""
+    """Resolves the impact of a body that touches and approaches the ground."""
     motion = motion_of(body)
-    one = resolve_impact(body, motion, parts)
-    # Only what bounces is pushed for a while; what rests is held.
-    if body.soft > 0.0 and one.speed >= REST_SPEED:
-        # The force makes up for gravity as well: Sims 1987, (12.11) and (12.19).
+    impact = resolve_impact(body, motion, parts)
+    # Soft ground acts over a while on a bounce only; a resting body is held.
+    if body.soft > 0.0 and impact.speed >= REST_SPEED:
+        # The force compensates gravity as well: Sims 1987, (12.11) and (12.19).
         body.pushed = body.soft
-        push_v = times(1.0 / body.soft, minus(one.v, motion.v))
-        push_w = times(1.0 / body.soft, turned(rotation(motion.q), minus(one.w, motion.w)))
+        push_v = times(1.0 / body.soft, minus(impact.v, motion.v))
+        push_w = times(1.0 / body.soft, turned(rotation(motion.q), minus(impact.w, motion.w)))
         for i in range(3):
             body.push_v[i], body.push_w[i] = push_v[i], push_w[i]
     else:
-        set_motion(body, Motion(motion.p, motion.q, one.v, one.w))
-    return one
+        set_motion(body, Motion(motion.p, motion.q, impact.v, impact.w))
+    return impact
 
 
 @compiled
@@ -185,7 +188,7 @@ def _sub_step(
     room: Workspace,
     left: float,
 ) -> float:
-    """Take a body on by a sub-step, or to where it strikes; return how long [s]."""
+    """Advances a body by a sub-step, or up to its next impact; returns the time taken [s]."""
     motion, before, pushed = motion_of(body), smallest_gap(body), body.pushed > 0.0
     speed = length(motion.v) + length(motion.w) * body.reach
     h = _substep_length(grid.frame, grid.tops, body, motion, speed, left)
@@ -194,7 +197,7 @@ def _sub_step(
     if not pushed and before <= HOLD_GAP * body.size:
         n = holding_contacts(body, motion, R, h, room.parts)
     path = _substep_path(body, motion, R, n, h, room)
-    # What lies deeper from the begin may stay so, but not go deeper.
+    # A contact that is deeper at the start may stay so, but not go deeper.
     deep = (HELD_IMPACT_DEPTH if n > 0 else IMPACT_DEPTH) * body.size
     limit = -np.inf if pushed else min(before, 0.0) - deep
     slack = CONTACT_MARGIN * body.size + (speed + GRAVITY * h) * h
@@ -208,7 +211,7 @@ def _sub_step(
 def _substep_length(
     frame: Record, tops: Array, body: Record, motion: Motion, speed: float, left: float
 ) -> float:
-    """Return how long a sub-step may be [s]."""
+    """Returns the length of the next sub-step [s]."""
     h, rate = min(left, MAX_FLIGHT_STEP), length(motion.w)
     if rate * h > MAX_STEP_ANGLE:
         h = MAX_STEP_ANGLE / rate
@@ -218,7 +221,7 @@ def _substep_length(
         h = min(h, MAX_CONTACT_STEP)
         if speed * h > MAX_TRAVEL * body.thin:
             h = MAX_TRAVEL * body.thin / speed
-        # In equal parts: a short one at the end is no cheaper.
+        # In equal parts: a short last one is no cheaper.
         h = left / math.ceil(left / h)
     return min(h, body.pushed) if body.pushed > 0.0 else h
 
@@ -227,7 +230,7 @@ def _substep_length(
 def _substep_path(
     body: Record, motion: Motion, R: Rows, n: int, h: float, room: Workspace
 ) -> SubstepPath:
-    """Return the motion over a sub-step, of a body that n contacts hold."""
+    """Returns the motion over a sub-step of a body held by n contacts."""
     turn, nothing = turned(R, motion.w), (0.0, 0.0, 0.0)
     if body.pushed > 0.0:
         body.held = 0
@@ -258,9 +261,9 @@ def _locate_impact(
     slack: float,
     room: Workspace,
 ) -> tuple[float, Motion]:
-    """Cut a path where a body gets below its limit; return its length and end.
+    """Shortens a path to where a gap falls below `limit`; returns its length and end.
 
-    By false position, the end that stays having its weight halved (Illinois).
+    False position with halved weights (Illinois).
     """
     cut, low, high, f_low, f_high = h, 0.0, h, 0.0, 0.0
     aim = limit + 0.5 * deep
@@ -268,7 +271,7 @@ def _locate_impact(
     f = smallest_gap(body) - aim
     if f + 0.5 * deep >= 0.0:
         return cut, end
-    # A contact that is just leaving is as near as nothing: it must not draw the search.
+    # A separating contact has a gap near zero and must not attract the search.
     f_high, f_low = f, min(max(before - aim, -f), -1e3 * f)
     for i in range(MAX_ROOT_ITERATIONS):
         cut = 0.5 * (low + high)
@@ -284,8 +287,8 @@ def _locate_impact(
             low, f_low, f_high = cut, f, 0.5 * f_high
         if high - low <= MIN_BRACKET:
             break
-    # A contact that is deep at once, as in a corner of the ground that an edge slides into:
-    # it is there at the end of the search alone.
+    # A contact that is deep at once, such as an edge that slides into a corner of the ground,
+    # exists only at the end of the bracket.
     return high, _contacts_at(grid, shapes, body, path, high, slack, room)
 
 
@@ -299,7 +302,7 @@ def _contacts_at(
     slack: float,
     room: Workspace,
 ) -> Motion:
-    """Return how a body is after a time t, its contacts there having been found."""
+    """Returns the motion after a time t, and finds the contacts there."""
     end = motion_at(path, t)
     if is_under_ground(grid, body, end.p):
         body.count = 0
@@ -312,7 +315,7 @@ def _contacts_at(
 
 @compiled
 def _update_timers(body: Record, h: float, pushed: bool) -> None:
-    """Keep account of a push, of a dent, and of how long a body has been quiet."""
+    """Updates the times of soft impact and quiet, and the depth in soft ground."""
     left = max(body.pushed - h, 0.0) if pushed else 0.0
     body.pushed = left if left >= 1e-9 else 0.0
     if body.sunk > 0.0 or pushed:
@@ -329,7 +332,7 @@ def _update_timers(body: Record, h: float, pushed: bool) -> None:
 
 @compiled
 def _fall_asleep(body: Record) -> None:
-    """Let a body sleep that has long been quiet."""
+    """Puts a body to sleep that has long been quiet."""
     propped = body.held >= STABLE_CONTACTS or body.radius > 0.0
     if body.quiet >= (SLEEP_TIME if propped else UNSTABLE_SLEEP_TIME):
         body.awake = False
@@ -338,16 +341,16 @@ def _fall_asleep(body: Record) -> None:
 
 
 class SubstepPath(NamedTuple):
-    """The motion of a body over a sub-step.
+    """Motion of a body over a sub-step.
 
     Attributes:
-        start: how it begins.
+        start: motion at the start.
         a: acceleration [m/s²].
-        driven: whether the ground turns it; else it tumbles.
-        turn: angular velocity at the begin, in the world [rad/s].
-        turn_rate: its change, if driven [rad/s²].
+        driven: whether the ground turns it; otherwise it rotates freely.
+        turn: angular velocity at the start, in the world [rad/s].
+        turn_rate: angular acceleration if driven [rad/s²].
         order: highest power in the series.
-        series: of the tumbling.
+        series: of the free rotation.
     """
 
     start: Motion
@@ -361,7 +364,7 @@ class SubstepPath(NamedTuple):
 
 @compiled
 def motion_at(path: SubstepPath, t: float) -> Motion:
-    """Return how the body is after a time t of the sub-step [s]."""
+    """Returns the motion after a time t of the sub-step [s]."""
     start = path.start
     p = plus(start.p, times(t, plus(start.v, times(0.5 * t, path.a))))
     v = plus(start.v, times(t, path.a))

@@ -1,9 +1,9 @@
-"""Sub-steps: how finely a step has to be cut so that nothing sinks too deep into anything.
+"""Sub-steps: how finely a step is divided so that no body sinks too deep into another.
 
-What hits something at speed v sinks in by v/ω, where ω h is given: more quickly means
-shorter sub-steps and harder springs. Nothing sinks in by more than `DEEPEST` of its own
-half thickness then, and within a sub-step nothing moves by more than ω h times that, so
-nothing can pass through anything.
+A body that hits something at speed v sinks in by v/ω, and ω h is given: a higher speed needs
+shorter sub-steps and stiffer springs. So nothing sinks in by more than `MAX_DEPTH` of its own
+half thickness, and within a sub-step nothing moves by more than ω h times that: nothing passes
+through anything.
 """
 
 from __future__ import annotations
@@ -28,43 +28,43 @@ from pipeline.simulation.dynamics.vectors import length, minus, row
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain.heightfield import HeightField
 
-LONGEST = 1.0 / 900.0
-"""A sub-step [s]."""
+MAX_SUBSTEP = 1.0 / 900.0
+"""Longest sub-step [s]."""
 
-MOST = 2000
-"""Sub-steps of one step."""
+MAX_SUBSTEPS = 2000
+"""Largest number of sub-steps of one step."""
 
-DEEPEST = 0.5
-"""How far things sink in at most, as a part of their least distance from middle to face."""
+MAX_DEPTH = 0.5
+"""Largest depth, as a fraction of the least distance from centre to face."""
 
-CALM = 24
-"""Steps for which sub-steps stay as short as they were: a spring that turns soft under load
-takes energy away."""
+HOLD_STEPS = 24
+"""Steps for which sub-steps stay as short as they were: a spring that softens under load loses
+energy."""
 
 
 LIMITS = np.dtype([("reach", "f8"), ("thin", "f8"), ("gone", "?")], align=True)
-"""Of a body: its farthest point and its nearest facet [m]; whether it was taken away."""
+"""Farthest point and nearest facet of a body [m]; whether it was removed."""
 
 
-ARRAYS = ("limits", "qpos", "qvel", "moves", "frame", "vertices", "paths")
-COUNTS = ("bodies", "things", "points", "pushers")
-AT = np.dtype([*((name, "i8") for name in (*ARRAYS, *COUNTS)), ("quickest", "f8")])
-"""Addresses of what `_quickest` works with, how many there are of what, and what it says."""
+ARRAY_NAMES = ("limits", "qpos", "qvel", "moves", "frame", "vertices", "paths")
+COUNT_NAMES = ("bodies", "things", "points", "pushers")
+ADDRESSES = np.dtype([*((name, "i8") for name in (*ARRAY_NAMES, *COUNT_NAMES)), ("quickest", "f8")])
+"""Addresses and lengths of the arguments of `_quickest`, and its result."""
 
-NUMBER, WHOLE = np.dtype("f8"), np.dtype("i4")
+FLOAT64, INT32 = np.dtype("f8"), np.dtype("i4")
 
 
 class Substeps:
-    """Counts the sub-steps that each step needs.
+    """Number of sub-steps of each step.
 
     Args:
         builds: N bodies.
-        pushers: corners (V, 3) of P convex solids that push, each in its own frame [m].
+        pushers: corners (V, 3) of P kinematic bodies, each in its own frame [m].
         field: the terrain.
-        step: that is cut [s].
-        qpos: (N + P, 7) p and q of the bodies, then of those who push, as they are from now on.
-        qvel: (N + P, 6) v and w of them, likewise.
-        moves: (N + P,) 0 of bodies that sleep, likewise.
+        step: length of a step [s].
+        qpos: (N + P, 7) p and q of bodies and kinematic bodies, a live view.
+        qvel: (N + P, 6) v and w, a live view.
+        moves: (N + P,) 0 for sleeping bodies, a live view.
 
     Attributes:
         limits: (N,) `LIMITS`.
@@ -87,43 +87,42 @@ class Substeps:
         self.limits["reach"], self.limits["thin"] = bodies.reach, bodies.thin
         self.far = np.array([np.linalg.norm(corners, axis=1).max() for corners in pushers])
         self.step = step
-        self.least = math.ceil(step / LONGEST)
-        self._recent = deque([self.least], maxlen=CALM)
+        self.least = math.ceil(step / MAX_SUBSTEP)
+        self._recent = deque([self.least], maxlen=HOLD_STEPS)
         self._paths = np.zeros((len(pushers), 5))
         frame, vertices = np.array([frame_of(field)]), np.ascontiguousarray(field.vertices)
         arrays = (self.limits, qpos, qvel, moves, frame, vertices, self._paths)
         counts = (len(builds), len(qpos), len(vertices), len(pushers))
-        at = np.array([(*(a.ctypes.data for a in arrays), *counts, 0.0)], dtype=AT)
+        at = np.array([(*(a.ctypes.data for a in arrays), *counts, 0.0)], dtype=ADDRESSES)
         self._held, self._quickest = (*arrays, at), at["quickest"]
-        self._at, self._look = at.ctypes.data, _looking()
+        self._at, self._look = at.ctypes.data, _native_quickest()
 
     def count(self, pushers: KinematicBodies) -> int:
-        """Return the sub-steps of the step to come, in which somebody pushes."""
+        """Returns the number of sub-steps of the next step."""
         if len(self._paths):
             self._paths[:] = pushers.paths(self.far)
-        # Machine code that finds all by one address: to hand over so many arrays would take
-        # longer than a step of one body.
+        # One address instead of many arrays: passing those takes longer than a step of one body.
         self._look(self._at, 0)
         stiffness = self._quickest.item()
-        need = math.ceil(self.step * stiffness / (DEEPEST * STIFFNESS))
-        self._recent.append(min(max(need, self.least), MOST))
+        need = math.ceil(self.step * stiffness / (MAX_DEPTH * STIFFNESS))
+        self._recent.append(min(max(need, self.least), MAX_SUBSTEPS))
         return max(self._recent)
 
 
 @cache
-def _looking() -> Callable[[int, int], None]:
-    """Return what writes the answer of `_quickest` where it finds the question."""
+def _native_quickest() -> Callable[[int, int], None]:
+    """Returns the native function that writes the result of `_quickest` beside its arguments."""
 
     def look(where: int, _: int) -> None:
-        at = array_at(where, 1, AT)[0]
+        at = array_at(where, 1, ADDRESSES)[0]
         at.quickest = _quickest(
             array_at(at.limits, at.bodies, LIMITS),
-            array_at(at.qpos, 7 * at.things, NUMBER).reshape(-1, 7),
-            array_at(at.qvel, 6 * at.things, NUMBER).reshape(-1, 6),
-            array_at(at.moves, at.things, WHOLE),
+            array_at(at.qpos, 7 * at.things, FLOAT64).reshape(-1, 7),
+            array_at(at.qvel, 6 * at.things, FLOAT64).reshape(-1, 6),
+            array_at(at.moves, at.things, INT32),
             array_at(at.frame, 1, FRAME)[0],
-            array_at(at.vertices, 3 * at.points, NUMBER).reshape(-1, 3),
-            array_at(at.paths, 5 * at.pushers, NUMBER).reshape(-1, 5),
+            array_at(at.vertices, 3 * at.points, FLOAT64).reshape(-1, 3),
+            array_at(at.paths, 5 * at.pushers, FLOAT64).reshape(-1, 5),
         )
 
     made: Callable[[int, int], None] = native_callback(look)
@@ -140,17 +139,17 @@ def _quickest(
     vertices: Array,
     paths: Array,
 ) -> float:
-    """Return the greatest speed that a body has or is met with, in its thickness [1/s].
+    """Returns the greatest speed of a body or against it, in its thickness [1/s].
 
     Args:
         limits: (N,) `LIMITS`.
-        qpos: see `Substeps`, and so on.
-        qvel: see there.
-        moves: see there.
+        qpos: see `Substeps`.
+        qvel: see `Substeps`.
+        moves: see `Substeps`.
         frame: of the terrain.
-        vertices: of it, see `Grid`.
-        paths: (P, 5) where those who push begin, how far they reach and go in two steps [m],
-            and their speeds [m/s].
+        vertices: of the terrain, see `Grid`.
+        paths: (P, 5) start of kinematic bodies, reach including the way of two steps [m], and speed
+            [m/s].
     """
     most = 0.0
     for i in range(len(limits)):
@@ -158,7 +157,7 @@ def _quickest(
         if moves[i] != 0 and not limits[i].gone:
             v, w = qvel[i, :3], qvel[i, 3:]
             height, _ = surface_at(frame, vertices, p[0], p[2])
-            # What falls will be quicker when it has come to the ground.
+            # A falling body will be faster when it reaches the ground.
             falling = 2.0 * GRAVITY * max(p[1] - height - limits[i].thin, 0.0)
             speed = math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + falling)
             speed += math.sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) * limits[i].reach

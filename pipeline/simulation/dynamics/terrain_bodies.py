@@ -37,15 +37,15 @@ Numbers = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class GroundImpact:
-    """A body has struck the ground.
+    """Impact of a body on the ground.
 
     Attributes:
-        body: its number.
-        time: from the begin of the step [s].
+        body: number of the body.
+        time: from the start of the step [s].
         place: (3,) [m].
         normal: (3,) of the ground.
-        speed: of approach along the normal [m/s].
-        energy: of what came at this speed [J].
+        speed: approach speed along the normal [m/s].
+        energy: kinetic energy of the approach [J].
     """
 
     body: int
@@ -60,10 +60,10 @@ class TerrainBodies:
     """N bodies over a terrain.
 
     Attributes:
-        bodies: what stays of them.
-        state: how they are; its arrays are written into.
+        bodies: their constants.
+        state: their state; its arrays are views and may be written.
         ground: the terrain.
-        awake: (N,) which are not asleep.
+        awake: (N,) whether a body is not asleep.
     """
 
     def __init__(self, bodies: Bodies, state: State, ground: Ground) -> None:
@@ -83,23 +83,23 @@ class TerrainBodies:
         self.find_contacts()
 
     def find_contacts(self) -> None:
-        """Take in that bodies were put elsewhere."""
+        """Finds contacts anew after bodies were placed elsewhere."""
         slack = CONTACT_MARGIN * float(self.bodies.size.max())
         find_contacts(self._grid, self._shapes, self._records, self._room, slack)
 
     def depths(self) -> Array:
-        """Return how deep each body is in the ground (N,), negative above it [m]."""
+        """Returns the depth of each body in the ground (N,), negative above it [m]."""
         copies, slack = self._records.copy(), float(self.bodies.size.max())
         find_contacts(self._grid, self._shapes, copies, self._room, slack)
         return np.where(copies["count"] > 0, -copies["gap"][:, 0], -np.inf)
 
     def touching(self) -> tuple[NDArray[np.bool_], Array, Array, Array, Array]:
-        """Return how bodies move that the ground holds, by the nearest contact of each.
+        """Returns the motion of bodies on the ground, at the nearest contact of each.
 
         Returns:
-            Which bodies it holds (N,), and of all bodies, meaningless of others, the places of
-            contacts (N, 3) [m], normals of the ground (N, 3), velocities (N, 3) [m/s], and
-            velocities of the contacts along the ground (N, 3) [m/s].
+            Which bodies the ground holds (N,), and for these the positions of contacts (N, 3) [m],
+            normals of the ground (N, 3), velocities (N, 3) [m/s], and tangential velocities of the
+            contacts (N, 3) [m/s].
         """
         held = self.awake & (self._records["held"] > 0) & (self._records["count"] > 0)
         lever, normal = self._records["lever"][:, 0], self._records["normal"][:, 0]
@@ -109,12 +109,12 @@ class TerrainBodies:
         return held, self.state.p + lever, normal, self.state.v, slip
 
     def drop(self, which: Numbers) -> None:
-        """Take bodies out of the world: they no longer move."""
+        """Removes bodies from the world: they no longer move."""
         self.awake[which] = False
         self.state.v[which] = self.state.w[which] = 0.0
 
     def advance(self, dt: float) -> list[GroundImpact]:
-        """Go on by `dt` [s]; return what has struck the ground, in the order of time."""
+        """Advances by `dt` [s]; returns the impacts in the order of time."""
         strikes = advance_bodies(self._grid, self._shapes, self._records, self._room, dt)
         impacts = [
             GroundImpact(int(body), time, (x, y, z), (n_x, n_y, n_z), speed, energy)

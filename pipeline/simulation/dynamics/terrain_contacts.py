@@ -58,23 +58,23 @@ from pipeline.simulation.dynamics.vectors import (
 from pipeline.simulation.spatial import Array
 
 BEHIND_PLANE = 1e-7
-"""Height above a plane that is none, in radii."""
+"""Height above a plane that counts as zero, in radii."""
 
 
 @compiled
 def add_ball_contacts(grid: Grid, body: Record, p: Vector, slack: float) -> None:
-    """Add the contacts of a ball.
+    """Adds the contacts of a ball.
 
     Args:
         grid: the ground.
         body: the ball.
-        p: its middle [m].
-        slack: gaps that are larger count for nothing [m].
+        p: its centre [m].
+        slack: largest gap of a contact [m].
     """
     frame, vertices = grid.frame, grid.vertices
     reach = body.radius + slack
     i, i_last, j, j_last = cells_around(frame, p[0], p[2], reach)
-    # On which side of a triangle's plane a middle lies says nothing beyond its sides.
+    # The side of a triangle's plane tells nothing beyond the edges of the triangle.
     above = p[1] > surface_at(frame, vertices, p[0], p[2])[0]
     low = p[1] - reach
     for line in range(j, j_last + 1):
@@ -92,7 +92,7 @@ def add_ball_contacts(grid: Grid, body: Record, p: Vector, slack: float) -> None
 def _add_ball_triangle(
     body: Record, p: Vector, corners: Triangle, above: bool, slack: float
 ) -> None:
-    """Add the contact of a ball with a triangle, if it is near."""
+    """Adds the contact of a ball with a triangle, if it is near."""
     place = nearest_on_triangle(p, corners)
     away = minus(p, place)
     distance = length(away)
@@ -108,7 +108,7 @@ def _add_ball_triangle(
 
 @compiled
 def _insert_unhidden(body: Record, gap: float, normal: Vector, lever: Vector) -> None:
-    """Add a contact unless a nearer one hides it, and take away those that it hides."""
+    """Inserts a contact unless a nearer one hides it; removes those that it hides."""
     k, none = 0, BEHIND_PLANE * body.radius
     while k < body.count:
         apart = minus(lever, row(body.lever, k))
@@ -125,7 +125,7 @@ def _insert_unhidden(body: Record, gap: float, normal: Vector, lever: Vector) ->
 
 @compiled
 def nearest_on_triangle(point: Vector, corners: Triangle) -> Vector:
-    """Return the nearest point of a triangle to a point."""
+    """Returns the point of a triangle nearest to a point."""
     a, b, c = corners
     up = cross(minus(b, a), minus(c, a))
     best = 1e300
@@ -145,26 +145,26 @@ def nearest_on_triangle(point: Vector, corners: Triangle) -> Vector:
 
 
 SHALLOW_DEPTH = 1e-6
-"""Depth of a vertex that is told by the plane over it alone, in sizes of the body."""
+"""Depth of a vertex up to which the plane above it alone counts, in sizes of the body."""
 
 HOLLOW_TOLERANCE = 2e-4
-"""How much farther than the nearest triangle one may be that a vertex lies at as well, in a
-hollow, in sizes of the body."""
+"""Excess distance of further triangles that touch the same vertex in a hollow, in sizes
+of the body."""
 
 SAME_DISTANCE = 1e-6
-"""Part by which distances to one edge may differ."""
+"""Relative difference of distances to one edge."""
 
 
 @compiled
 def add_vertex_contacts(grid: Grid, body: Record, p: Vector, world: Array, slack: float) -> None:
-    """Add the vertices of a body that are over the ground.
+    """Adds the vertices of a body that are over the ground.
 
     Args:
         grid: the ground.
-        body: the one that meets it.
-        p: its place [m].
-        world: (V, 3) its vertices [m].
-        slack: gaps that are larger count for nothing [m].
+        body: the body.
+        p: its position [m].
+        world: (V, 3) its vertices in the world [m].
+        slack: largest gap of a contact [m].
     """
     for k in range(body.corners[1]):
         at = row(world, k)
@@ -179,9 +179,9 @@ def add_vertex_contacts(grid: Grid, body: Record, p: Vector, world: Array, slack
 
 @compiled
 def _add_sunk_vertex(grid: Grid, body: Record, p: Vector, at: Vector, depth: float) -> None:
-    """Add a vertex that is so far below the ground right above it."""
+    """Adds a vertex at `depth` below the ground straight above it."""
     least = depth
-    # What is nearest is not farther than the ground above.
+    # The nearest triangle is no farther than the ground straight above.
     i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], depth)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
@@ -202,7 +202,7 @@ def _add_sunk_vertex(grid: Grid, body: Record, p: Vector, at: Vector, depth: flo
                 up = cross(minus(b, a), minus(c, a))
                 normal = times(1.0 / length(up), up)
                 gap = dot(normal, minus(at, a))
-                # In front of one plane and yet below another it lies in a hollow.
+                # In a hollow a vertex is in front of one plane and below another.
                 if gap >= 0.0 or away <= least * (1.0 + SAME_DISTANCE):
                     insert_new_contact(body, gap, normal, minus(at, p))
 
@@ -217,16 +217,16 @@ def find_body_contacts(
     slack: float,
     room: Workspace,
 ) -> None:
-    """Find the contacts of a body.
+    """Finds the contacts of a body.
 
     Args:
         grid: the ground.
         shapes: of all bodies.
-        body: its contacts are written anew.
-        p: where it is meant to be [m].
-        q: in which attitude.
-        slack: gaps that are larger need not be told [m].
-        room: to work in.
+        body: its contacts are replaced.
+        p: position to test [m].
+        q: attitude to test.
+        slack: gaps up to this are reported [m].
+        room: workspace.
     """
     body.count = 0
     if not is_over_grid(grid.frame, p[0], p[2]):
@@ -248,7 +248,7 @@ def find_body_contacts(
 def _vertices_in_world(
     frame: Record, corners: Array, body: Record, p: Vector, R: Rows, slack: float, world: Array
 ) -> tuple[Box, Spans]:
-    """Write the vertices of a body in the world; return what they span, and the cells there."""
+    """Writes the vertices of a body in the world; returns their bounding box and its cells."""
     low, high = (np.inf, np.inf, np.inf), (-np.inf, -np.inf, -np.inf)
     u_low, u_high, v_low, v_high = np.inf, -np.inf, np.inf, -np.inf
     first, count = body.corners
@@ -266,7 +266,7 @@ def _vertices_in_world(
 
 @compiled
 def is_under_ground(grid: Grid, body: Record, p: Vector) -> bool:
-    """Say whether a body at p is wholly below the ground: it fell beside it and came back."""
+    """Returns whether a body at p is wholly below the ground, entered from the side."""
     if not is_over_grid(grid.frame, p[0], p[2]):
         return False
     below: bool = p[1] < surface_at(grid.frame, grid.vertices, p[0], p[2])[0] - 2.0 * body.reach

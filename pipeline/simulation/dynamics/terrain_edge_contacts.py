@@ -39,19 +39,19 @@ from pipeline.simulation.dynamics.vectors import (
 from pipeline.simulation.spatial import Array
 
 LEVEL_NORMAL = 1e-9
-"""Rise of a normal that is none."""
+"""Vertical component of a normal that counts as zero."""
 
 PARALLEL_EDGES = 1e-6
-"""Sine of the angle between edges that cross nowhere in particular."""
+"""Sine of the angle between edges that count as parallel."""
 
 EDGE_IN_PLANE = 1e-3
-"""Sine of the angle to a facet or a triangle at which an edge lies in it."""
+"""Sine of the angle to a plane at which an edge counts as lying in it."""
 
 UPWARD_FACET = 1e-3
-"""Rise of the normal of a facet that nothing below can touch."""
+"""Vertical component of the normal above which nothing below can touch a facet."""
 
 Box = tuple[Vector, Vector]
-"""Least and greatest coordinates [m]."""
+"""Lower and upper corner [m]."""
 
 
 @compiled
@@ -66,23 +66,23 @@ def add_edge_contacts(
     cells: Spans,
     slack: float,
 ) -> None:
-    """Add the contacts of a body with what stands out.
+    """Adds the contacts of a body with the convex edges of a terrain.
 
     Args:
         grid: the ground.
         shapes: of all bodies.
-        body: the one that meets it.
-        p: its place [m].
+        body: the body.
+        p: its position [m].
         R: its attitude.
-        room: in it, its vertices in the world [m].
-        box: that these lie in.
-        cells: those under it.
-        slack: gaps that are larger count for nothing [m].
+        room: workspace with its vertices in the world [m].
+        box: bounding box of these.
+        cells: cells under the box.
+        slack: largest gap of a contact [m].
     """
     vertices, ridges, starts = grid.vertices, grid.ridges, grid.starts
     i, i_last, j, j_last = cells
     least, most = box
-    # The first ridge that is near asks for them.
+    # Edges are computed at the first ridge that is near.
     edges = -1
     for line in range(j, j_last + 1):
         start = line * grid.frame.n_x
@@ -105,9 +105,9 @@ def add_edge_contacts(
 
 @compiled
 def _downward_edges(shapes: Shapes, body: Record, R: Rows, room: Workspace) -> int:
-    """Write edges that something below can touch; return how many.
+    """Writes the edges that something below can touch; returns their number.
 
-    Beginnings and extents, and the normals of the facets beside, all in the world.
+    Starts and extents, and the normals of the adjacent facets, all in the world.
     """
     n, edges, world = 0, room.edges, room.world
     first, count = body.edges
@@ -130,15 +130,15 @@ def _downward_edges(shapes: Shapes, body: Record, R: Rows, room: Workspace) -> i
 def _add_vertex_on_facet(
     facets: Array, body: Record, p: Vector, R: Rows, peak: Vector, slack: float
 ) -> None:
-    """Add a vertex of the ground near a facet, its gap being the distance from that.
+    """Adds a vertex of the ground near a facet, with its distance from the facet as the gap.
 
-    No ground hangs over, so it comes in by facets that look down, and has done so as well
-    where the body has got below it from the side.
+    The ground has no overhangs, so its vertices enter through downward facets, also where the body
+    has got below a vertex from the side.
     """
     lever = minus(peak, p)
     place = unturned(R, lever)
     most, which = -np.inf, -1
-    # Where the upright through it enters the body, and leaves it.
+    # Where the vertical line through it enters and leaves the body.
     low, high = -np.inf, np.inf
     first, count = body.facets
     for k in range(first, first + count):
@@ -168,11 +168,11 @@ def _add_crossings(
     sides: Array,
     slack: float,
 ) -> None:
-    """Add the places where n edges of a body pass over an edge of the ground, from c."""
+    """Adds the crossings of n edges of a body with an edge of the ground that starts at c."""
     for e in range(n):
         x, z = edges[e, 3], edges[e, 5]
         between_x, between_z = c[0] - edges[e, 0], c[2] - edges[e, 2]
-        # Areas of what two vectors span, seen from above.
+        # Areas of parallelograms, seen from above.
         width = x * ground[2] - z * ground[0]
         s = between_x * ground[2] - between_z * ground[0]
         t = between_x * z - between_z * x
@@ -192,7 +192,7 @@ def _add_crossings(
 
 @compiled
 def _separates(way: Vector, one: Vector, other: Vector) -> bool:
-    """Say whether a line leaves one of two planes that meet in an edge and enters the other."""
+    """Returns whether a line leaves one of two planes that meet in an edge and enters the other."""
     first, second = dot(way, one), dot(way, other)
     level = EDGE_IN_PLANE * length(way)
     return first * second <= 0.0 or min(abs(first), abs(second)) <= level
@@ -202,7 +202,7 @@ def _separates(way: Vector, one: Vector, other: Vector) -> bool:
 def _add_crossing(
     body: Record, along: Vector, ground: Vector, rise: float, lever: Vector, slack: float
 ) -> None:
-    """Add the contact of two edges that cross, seen from above, one above the other."""
+    """Adds the contact of two edges that cross, seen from above, one above the other."""
     normal = cross(along, ground)
     square = dot(normal, normal)
     if square > PARALLEL_EDGES * PARALLEL_EDGES * dot(along, along) * dot(ground, ground):

@@ -18,13 +18,16 @@ from pipeline.simulation.spatial import Array, cross
 from pipeline.simulation.terrain.heightfield import HeightField, QuadField
 
 CONVEX_EDGE_HEIGHT = 1e-9
-"""Height by which two triangles differ from one plane, in cells: less is rounding."""
+"""Height by which adjacent triangles differ from a plane, in cells: less is rounding."""
 
 
 def convex_edges(
     vertices: Array, faces: NDArray[np.uint32], cell: float
 ) -> tuple[NDArray[np.int64], Array]:
-    """Return the edges that stand out, and the border; beside that the ground drops upright.
+    """Returns the edges at which the ground falls away on both sides, and its border.
+
+    Bodies on the surface touch it with their own vertices, except at these edges and their ends.
+    Beside the border the ground counts as a vertical drop.
 
     Args:
         vertices: (V, 3) [m].
@@ -59,7 +62,7 @@ def convex_edges(
 
 
 def _triangle_normals(triangles: Array) -> Array:
-    """Return the normals (F, 3) of triangles (F, 3, 3)."""
+    """Returns the normals (F, 3) of triangles (F, 3, 3)."""
     a, b, c = np.moveaxis(triangles, 1, 0)
     up = cross(b - a, c - a)
     result: Array = up / np.sqrt((up**2).sum(axis=-1))[:, None]
@@ -67,23 +70,23 @@ def _triangle_normals(triangles: Array) -> Array:
 
 
 TILE_CELLS = 8
-"""Cells along a tile, of which the height is known as a whole."""
+"""Cells along a tile, whose greatest height is precomputed."""
 
 POSITION_ROUNDING = 1e-9
-"""What places of vertices may be wrong by, in sizes of the terrain."""
+"""Rounding error of positions of vertices, in sizes of the terrain."""
 
 FRAME = np.dtype(
     [
-        # Cells along x and z; whether one is four triangles about its middle, not two.
+        # Cells along x and z; whether one is four triangles about its centre, not two.
         ("n_x", "i8"),
         ("n_z", "i8"),
         ("quads", "?"),
-        # Middle and extent along x and z [m]; cosine and sine of the heading.
+        # Centre and extent along x and z [m]; cosine and sine of the heading.
         *((name, "f8") for name in ("at_x", "at_z", "size_x", "size_z", "cos", "sin")),
     ],
     align=True,
 )
-"""Where a grid lies."""
+"""Placement of a grid."""
 
 Numbers = NDArray[np.int64]
 Spans = tuple[int, int, int, int]
@@ -91,16 +94,16 @@ Triangle = tuple[Vector, Vector, Vector]
 
 
 class Grid(NamedTuple):
-    """A surface.
+    """A triangulated surface.
 
     Attributes:
         frame: a `FRAME`.
-        vertices: (V, 3) in the world, those of the grid first, then middles of cells [m].
-        tops: (m_z, m_x) the greatest heights of tiles [m].
-        ridges: (n, 2) ends of the edges that stand out, and of these ends, which are edges
-            from a vertex to itself; cell by cell.
-        starts: (n_cells + 1,) the first ridge of each cell.
-        sides: (n, 2, 3) normals of the ground on both sides of ridges, none of ends.
+        vertices: (V, 3) in the world, those of the grid first, then centres of cells [m].
+        tops: (m_z, m_x) greatest heights of tiles [m].
+        ridges: (n, 2) ends of convex edges, and these ends as edges from a vertex to itself;
+            sorted by cell.
+        starts: (n_cells + 1,) first ridge of each cell.
+        sides: (n, 2, 3) normals of the ground on both sides of ridges, zero for single ends.
     """
 
     frame: Record
@@ -112,7 +115,7 @@ class Grid(NamedTuple):
 
 
 def grid_of(field: HeightField) -> Grid:
-    """Make a height field ready."""
+    """Returns the grid of a height field."""
     edges, sides = convex_edges(field.vertices, field.faces, min(field.cell))
     ridges = np.concatenate([edges, np.repeat(np.unique(edges)[:, None], 2, axis=1)])
     sides = np.concatenate([sides, np.zeros((len(ridges) - len(edges), 2, 3))])
@@ -128,14 +131,14 @@ def grid_of(field: HeightField) -> Grid:
 
 
 def frame_of(field: HeightField) -> Record:
-    """Return where the grid of a height field lies."""
+    """Returns the placement of the grid of a height field."""
     turn = (math.cos(field.heading), math.sin(field.heading)) if field.heading else (1.0, 0.0)
     frame = (*field.cells, isinstance(field, QuadField), *field.at, *field.size, *turn)
     return np.array([frame], dtype=FRAME).view(np.recarray)[0]
 
 
 def _sort_by_cell(ridges: Numbers, field: HeightField) -> tuple[Numbers, Numbers]:
-    """Sort ridges into cells, by a middle that they end in, else by their low corner.
+    """Assigns ridges to cells, by a cell centre that they end in, else by their lower corner.
 
     Returns:
         Their order, and the first of each cell.
@@ -169,14 +172,14 @@ def _tile_tops(heights: Array) -> Array:
 
 @compiled
 def to_grid_frame(frame: Record, x: float, z: float) -> tuple[float, float]:
-    """Take a place to the frame of the grid."""
+    """Transforms a position to the frame of the grid."""
     x, z = x - frame.at_x, z - frame.at_z
     return frame.cos * x - frame.sin * z, frame.sin * x + frame.cos * z
 
 
 @compiled
 def is_over_grid(frame: Record, x: float, z: float) -> bool:
-    """Say whether a place lies over the grid."""
+    """Returns whether a position lies over the grid."""
     u, v = to_grid_frame(frame, x, z)
     over: bool = abs(u) <= 0.5 * frame.size_x and abs(v) <= 0.5 * frame.size_z
     return over
@@ -184,7 +187,7 @@ def is_over_grid(frame: Record, x: float, z: float) -> bool:
 
 @compiled
 def surface_at(frame: Record, vertices: Array, x: float, z: float) -> tuple[float, Vector]:
-    """Return the height and the normal of the surface at a place, see `HeightField`."""
+    """Returns height and normal of the surface at a position, see `HeightField`."""
     x, z = to_grid_frame(frame, x, z)
     u = min(max((x / frame.size_x + 0.5) * frame.n_x, 0.0), float(frame.n_x))
     v = min(max((z / frame.size_z + 0.5) * frame.n_z, 0.0), float(frame.n_z))
@@ -216,7 +219,7 @@ def surface_at(frame: Record, vertices: Array, x: float, z: float) -> tuple[floa
 
 @compiled
 def _slope_normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
-    """Return the normal of what rises so along a cell."""
+    """Returns the normal of a plane with the given rise along the sides of a cell."""
     along_x, along_z = rise_u * frame.n_x / frame.size_x, rise_v * frame.n_z / frame.size_z
     along_x, along_z = (
         frame.cos * along_x + frame.sin * along_z,
@@ -228,13 +231,13 @@ def _slope_normal(frame: Record, rise_u: float, rise_v: float) -> Vector:
 
 @compiled
 def triangles_per_cell(frame: Record) -> int:
-    """Return how many triangles a cell has."""
+    """Returns the number of triangles of a cell."""
     return 4 if frame.quads else 2
 
 
 @compiled
 def triangle(grid: Grid, line: int, column: int, k: int) -> Triangle:
-    """Return triangle k of a cell, counter-clockwise from above."""
+    """Returns triangle k of a cell, counter-clockwise from above."""
     frame, vertices = grid.frame, grid.vertices
     low = line * (frame.n_x + 1) + column
     a, b = row(vertices, low), row(vertices, low + 1)
@@ -249,7 +252,7 @@ def triangle(grid: Grid, line: int, column: int, k: int) -> Triangle:
 
 @compiled
 def cell_span(low: float, high: float, size: float, n: int) -> tuple[int, int]:
-    """Return the first and last of n cells, of `size` together, between two places."""
+    """Returns the first and last of n cells, of total length `size`, between two positions."""
     first = math.floor((low / size + 0.5 - POSITION_ROUNDING) * n)
     last = math.floor((high / size + 0.5 + POSITION_ROUNDING) * n)
     return min(max(int(first), 0), n - 1), min(max(int(last), 0), n - 1)
@@ -257,7 +260,7 @@ def cell_span(low: float, high: float, size: float, n: int) -> tuple[int, int]:
 
 @compiled
 def cells_around(frame: Record, x: float, z: float, reach: float) -> Spans:
-    """Return first and last column, first and last row of the cells around a place."""
+    """Returns first and last column, first and last row of the cells around a position."""
     u, v = to_grid_frame(frame, x, z)
     i, i_last = cell_span(u - reach, u + reach, frame.size_x, frame.n_x)
     j, j_last = cell_span(v - reach, v + reach, frame.size_z, frame.n_z)
@@ -266,7 +269,7 @@ def cells_around(frame: Record, x: float, z: float, reach: float) -> Spans:
 
 @compiled
 def highest_around(frame: Record, tops: Array, x: float, z: float, reach: float) -> float:
-    """Return a height that the ground is below everywhere around a place [m]."""
+    """Returns an upper bound of the ground's height around a position [m]."""
     i, i_last, j, j_last = cells_around(frame, x, z, reach)
     top = -np.inf
     for tile_z in range(j // TILE_CELLS, j_last // TILE_CELLS + 1):

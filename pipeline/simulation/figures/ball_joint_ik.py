@@ -1,15 +1,23 @@
-"""Full extension: where the pseudo-inverse fails, and natural limbs feel at home.
+"""Inverse kinematics of limbs with a ball joint at their base: full extension, and other branches.
 
-A stretched limb has no joint velocity that brings its tip nearer to its base, and close
-to it those there are become boundless. In that region the distance from base to tip is
-set first, by a binary search between two sets of joint values: towards the extended ones
-to get longer, towards the preferred ones to get shorter. Then the ball joint at the base,
-which does not change that distance, brings the tip to its place.
+Full extension: a stretched limb has no joint velocity that brings its tip nearer to its base, and
+near it the velocities are unbounded. In that region the distance from base to tip is set first, by
+a binary search between two sets of joint values: towards the extended ones to lengthen, towards
+the preferred ones to shorten. Then the ball joint, which does not change that distance, brings the
+tip to its place. As in the thesis this needs a ball joint at the base, handles this singularity
+alone, and leaves the orientation of the tip free.
 
-The thesis's limits hold: it needs a ball joint at the base, deals with this singularity
-alone, and leaves the orientation of the tip open.
+Branches: iterations go downhill from their start. A limb that would have to bend to the other
+side, or swing over the top instead of back, ends at a limit though its goal is within reach.
+Geometry gives the other solutions: the distance from base to tip depends on the inner joints
+alone, and several bends give the same; for each of them the ball joint turns the tip towards the
+goal in two ways for every value of its last joint, the swivel of the limb about the line from base
+to goal.
 
-Source: Sims 1987, 6.3.1.
+Notation: g goal and t tip, both from the base; a₁, a₂, a₃ axes of the ball joint.
+
+Source: Sims 1987, 6.3.1; Murray, Li and Sastry 1994, ch. 3, 3.2 (subproblem 2 of Paden and Kahan);
+Tolani, Goswami and Badler 2000 (swivel).
 """
 
 from __future__ import annotations
@@ -23,14 +31,14 @@ from pipeline.simulation.figures.task_priority import Task, bounded_priority_ste
 from pipeline.simulation.spatial import Array, cross, rotation, turn
 
 EXTENSION_REGION = 0.97
-"""Distance from base to tip, as a part of the greatest, where the region begins."""
+"""Distance from base to tip where the region of full extension begins, in the greatest."""
 
 EXTENSION_HALVINGS = 48
 AIM_ITERATIONS = 30
 
 
 def base_ball_joint(batch: LimbBatch) -> NDArray[np.bool_]:
-    """Return which joints (L, n) are those of a ball joint at the base; none for many limbs.
+    """Return the joints (L, n) of a ball joint at the base; all False without one.
 
     They stand at one place, turn, and do not all turn about one axis.
     """
@@ -55,8 +63,8 @@ def is_near_extension(batch: LimbBatch, pose: LimbPose, goals: Array) -> NDArray
 def solve_extended(batch: LimbBatch, start: LimbPose, goals: Array) -> LimbPose:
     """Return limbs whose tips are at `goals` (L, 3), or as far towards them as they reach.
 
-    Meant for limbs in the region; of others the search may come to nothing, and a tip that
-    stays away from a goal within reach says so.
+    For limbs in the region of full extension; elsewhere the search may fail, with a tip that stays
+    away from a goal within reach.
     """
     base = base_ball_joint(batch)
     asked = _distance(batch, goals)
@@ -64,8 +72,8 @@ def solve_extended(batch: LimbBatch, start: LimbPose, goals: Array) -> LimbPose:
     end = np.clip(batch.extended, batch.lower, batch.upper)
     end = np.where(longer[:, None], end, batch.preferred)
     way = np.where(base | ~batch.is_joint, 0.0, end - start.q)
-    # At `low` the tip is on the side it comes from, at `high` past the distance asked for;
-    # where even the end of the way is not, the search runs into that end.
+    # At `low` the tip is on its initial side, at `high` past the requested distance; where even the
+    # end of the way is not, the search converges to that end.
     low, high = np.zeros(len(asked)), np.ones(len(asked))
     for _ in range(EXTENSION_HALVINGS):
         middle = 0.5 * (low + high)
@@ -89,7 +97,7 @@ def _aim_ball_joint(
         if (error < 1e-13).all():
             break
         masked = Task(task.jacobian * base[:, None, :], task.velocity)
-        # Far off, a chord is cut short: it would lead through the sphere.
+        # Damping shortens long chords, which would lead through the sphere.
         q, _ = bounded_priority_step(batch, pose.q, [masked], 1e-6 + 0.1 * error)
         pose = batch.pose(np.where(base, q, pose.q))
     return pose
@@ -101,17 +109,17 @@ def _distance(batch: LimbBatch, tips: Array) -> Array:
 
 
 BEND_HALVINGS = 24
-"""Steps of the search for the bend that gives a distance; the rest is for iterations."""
+"""Steps of the search for the bend with a given distance; iterations do the rest."""
 
 SWIVELS = 16
-"""Values of the ball joint's last joint that are looked at."""
+"""Tried values of the ball joint's last joint."""
 
 
 def ball_joint_branches(batch: LimbBatch, goals: Array) -> Array:
-    """Return joint values (B, L, n) with the tips at `goals`, or what limits leave of them.
+    """Return joint values (B, L, n) with the tips at `goals`, as far as limits allow.
 
     Args:
-        batch: limbs with ball joints at their bases; what others get is of no use.
+        batch: limbs with ball joints at their bases; results for others are meaningless.
         goals: (L, 3) relative to the body [m].
     """
     base = base_ball_joint(batch)
@@ -122,7 +130,7 @@ def ball_joint_branches(batch: LimbBatch, goals: Array) -> Array:
 
 
 def _bend_to_distance(batch: LimbBatch, goals: Array, base: NDArray[np.bool_]) -> list[Array]:
-    """Return several joint values (L, n), the `base` at rest, with tips as far off as the goals.
+    """Return joint values (L, n), the `base` at rest, with tips as far off as the goals.
 
     From full extension all inner joints bend to one side, or to the other, or one alone does.
     """
@@ -169,9 +177,9 @@ def _turn_to_goals(batch: LimbBatch, q: Array, goals: Array, base: NDArray[np.bo
 
 
 def _intermediate_directions(a_1: Array, a_2: Array, t: Array, g: Array) -> tuple[Array, Array]:
-    """Return the two v (..., 3) to which a turn about a₂ brings t, and one about a₁ then to g.
+    """Return both v (..., 3) to which a turn about a₂ takes t, and one about a₁ then leads to g.
 
-    They share the height above a₂ with t and that above a₁ with g. Where none do, v is the
+    They share the height above a₂ with t and that above a₁ with g. Where there is none, v is the
     nearest in the plane of the axes.
     """
     c = _dot(a_1, a_2)
@@ -184,7 +192,7 @@ def _intermediate_directions(a_1: Array, a_2: Array, t: Array, g: Array) -> tupl
 
 
 def _angle_about(axis: Array, u: Array, v: Array) -> Array:
-    """Return the angle (...) about `axis` that turns u (..., 3) into the half plane of v [rad]."""
+    """Return the angle (...) about `axis` from u (..., 3) to the half plane of v [rad]."""
     result: Array = np.arctan2(
         _dot(axis, cross(u, v))[..., 0],
         (_dot(u, v) - _dot(axis, u) * _dot(axis, v))[..., 0],
@@ -193,7 +201,7 @@ def _angle_about(axis: Array, u: Array, v: Array) -> Array:
 
 
 def _wrap_into_limits(batch: LimbBatch, q: Array) -> Array:
-    """Return joint values, whole turns taken off those that are nearer to their limits so."""
+    """Return joint values without whole turns that lead away from the limits, clipped to them."""
     middle = 0.5 * (batch.lower + batch.upper)
     around = middle + np.remainder(q - middle + np.pi, 2.0 * np.pi) - np.pi
     result: Array = np.clip(np.where(batch.prismatic, q, around), batch.lower, batch.upper)

@@ -1,11 +1,13 @@
-"""Re-rooting: any link of a figure can become its base.
+"""Change of base: any link as the base of a figure, and limbs between any two places.
 
-A joint moves what lies beyond it, written in the creation frame, by
-D(q) = T(p) R(a, q) T(-p), or by T(a q) where it slides. Seen from its other side it
-undoes that, D(q)⁻¹ = T(p) R(-a, q) T(-p): the same place, the axis turned round. So all
-that a change of base does is to turn the axes of the joints between the old base and the
-new one, and to say anew what hangs on what. Joint values keep their meaning, and with them
-limits and preferred values.
+A joint moves what lies beyond it, in the creation frame, by D(q) = T(p) R(a, q) T(-p), or by T(a
+q) where it slides. Seen from its other side it applies D(q)⁻¹ = T(p) R(-a, q) T(-p): the same
+place, the reversed axis. So a change of base only reverses the axes of the joints between the old
+base and the new one, and changes the parents. Joint values, limits and preferred values keep their
+meaning.
+
+Usually a limb runs from a hip to a foot, but any pair of places is possible: from the pelvis to
+the elbow, or from one end of an inchworm to the other and back.
 
 Source: Sims 1987, 5.2 and 5.3.
 """
@@ -26,11 +28,11 @@ from pipeline.simulation.spatial import Array
 
 @dataclass(frozen=True, slots=True)
 class _BaseChange:
-    """What a change of base turns round.
+    """The changes to a tree.
 
     Attributes:
         path: joints from the new base to the old one.
-        mover: for each frame, named by the joint that moved it, the joint that does now.
+        mover: joint that now moves each frame on the path, which is named by its former joint.
     """
 
     path: tuple[int, ...]
@@ -54,21 +56,21 @@ def _base_change(skeleton: Skeleton, frame: int) -> _BaseChange:
 def reroot(skeleton: Skeleton, link: int) -> Skeleton:
     """Return the skeleton with another link as its base.
 
-    Joints and links keep their numbers and names; the base is the link whose joint is
-    `BODY`. A limb on the way to the new base is turned round, so that it agrees with the
-    new tree; one that has the new base in its middle keeps its outer part.
+    Joints and links keep their numbers and names; the base is the link whose joint is `BODY`. A
+    limb on the way to the new base is reversed to agree with the new tree; one with the new base
+    in its middle keeps its outer part.
 
     Args:
-        skeleton: any, also one that was re-rooted before.
+        skeleton: may have been re-rooted before.
         link: number of the new base.
     """
     return reroot_at_joint(skeleton, skeleton.links[link].joint)
 
 
 def reroot_at_joint(skeleton: Skeleton, joint: int) -> Skeleton:
-    """Return the skeleton with the link beyond `joint` as its base, be it visible or not.
+    """Return the skeleton with the link beyond `joint` as its base, even if it has no solid.
 
-    Between the three joints of a ball are links without extent that have no number.
+    Between the three joints of a ball joint are links without extent that have no number.
     """
     change = _base_change(skeleton, joint)
     if not change.path:
@@ -105,9 +107,9 @@ def _rerooted_limb(skeleton: Skeleton, limb: Limb, path: Sequence[int]) -> Limb:
 
 
 def displacement(tree: JointTree, q: Array, joint: int) -> Array:
-    """Return how the link beyond `joint` is moved from where it was created (..., 4, 4).
+    """Return the displacement (..., 4, 4) of the link beyond `joint` from the creation frame.
 
-    Its creation coordinates, multiplied by this, are its coordinates in the base's frame.
+    It maps the link's creation coordinates to the base's frame.
     """
     if joint == BODY:
         return np.broadcast_to(np.eye(4), (*q.shape[:-1], 4, 4)).copy()
@@ -115,16 +117,14 @@ def displacement(tree: JointTree, q: Array, joint: int) -> Array:
 
 
 def displacement_at(tree: JointTree, X_BJ: Array, joint: int) -> Array:
-    """Return the same (..., 4, 4) where the poses X_BJ (..., J, 4, 4) of all joints are known."""
+    """Return `displacement` for known poses X_BJ (..., J, 4, 4) of all joints."""
     X: Array = X_BJ[..., joint, :, :].copy()
     X[..., :3, 3] -= (X[..., :3, :3] @ tree.places[joint][:, None])[..., 0]
     return X
 
 
 def base_pose(skeleton: Skeleton, link: int, q: Array, X_WB: Array) -> Array:
-    """Return the pose X_WN (..., 4, 4) that the new base `link` has to be given.
-
-    With it every link of the re-rooted figure stands where it stood.
+    """Return the pose X_WN (..., 4, 4) of the new base with which no link moves.
 
     Args:
         skeleton: before the change.
@@ -140,8 +140,8 @@ def base_pose(skeleton: Skeleton, link: int, q: Array, X_WB: Array) -> Array:
 def link_poses(skeleton: Skeleton, q: Array) -> Array:
     """Return the poses (..., links, 4, 4) of all links relative to the base.
 
-    A link's own frame stands at its first end, parallel to the creation frame at joint
-    values zero, whatever the base is.
+    A link's own frame is at its first end, parallel to the creation frame at joint values zero,
+    whatever the base is.
     """
     tree = JointTree.of(skeleton)
     X = tree.pose(q)
@@ -161,26 +161,26 @@ def link_poses(skeleton: Skeleton, q: Array) -> Array:
 def limb_between(
     skeleton: Skeleton, base: str, tip: str, point: Array | None = None, name: str = ""
 ) -> tuple[Skeleton, Limb]:
-    """Return the limb from `base` to `tip`, and the skeleton in whose tree it stands.
+    """Return the limb from `base` to `tip`, and the skeleton in whose tree it is.
 
-    Both go to `LimbBatch.of`; its goals and tips are then relative to the base link, in
-    whose frame the figure is as it was created.
+    Both are for `LimbBatch.of`; goals and tips are then relative to the base link, in whose frame
+    the figure is as created.
 
     Args:
-        skeleton: the figure; what its base is does not matter.
+        skeleton: the figure, with any base.
         base: name of a link, or of a joint, which is then the first that moves.
         tip: name of a link, or of a joint, whose place is then the tip.
-        point: (3,) the tip, in the creation frame [m]; without it the second end of the
-            link `tip`.
-        name: of the limb; without it "base..tip".
+        point: (3,) the tip, in the creation frame [m]; by default the second end of the link
+            `tip`.
+        name: of the limb; by default "base..tip".
 
     Raises:
-        SimulationError: if there is no such link or joint, or no joint between the two.
+        SimulationError: there is no such link or joint, or no joint between the two.
     """
     starts, _ = _frames_at(skeleton, base)
     ends, place = _frames_at(skeleton, tip)
     routes = [_route(skeleton, a, b) for a in starts for b in ends]
-    # A joint at the base is to move with the limb, one at the tip is not.
+    # A joint at the base moves with the limb, one at the tip does not.
     last = min(routes, key=len)[-1]
     route = max((r for r in routes if r[-1] == last), key=len)
     rooted = reroot_at_joint(skeleton, route[0])

@@ -1,23 +1,23 @@
-"""Graph: groups, loops and bridges of a network of nodes."""
+"""Connected groups, loops and bridges of a network of nodes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
 Adjacency = Mapping[int, set[int]]
-"""For each node the nodes that it is connected to."""
+"""Connected nodes of each node."""
 
 
 def largest_group(neighbours: Sequence[Iterable[int]]) -> set[int]:
-    """Return the nodes of the largest connected group; the first drawn wins a draw."""
-    links = {node: set(others) for node, others in enumerate(neighbours)}
-    return max(connected_groups(links), key=len, default=set[int]())
+    """Return the nodes of the largest connected group; among equals the first drawn."""
+    adjacency = {node: set(others) for node, others in enumerate(neighbours)}
+    return max(connected_groups(adjacency), key=len, default=set[int]())
 
 
-def connected_groups(links: Adjacency) -> list[set[int]]:
-    """Return the connected groups, by their least nodes."""
+def connected_groups(adjacency: Adjacency) -> list[set[int]]:
+    """Return the connected groups, ordered by their lowest nodes."""
     found, seen = [], set[int]()
-    for start in sorted(links):
+    for start in sorted(adjacency):
         if start in seen:
             continue
         group, edge = set[int](), [start]
@@ -25,15 +25,15 @@ def connected_groups(links: Adjacency) -> list[set[int]]:
             node = edge.pop()
             if node not in group:
                 group.add(node)
-                edge.extend(links[node])
+                edge.extend(adjacency[node])
         seen |= group
         found.append(group)
     return found
 
 
-def loop_core(links: Adjacency) -> dict[int, set[int]]:
-    """Return the loops and what joins them: what is left when all tips have been taken away."""
-    core = {node: set(others) for node, others in links.items()}
+def loop_core(adjacency: Adjacency) -> dict[int, set[int]]:
+    """Return the loops and what joins them: the network without its trees."""
+    core = {node: set(others) for node, others in adjacency.items()}
     tips = [node for node in core if len(core[node]) <= 1]
     while tips:
         tip = tips.pop()
@@ -44,19 +44,19 @@ def loop_core(links: Adjacency) -> dict[int, set[int]]:
     return core
 
 
-def find_bridges(links: Adjacency) -> set[tuple[int, int]]:
-    """Return the connections, lower node first, without which a group falls apart.
+def find_bridges(adjacency: Adjacency) -> set[tuple[int, int]]:
+    """Return the connections, lower node first, whose removal disconnects a group.
 
     Source: Tarjan 1974, "A note on finding the bridges of a graph", without recursion.
     """
     entered: dict[int, int] = {}
     reach: dict[int, int] = {}
     found = set()
-    for root in sorted(links):
+    for root in sorted(adjacency):
         if root in entered:
             continue
         entered[root] = reach[root] = len(entered)
-        path = [(root, -1, iter(sorted(links[root])))]
+        path = [(root, -1, iter(sorted(adjacency[root])))]
         while path:
             node, before, others = path[-1]
             for other in others:
@@ -66,7 +66,7 @@ def find_bridges(links: Adjacency) -> set[tuple[int, int]]:
                     reach[node] = min(reach[node], entered[other])
                     continue
                 entered[other] = reach[other] = len(entered)
-                path.append((other, node, iter(sorted(links[other]))))
+                path.append((other, node, iter(sorted(adjacency[other]))))
                 break
             else:
                 path.pop()
@@ -77,9 +77,9 @@ def find_bridges(links: Adjacency) -> set[tuple[int, int]]:
     return found
 
 
-def loop_groups(links: Adjacency) -> list[set[int]]:
-    """Return the nodes of each bunch of loops: the groups that are left without bridges."""
-    core = loop_core(links)
+def loop_groups(adjacency: Adjacency) -> list[set[int]]:
+    """Return the nodes of each group of loops that no bridge separates."""
+    core = loop_core(adjacency)
     for a, b in find_bridges(core):
         core[a].discard(b)
         core[b].discard(a)

@@ -1,25 +1,25 @@
-"""Denavit-Hartenberg parameters of a figure, and figures from them.
+"""Denavit-Hartenberg parameters of a figure, and poses from them.
 
-The frame of a joint has its z along the joint's axis. From the frame of the joint before
-it is reached by four numbers: turn by θ about z, move by r along z, move by a along the
-new x, turn by α about it. In letters
+The frame of a joint has its z along the joint's axis. Four numbers lead to it from the frame of
+the joint before: turn by θ about z, move by r along z, move by a along the new x, turn by α about
+it. That is
 
     F_j(q) = F_p(q) Z_p(q_p) Rz(θ_j) Tz(r_j) Tx(a_j) Rx(α_j),
 
-Z_p being what joint p does about or along its own z: its value is added to θ_j where it
-turns and to r_j where it slides. The row of a joint thus stands for the link before it;
-its x lies along the common normal of the two axes. As every child has its own θ and r on
-its parent's axis, links may branch, for which the notation has no rule of its own.
+where Z_p is the motion of joint p about or along its own z: its value is added to θ_j where it
+turns and to r_j where it slides. The row of a joint thus stands for the link before it; its x lies
+along the common normal of the two axes. As every child has its own θ and r on its parent's axis,
+links may branch, for which the notation has no rule of its own.
 
-The body's frame is the creation frame, and stands for a joint of value zero. What four
-numbers cannot hold is where along its axis, and how turned about it, a joint's frame
-stands: each joint has a tool, the pose in F_j of the frame used elsewhere, which is parallel
-to the creation frame at joint values zero and has its origin at the joint's place.
+The body's frame is the creation frame, and stands for a joint of value zero. Four numbers cannot
+hold where along its axis, and how turned about it, a joint's frame stands: each joint has a tool,
+the pose in F_j of the frame used elsewhere, which is parallel to the creation frame at joint
+values zero and has its origin at the joint's place.
 
-Where two axes are parallel the common normal is taken through the parent's origin (r = 0);
-where they intersect, x is at right angles to both; where they are one line, θ = r = a = 0.
-Axes that are almost parallel, by less than a millionth, are the notation's known weakness:
-their common normal is far away, and digits are lost on the way there and back.
+Where two axes are parallel the common normal passes through the parent's origin (r = 0); where
+they intersect, x is at right angles to both; where they coincide, θ = r = a = 0. Axes that are
+nearly parallel, by less than a millionth, are the notation's known weakness: their common normal
+is far away, and digits are lost on the way there and back.
 
 Source: Denavit and Hartenberg 1955; Sims 1987, 5.2.
 """
@@ -36,7 +36,7 @@ from pipeline.simulation.figures.skeleton import BODY, Skeleton
 from pipeline.simulation.spatial import Array
 
 PARALLEL = 1e-8
-"""Sine of the angle below which two axes are taken to be parallel."""
+"""Sine of the angle below which two axes count as parallel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +44,10 @@ class Denavit:
     """A figure in Denavit-Hartenberg notation.
 
     Attributes:
-        parents: (J,) joint before each, `BODY` for joints on the body.
+        parents: (J,) joint before each; `BODY` for joints on the body.
         prismatic: (J,) whether a joint slides.
         theta, r, a, alpha: (J,) [rad, m, m, rad].
-        tools: (J, 4, 4) frames of the joints, as `Tree` has them, in those of this notation.
+        tools: (J, 4, 4) frames of the joints, as in `JointTree`, in those of this notation.
     """
 
     parents: NDArray[np.int64]
@@ -61,7 +61,7 @@ class Denavit:
 
 @dataclass(frozen=True, slots=True)
 class DenavitRow:
-    """One joint as a table shows it, angles in degrees."""
+    """One joint in a table, angles in degrees."""
 
     joint: str
     parent: str
@@ -83,7 +83,7 @@ def to_denavit(skeleton: Skeleton) -> Denavit:
         R, p = F[:3, :3], F[:3, 3]
         place, axis = R.T @ (skeleton.places[j] - p), R.T @ skeleton.axes[j]
         parameters[j] = _parameters(place, axis)
-        # Through the very numbers that are kept, so that their rounding is not passed on.
+        # Computed from the stored numbers, so that their rounding is not passed on.
         frames[j] = F @ _link(*parameters[j])
         X = np.eye(4)
         X[:3, 3] = skeleton.places[j]
@@ -95,7 +95,7 @@ def to_denavit(skeleton: Skeleton) -> Denavit:
 def from_denavit(figure: Denavit, q: Array) -> Array:
     """Return the frames X_BJ (..., J, 4, 4) of all joints relative to the body.
 
-    They are those of `Tree.pose`.
+    They equal those of `JointTree.pose`.
 
     Args:
         figure: its parameters.
@@ -113,7 +113,7 @@ def from_denavit(figure: Denavit, q: Array) -> Array:
 
 
 def denavit_table(skeleton: Skeleton) -> list[DenavitRow]:
-    """Return one row a joint, for people to read."""
+    """Return one row a joint, for display."""
     figure = to_denavit(skeleton)
     return [
         DenavitRow(
@@ -139,7 +139,7 @@ def denavit_table(skeleton: Skeleton) -> list[DenavitRow]:
 
 
 def _outward(parents: NDArray[np.int64]) -> list[int]:
-    """Return the joints in an order in which each comes after its parent."""
+    """Return the joints in an order in which each follows its parent."""
     order, left = list[int](), set(range(len(parents)))
     while left:
         here = sorted(j for j in left if int(parents[j]) not in left)
@@ -164,7 +164,7 @@ def _parameters(place: Array, axis: Array) -> tuple[float, float, float, float]:
     theta = math.atan2(normal[1], normal[0])
     # After θ and r the axis is (0, -sin α, cos α).
     alpha = math.atan2(normal[1] * x - normal[0] * y, z)
-    # Where the line is nearest to z: its point whose horizontal part is a·normal.
+    # The point of the line nearest to z has the horizontal part a·normal.
     along = (place[0] * x + place[1] * y) / sine**2
     return theta, float(place[2] - along * z), a, alpha
 
@@ -183,7 +183,7 @@ def _link(theta: float, r: float, a: float, alpha: float) -> Array:
 
 
 def _along_z(q: Array, slides: bool) -> Array:
-    """Return what a joint of value `q` (...) does about or along its z (..., 4, 4)."""
+    """Return the motion of a joint of value `q` (...) about or along its z (..., 4, 4)."""
     X = np.zeros((*q.shape, 4, 4))
     X[...] = np.eye(4)
     if slides:

@@ -1,4 +1,4 @@
-"""Drawing: nodes and connections on the dissection table, all operations done.
+"""The drawing of a figure: nodes and connections in a plane, with all operations carried out.
 
 Seen from above: x to the right, y towards the tail, head up.
 
@@ -19,16 +19,16 @@ from pipeline.spec.figure import Figure, LinkShape
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A flat network.
+    """A flat network of nodes.
 
     Attributes:
-        names: names of the nodes, in the order of the drawing.
+        names: of the nodes, in the order of the drawing.
         places: (n, 2) positions, x to the right, y towards the tail [m].
-        radii: (n,) radii of the solid around each node [m].
-        materials: material of each node, empty for the figure's own.
-        shapes: shape of the links that end at each node.
+        radii: (n,) of the solid around each node [m].
+        materials: of each node; empty for the figure's own.
+        shapes: of the links that end at each node.
         connections: pairs of node numbers, the lower first, each once.
-        made_by: for each node the operation that made or moved it last, -1 for none.
+        made_by: operation that made or last moved each node; -1 for none.
     """
 
     names: tuple[str, ...]
@@ -41,7 +41,7 @@ class Drawing:
 
     @cached_property
     def neighbours(self) -> tuple[tuple[int, ...], ...]:
-        """For each node the nodes that it is connected to, in ascending order."""
+        """Connected nodes of each node, in ascending order."""
         found: list[list[int]] = [[] for _ in self.names]
         for a, b in self.connections:
             found[a].append(b)
@@ -49,7 +49,7 @@ class Drawing:
         return tuple(tuple(sorted(row)) for row in found)
 
     def path_of(self, name: str) -> str:
-        """Return where the figure's words place a node: among its nodes, or as an operation."""
+        """Return the path of a node in the figure's YAML: among its nodes, or an operation."""
         number = self.made_by[self.names.index(name)]
         return f"nodes.{name}" if number < 0 else f"then[{number}]"
 
@@ -63,21 +63,21 @@ class Drawing:
         return np.stack([-y, np.zeros_like(x), x], axis=-1)
 
 
-def draw(words: Figure) -> Drawing:
-    """Return the figure's drawing, its chains laid and its operations done."""
-    sheet = words.sheet()
+def draw(config: Figure) -> Drawing:
+    """Return a figure's drawing, with its chains laid and its operations carried out."""
+    sheet = config.sheet()
     names = tuple(sheet.marks)
     marks = tuple(sheet.marks.values())
-    nodes = [words.nodes[mark.drawn] for mark in marks]
+    nodes = [config.nodes[mark.drawn] for mark in marks]
     number = {name: i for i, name in enumerate(names)}
     pairs = sorted(sorted((number[a], number[b])) for a, b in sheet.connections)
     places = np.array([mark.at for mark in marks], dtype=float)
-    default = words.radius or _default_radius(places, [node.radius for node in nodes])
+    default_radius = config.radius or _default_radius(places, [node.radius for node in nodes])
     sizes = np.array([mark.size for mark in marks])
     return Drawing(
         names=names,
         places=places,
-        radii=sizes * np.array([node.radius or default for node in nodes]),
+        radii=sizes * np.array([node.radius or default_radius for node in nodes]),
         materials=tuple(node.material or "" for node in nodes),
         shapes=tuple(node.shape for node in nodes),
         connections=tuple((a, b) for a, b in pairs),
@@ -86,8 +86,8 @@ def draw(words: Figure) -> Drawing:
 
 
 def _default_radius(places: Array, radii: Sequence[float | None]) -> float:
-    """Return a radius that suits a drawing whose nodes give none [m]."""
+    """Return a radius that suits a drawing whose nodes have none [m]."""
     extent = float(np.ptp(places, axis=0).max())
     given = [radius for radius in radii if radius is not None]
-    # A drawing of a single place is as large as its nodes.
+    # A drawing with a single place has the size of its nodes.
     return extent / 40.0 or max(given, default=1.0)

@@ -1,4 +1,4 @@
-"""Figure: words -> all that a creature of that figure shares with others like it."""
+"""Figures: all that creatures of one figure share."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from pipeline.simulation.figures.network import Anatomy, analyse
 from pipeline.simulation.figures.skeleton import Skeleton, build_skeleton, lay_out_nodes
 from pipeline.simulation.figures.solids import BODY_FLATNESS, Solid, body_solid
 from pipeline.simulation.spatial import Array
-from pipeline.spec.figure import Figure as Words
+from pipeline.spec.figure import Figure as FigureConfig
 
 DEFAULT_FEET = {"insect": "claws", "mammal": "plain"}
-"""What legs end in where the words do not say it, by style."""
+"""What legs end in by default, by style."""
 
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """A figure at a certain scale.
+    """A figure at a scale.
 
     Attributes:
-        name: as the cast calls it.
+        name: in the cast.
         material: of links that name none; empty for the performer's own.
         scale: factor from the drawing to the world.
         drawing: the flat network, unscaled.
         anatomy: its parts.
-        points: (n, 3) the nodes in the creation frame [m].
+        points: (n, 3) nodes in the creation frame [m].
         style: insect or mammal.
-        density: mass of its solids by volume [kg/m³].
+        density: of its solids [kg/m³].
         feet: what legs end in.
         jaws: whether its head has jaws.
         eyes: whether it has eyes.
@@ -56,7 +56,7 @@ class Figure:
         """The body's surface, in the creation frame.
 
         Raises:
-            SceneError: it is so thin that the grid it is made on misses it.
+            SceneError: it is so thin that the polygonising grid misses it.
         """
         nodes = list(self.anatomy.body)
         number = {node: i for i, node in enumerate(nodes)}
@@ -73,36 +73,36 @@ class Figure:
 
     @cached_property
     def pieces(self) -> tuple[SolidPiece, ...]:
-        """All its visible solids, the body first."""
+        """All solids, the body first."""
         return tuple(build_pieces(self.skeleton, self.drawing, self.anatomy, self.body, self.eyes))
 
     @cached_property
     def looks(self) -> FigureSkin:
-        """What is seen in place of its pieces."""
+        """The render mesh, in place of the pieces."""
         return build_figure_skin(self)
 
     @property
     def belly(self) -> float:
-        """How deep the body reaches below its own frame [m]."""
+        """Depth of the body below its frame [m]."""
         return -float(self.body.vertices[:, 1].min())
 
 
-def build_figure(name: str, words: Words, scale: float) -> Figure:
-    """Carry out the drawing, analyse it and build its skeleton.
+def build_figure(name: str, config: FigureConfig, scale: float) -> Figure:
+    """Return a figure: drawing, anatomy and skeleton.
 
     Raises:
-        SceneError: if the drawing is no figure; its paths begin with `figures.<name>`.
+        SceneError: the drawing is not a figure; its paths start with `figures.<name>`.
     """
-    drawing = draw(words)
+    drawing = draw(config)
     try:
-        anatomy = analyse(drawing, words.parts)
-        points = lay_out_nodes(words, drawing, anatomy, scale)
-        skeleton = build_skeleton(words, drawing, anatomy, points, scale)
+        anatomy = analyse(drawing, config.parts)
+        points = lay_out_nodes(config, drawing, anatomy, scale)
+        skeleton = build_skeleton(config, drawing, anatomy, points, scale)
     except SceneError as error:
         raise SceneError(
             [Problem(f"figures.{name}.{p.path}", p.message) for p in error.problems]
         ) from None
-    material = words.material or ""
+    material = config.material or ""
     return Figure(
         name,
         material,
@@ -110,10 +110,10 @@ def build_figure(name: str, words: Words, scale: float) -> Figure:
         drawing,
         anatomy,
         points,
-        words.style,
-        words.density,
-        words.feet or DEFAULT_FEET[words.style],
-        words.style == "insect" if words.jaws is None else words.jaws,
-        words.eyes,
+        config.style,
+        config.density,
+        config.feet or DEFAULT_FEET[config.style],
+        config.style == "insect" if config.jaws is None else config.jaws,
+        config.eyes,
         skeleton,
     )

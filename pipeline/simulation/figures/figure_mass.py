@@ -1,11 +1,10 @@
-"""Inertia: what a figure weighs, link by link, from its visible solids and its density.
+"""Mass properties of a figure, from its solids and density, and the bones of its ragdoll.
 
-Several solids may follow one link, as eyes do a head. Where solids overlap, what they have
-in common counts in each of them: a link's mass is its own, whatever stands beside it. The
-whole is too heavy by that, a little in every joint, and more where a thick neck or tail
-begins deep in the body.
+Several solids may follow one link, such as the eyes of a head. Where solids overlap, their common
+part counts in each of them, so a link's mass does not depend on its neighbours. The total is too
+high by that, a little at every joint, and more where a thick neck or tail starts deep in the body.
 
-Source: Sims 1987, 7.1.1.
+Source: Sims 1987, 7.1.1; 9.4 for falling.
 """
 
 from __future__ import annotations
@@ -17,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.dynamics.bones import WORLD, Bone, Joint
 from pipeline.simulation.dynamics.mass import MassProperties, joined, mass_of_solid, volume_of_solid
+from pipeline.simulation.dynamics.ragdoll_model import WORLD, Bone, Joint
 from pipeline.simulation.figures.base_change import displacement_at
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.figures.kinematics import JointTree
@@ -28,7 +27,7 @@ from pipeline.simulation.spatial import Array
 
 @dataclass(frozen=True, eq=False)
 class FigureMass:
-    """Mass properties of a figure; what is not asked for is not computed.
+    """Mass properties of a figure, computed on demand.
 
     Attributes:
         figure: any.
@@ -42,17 +41,17 @@ class FigureMass:
         return tuple(map(self.of_link, range(len(self.figure.skeleton.links))))
 
     def of_link(self, number: int) -> MassProperties:
-        """Return those of one link, in the creation frame."""
+        """Return the mass properties of one link, in the creation frame."""
         solids = [piece.solid for piece in self.figure.pieces if piece.link == number]
         return joined(mass_of_solid(s.vertices, s.faces, self.figure.density) for s in solids)
 
     def mass_of(self, links: Sequence[int]) -> float:
-        """Return the mass of some links together [kg]."""
+        """Return the total mass of some links [kg]."""
         solids = (piece.solid for piece in self.figure.pieces if piece.link in links)
         return self.figure.density * sum(volume_of_solid(s.vertices, s.faces) for s in solids)
 
     def at(self, q: Array) -> MassProperties:
-        """Return those of the whole figure, its links held as they are, in the body's frame.
+        """Return the mass properties of the whole figure as one rigid body, in the body's frame.
 
         Args:
             q: (J,) joint values [rad or m].
@@ -72,17 +71,18 @@ class FigureMass:
 
 
 HULL_DIRECTIONS = np.stack(np.meshgrid(*[np.linspace(-1.0, 1.0, 5)] * 3), axis=-1).reshape(-1, 3)
+"""Directions in which the corners of a hull are looked for."""
 HULL_DIRECTIONS = HULL_DIRECTIONS[np.abs(HULL_DIRECTIONS).max(axis=-1) == 1.0]
 """Directions in which the corners of a hull are looked for."""
 
 
 @dataclass(frozen=True, eq=False)
 class FigureBones:
-    """The bones of a figure.
+    """The ragdoll bones of a figure.
 
     Attributes:
-        bones: one for each of its links, numbered alike.
-        joints: (J,) numbers of the figure's joints, in the order of the bones' own.
+        bones: one for each link, in the same order.
+        joints: (J,) numbers of the figure's joints, in the order of the bones' joints.
     """
 
     bones: tuple[Bone, ...]
@@ -90,7 +90,7 @@ class FigureBones:
 
 
 def build_bones(figure: Figure) -> FigureBones:
-    """Return the bones of a figure; each has the hull of all that is visible of its link."""
+    """Return the ragdoll bones of a figure; each has the hull of all solids of its link."""
     skeleton, masses = figure.skeleton, FigureMass(figure).links
     link_of = {link.joint: i for i, link in enumerate(skeleton.links)}
     bones, order = list[Bone](), list[int]()
@@ -99,7 +99,7 @@ def build_bones(figure: Figure) -> FigureBones:
         if link.joint == BODY:
             bones.append(Bone(WORLD, np.zeros(3), (), mass, corners))
             continue
-        # Joints of one ball have no links of their own between them.
+        # There are no links between the joints of a ball joint.
         chain, above = [link.joint], int(skeleton.parents[link.joint])
         while above not in link_of:
             chain.append(above)
@@ -121,11 +121,11 @@ def build_bones(figure: Figure) -> FigureBones:
 
 
 def _hull_corners(figure: Figure, number: int) -> Array:
-    """Return the points of a link's solids that lie farthest out (k, 3) [m]."""
+    """Return the outermost points of a link's solids (k, 3) [m]."""
     solids = [piece.solid.vertices for piece in figure.pieces if piece.link == number]
     vertices = np.concatenate(solids)
     middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
-    # By the extents of the solid, so that those of a long one are not all at its ends.
+    # Scaled by the extents; the corners of a long solid would else all be at its ends.
     extent = np.maximum(np.ptp(vertices, axis=0), 1e-12)
     far = ((vertices - middle) / extent) @ HULL_DIRECTIONS.T
     result: Array = vertices[np.unique(far.argmax(axis=0))]

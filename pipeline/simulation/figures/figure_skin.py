@@ -1,7 +1,9 @@
-"""Trimmings: hooves, paws, toes and claws on the tips of legs, jaws and faces on heads.
+"""The rendered surface of a figure, which may be smoother than its collision geometry.
 
-They are drawn in the pose that a figure rests in, where soles are level, and hang on the last
-link of their limb. None reaches far beyond the ball that touches the ground.
+Masses and contacts use the separate solids of the links. The rendered surface grows together where
+links of one material meet, and has feet, claws, jaws and faces besides. These extremities are made
+in the rest pose, where soles are level, and hang on the last link of their limb. None extends far
+beyond the ball that touches the ground.
 """
 
 from __future__ import annotations
@@ -32,16 +34,16 @@ if TYPE_CHECKING:
     from pipeline.simulation.figures.figure import Figure
 
 FACE_RISE = 0.8
-"""Rise of a head (the sine of its elevation) from which on it has a face."""
+"""Sine of a head's elevation from which it has a face."""
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 
 ExtremityMaker = Callable[[Array, Array, float], list[Solid]]
-"""From the place of the tip and the way that the link points, (3,) each, and its radius."""
+"""Solids from the place of the tip and the direction of the link, (3,) each, and its radius [m]."""
 
 
 def extremity_skins(figure: Figure) -> Iterator[tuple[int, list[Skin]]]:
-    """Yield the last links of limbs with what is put on their tips."""
+    """Yield the last link of each limb with the skins on its tip."""
     skeleton = figure.skeleton
     X_BJ = JointTree.of(skeleton).pose(skeleton.preferred)
     for limb in skeleton.limbs:
@@ -67,13 +69,13 @@ def _maker_of(figure: Figure, limb: Limb) -> ExtremityMaker | None:
 
 
 def _hoof(tip: Array, along: Array, radius: float) -> list[Solid]:
-    """Return a hoof: wider below than above, its wall sloping forward, its sole flat."""
+    """Return a hoof, wider below than above, with a sloping wall and a flat sole."""
     del along
     heights = np.array([0.55, 0.25, -0.35, -0.86, -0.97])
     wide = np.array([0.78, 0.95, 1.04, 1.12, 1.04])
     ahead = np.array([-0.22, -0.12, 0.06, 0.20, 0.20])
     angle = np.arange(16) * (2.0 * np.pi / 16)
-    # Longer ahead than behind.
+    # Longer at the front than at the back.
     shape = 1.0 + 0.14 * np.cos(angle)
     rings = np.stack(
         [
@@ -89,7 +91,7 @@ def _hoof(tip: Array, along: Array, radius: float) -> list[Solid]:
 
 
 def _paw(tip: Array, along: Array, radius: float) -> list[Solid]:
-    """Return a paw: a pad with four toes before it."""
+    """Return a paw: a pad and four toes."""
     del along
     solids = [
         _ellipsoid(
@@ -103,7 +105,7 @@ def _paw(tip: Array, along: Array, radius: float) -> list[Solid]:
 
 
 def _toes(tip: Array, along: Array, radius: float) -> list[Solid]:
-    """Return the toes of a bird: three that point ahead, one behind."""
+    """Return the toes of a bird: three ahead, one behind."""
     del along
     solids = []
     for degrees, length in ((0.0, 4.2), (32.0, 3.3), (-32.0, 3.3), (180.0, 1.8)):
@@ -141,7 +143,7 @@ def _claws(tip: Array, along: Array, radius: float) -> list[Solid]:
 
 
 def _jaws(tip: Array, along: Array, radius: float) -> list[Solid]:
-    """Return two jaws that curve towards each other before a head."""
+    """Return two jaws that curve towards each other."""
     side = normalized(cross(along, UP))
     down = cross(along, side)
     solids = []
@@ -155,7 +157,7 @@ def _jaws(tip: Array, along: Array, radius: float) -> list[Solid]:
 
 
 def has_face(link: Link) -> bool:
-    """Tell whether a link stands upright, as a person's head does, whose eyes look ahead."""
+    """Return whether a link stands upright, like a person's head, whose eyes look ahead."""
     span = link.ends[1] - link.ends[0]
     return bool(span[1] > FACE_RISE * np.sqrt((span * span).sum()))
 
@@ -174,11 +176,11 @@ def _ellipsoid(centre: Array, radii: Array) -> Solid:
 
 
 def _horn(points: Array, radii: Array) -> Solid:
-    """Return a curved cone along points (n, 3), round at its begin and pointed at its end."""
+    """Return a curved cone along points (n, 3), round at its start and pointed at its end."""
     n, around = 9, 8
     s = np.linspace(0.0, 1.0, len(points))
     t = np.linspace(0.0, 1.0, n)
-    # Twice smoothed, a broken line is as round as a horn.
+    # Smoothed twice, a polyline looks round.
     middle = np.stack([np.interp(t, s, points[:, k]) for k in range(3)], axis=-1)
     for _ in range(2):
         middle[1:-1] = 0.25 * middle[:-2] + 0.5 * middle[1:-1] + 0.25 * middle[2:]
@@ -200,20 +202,20 @@ FOOT_MAKERS: Mapping[str, ExtremityMaker] = {
     "toes": _toes,
     "claws": _claws,
 }
-"""All feet but plain ones."""
+"""Feet other than plain ones."""
 
 
 FACE_EYE_SCALE = 0.55
-"""Size of the eyes in a face, as a part of those of an animal."""
+"""Size of the eyes in a face, in those of an animal."""
 
 
 @dataclass(frozen=True, eq=False)
 class FigureSkin:
-    """What is seen in place of a figure's pieces.
+    """The rendered surface of a figure.
 
     Attributes:
-        skins: by the number of the piece that they are seen in place of.
-        covered: numbers of the pieces of which nothing is seen, being inside another's skin.
+        skins: by number of the piece that each replaces.
+        covered: numbers of the pieces hidden inside another's skin.
     """
 
     skins: Mapping[int, Skin]
@@ -221,7 +223,7 @@ class FigureSkin:
 
 
 def build_figure_skin(figure: Figure) -> FigureSkin:
-    """Return the looks of a figure."""
+    """Return the rendered surface of a figure."""
     number = _piece_numbers(figure.pieces)
     skeleton = figure.skeleton
     skins, covered = dict[int, Skin](), set[int]()
@@ -252,7 +254,7 @@ def build_figure_skin(figure: Figure) -> FigureSkin:
 
 
 def _piece_numbers(pieces: Sequence[SolidPiece]) -> dict[int, int]:
-    """Return link -> number of the piece that is its own."""
+    """Return the number of the first piece of each link."""
     found: dict[int, int] = {}
     for i, piece in enumerate(pieces):
         found.setdefault(piece.link, i)
@@ -271,7 +273,7 @@ def _face_eyes(figure: Figure) -> dict[int, Skin]:
 
 
 def _body_skin(figure: Figure) -> Skin | None:
-    """Return the skin of the body with what grows from it; None if nothing does."""
+    """Return the skin of the body with its stumps; None without stumps."""
     nodes = list(figure.anatomy.body)
     radii = figure.drawing.radii[nodes] * figure.scale
     girth, material = float(radii.max()), figure.pieces[0].material

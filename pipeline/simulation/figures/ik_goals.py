@@ -1,10 +1,19 @@
-"""Goals: what a limb is asked for, each said as a task at the pose that it is in.
+"""Goals of inverse kinematics, each expressed as a task at the current pose.
 
-Any of them can be the first, and any can follow it at lower priority. An error of
-orientation is a rotation vector, the axis times the angle that is left; differences of
-Euler angles are no velocity and depend on the way they are counted.
+Any of them can be the first, and any can follow at lower priority. An orientation error is a
+rotation vector, the axis times the remaining angle; differences of Euler angles are no velocity
+and depend on their convention.
 
-Source: Sims 1987, 6.2, B.2 and B.3.
+Goals may also concern an inner node of a limb: joints beyond the node do not move it, so their
+columns are zero and they are left to the goals that follow. "The elbow on the table, the hand at
+the chin" are two such goals.
+
+Dexterity is the ability to move the tip in all directions. The thesis measures the distance from a
+singularity by the determinant of the Jacobian, which only a square one has: for a redundant limb
+√det(J Jᵀ), the product of its singular values, is the same measure. Lengths count in the limb's,
+so it has no unit.
+
+Source: Sims 1987, 6.2, 6.3, B.2 and B.3; Yoshikawa 1985.
 """
 
 from __future__ import annotations
@@ -28,16 +37,16 @@ from pipeline.simulation.spatial import Array, cross, quaternion, turn
 
 
 class Goal(Protocol):
-    """Anything that can be asked of limbs."""
+    """A demand on limbs."""
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Return what it asks for at `pose`."""
+        """Return the demand at `pose`."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class TipPlacement:
-    """The tips at certain places, and in certain orientations if they are given.
+    """Tips at given places, and in given orientations if there are any.
 
     Attributes:
         places: (L, 3) relative to the base [m].
@@ -48,7 +57,7 @@ class TipPlacement:
     orientations: Array | None = None
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for the whole way; an angle of one radian counts as one length of the limb."""
+        """Demand the whole error; an angle of one radian counts as one length of the limb."""
         size = batch.lengths[:, None]
         J = pose.jacobian / size[..., None]
         error = (self.places - pose.tips) / size
@@ -66,7 +75,7 @@ class TipPlacement:
 
 @dataclass(frozen=True, eq=False)
 class TipOrientation:
-    """The tips in certain orientations, wherever they are.
+    """Tips in given orientations, at any place.
 
     Attributes:
         orientations: (L, 3, 3) R_BF.
@@ -75,29 +84,29 @@ class TipOrientation:
     orientations: Array
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for the whole way."""
+        """Demand the whole error."""
         left = rotation_vector(self.orientations @ pose.R_BF.transpose(0, 2, 1))
         return Task(rotation_axes(batch, pose).transpose(0, 2, 1), left)
 
 
 @dataclass(frozen=True, slots=True)
 class PreferredValues:
-    """The preferred joint values, as near as may be.
+    """Joint values near the preferred ones.
 
     Attributes:
-        gain: α, the part of the way that one step goes.
+        gain: α, the fraction of the error that one step corrects.
     """
 
     gain: float = 0.5
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for z = θ_preferred - θ; B.2 has the sign the other way round."""
+        """Demand z = θ_preferred - θ; B.2 has the opposite sign."""
         return Task.wish(self.gain * (batch.preferred - pose.q))
 
 
 @dataclass(frozen=True, slots=True)
 class MaximumDexterity:
-    """Far from singularities.
+    """Joint values far from singularities.
 
     Attributes:
         gain: α, joint values [rad] for a gradient of one.
@@ -106,7 +115,7 @@ class MaximumDexterity:
     gain: float = 1.0
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for the way that raises dexterity the most."""
+        """Demand the steepest increase of dexterity."""
         return Task.wish(self.gain * dexterity_gradient(batch, pose))
 
 
@@ -116,24 +125,24 @@ class AvoidObstacles:
 
     Attributes:
         obstacles: in the frame that the limbs are relative to.
-        margin: gap that the lines of the limbs shall keep, their thickness included [m].
+        margin: gap that the lines of the limbs keep, including their thickness [m].
     """
 
     obstacles: Obstacles
     margin: float
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask every link that is too near for what it lacks; those that are clear are free."""
+        """Demand the missing gap of every link that is too near; the others are free."""
         near = nearest_obstacles(batch, pose, self.obstacles)
         size = batch.lengths[:, None]
-        lacks = np.maximum(self.margin - near.gap, 0.0) / size
+        missing = np.maximum(self.margin - near.gap, 0.0) / size
         rows = np.einsum("lknx,lkx->lkn", near.jacobian, near.away) / size[..., None]
-        return Task(rows * (lacks > 0.0)[..., None], lacks)
+        return Task(rows * (missing > 0.0)[..., None], missing)
 
 
 @dataclass(frozen=True)
 class WeightedGoals:
-    """Several goals at once, each with its weight; they may act against one another.
+    """Several goals at once with weights; they may oppose one another.
 
     Attributes:
         parts: weight and goal of each.
@@ -142,7 +151,7 @@ class WeightedGoals:
     parts: tuple[tuple[float, Goal], ...]
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for z = w₁ z₁ + w₂ z₂ + ..., each z what its goal would do alone.
+        """Demand z = w₁ z₁ + w₂ z₂ + ..., where each z serves its goal alone.
 
         Source: Sims 1987, eq. B.10.
         """
@@ -153,7 +162,7 @@ class WeightedGoals:
 
 
 def rotation_vector(R: Array) -> Array:
-    """Return axis times angle (..., 3) [rad] of rotations (..., 3, 3), the shorter way round."""
+    """Return axis times angle (..., 3) [rad] of rotations (..., 3, 3), at most half a turn."""
     q = quaternion(R)
     q = np.where(q[..., :1] < 0.0, -q, q)
     sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
@@ -165,14 +174,14 @@ def rotation_vector(R: Array) -> Array:
 
 
 def singular_values(batch: LimbBatch, pose: LimbPose) -> Array:
-    """Return those of the translate Jacobian (L, min(3, n)), the greatest first."""
+    """Return singular values of the translational Jacobian (L, min(3, n)), in descending order."""
     J = pose.jacobian / batch.lengths[:, None, None]
-    # The explicit type is what numpy promises for doubles, and its stubs do not.
+    # For doubles this is numpy's type, which its stubs leave open.
     return np.asarray(np.linalg.svd(J, compute_uv=False), dtype=np.float64)
 
 
 def dexterity(batch: LimbBatch, pose: LimbPose) -> Array:
-    """Return w = √det(J Jᵀ) (L,); the volume over the directions it has, for n < 3 joints."""
+    """Return w = √det(J Jᵀ) (L,); for n < 3 joints the volume over the directions it has."""
     result: Array = np.prod(singular_values(batch, pose), axis=-1)
     return result
 
@@ -199,7 +208,7 @@ class LimbPoint:
     """A node of a limb, on the link that ends there.
 
     Attributes:
-        column: which of the limb's joints moves that link.
+        column: number, within the limb, of the joint that moves that link.
         place: (3,) of the node in the creation frame [m].
         along: (3,) unit direction of the link in the creation frame.
     """
@@ -209,17 +218,17 @@ class LimbPoint:
     along: Array
 
     def at(self, batch: LimbBatch, pose: LimbPose) -> Array:
-        """Return where it is (L, 3), relative to the limb's base [m]."""
+        """Return its place (L, 3), relative to the limb's base [m]."""
         X = pose.X_BJ[:, self.column]
         result: Array = X[:, :3, 3] + turn(X[:, :3, :3], self.place - batch.places[:, self.column])
         return result
 
-    def turned(self, pose: LimbPose) -> Array:
-        """Return how its link is turned (L, 3, 3)."""
+    def orientation(self, pose: LimbPose) -> Array:
+        """Return the rotation (L, 3, 3) of its link."""
         R: Array = pose.X_BJ[:, self.column, :3, :3]
         return R
 
-    def levers(self, batch: LimbBatch, pose: LimbPose) -> Array:
+    def place_jacobian(self, batch: LimbBatch, pose: LimbPose) -> Array:
         """Return Jᵀ (L, n, 3) of its place [m/rad or 1]."""
         axes = turn(pose.X_BJ[..., :3, :3], batch.axes)
         J = cross(axes, self.at(batch, pose)[:, None] - pose.X_BJ[..., :3, 3])
@@ -227,7 +236,7 @@ class LimbPoint:
         J[:, self.column + 1 :] = 0.0
         return J
 
-    def turns(self, batch: LimbBatch, pose: LimbPose) -> Array:
+    def orientation_jacobian(self, batch: LimbBatch, pose: LimbPose) -> Array:
         """Return Jᵀ (L, n, 3) of its link's orientation [1]."""
         J = rotation_axes(batch, pose)
         J[:, self.column + 1 :] = 0.0
@@ -247,34 +256,34 @@ class PointPlacement:
     place: Array
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for the whole way, in lengths of the limb."""
+        """Demand the whole error, in lengths of the limb."""
         size = batch.lengths[:, None]
-        J = self.point.levers(batch, pose) / size[..., None]
+        J = self.point.place_jacobian(batch, pose) / size[..., None]
         error = (self.place - self.point.at(batch, pose)) / size
         return Task(J.transpose(0, 2, 1), error)
 
 
 @dataclass(frozen=True, eq=False)
 class PointOrientation:
-    """The link that ends at a node in a certain orientation.
+    """The link that ends at a node in a given orientation.
 
     Attributes:
         point: the node.
-        orientation: (L, 3, 3), the identity being the way it was drawn.
+        orientation: (L, 3, 3), the identity being as drawn.
     """
 
     point: LimbPoint
     orientation: Array
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for the whole turn [rad]."""
-        left = rotation_vector(self.orientation @ self.point.turned(pose).transpose(0, 2, 1))
-        return Task(self.point.turns(batch, pose).transpose(0, 2, 1), left)
+        """Demand the whole rotation [rad]."""
+        left = rotation_vector(self.orientation @ self.point.orientation(pose).transpose(0, 2, 1))
+        return Task(self.point.orientation_jacobian(batch, pose).transpose(0, 2, 1), left)
 
 
 @dataclass(frozen=True, eq=False)
 class PointDirection:
-    """The link that ends at a node pointing in a direction; free to roll about it.
+    """The link that ends at a node pointing in a direction, free to roll about it.
 
     Attributes:
         point: the node.
@@ -285,27 +294,27 @@ class PointDirection:
     direction: Array
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for the shortest turn [rad]."""
-        now = turn(self.point.turned(pose), self.point.along)
+        """Demand the shortest rotation [rad]."""
+        now = turn(self.point.orientation(pose), self.point.along)
         axis = cross(now, self.direction)
         sine = np.linalg.norm(axis, axis=-1, keepdims=True)
         cosine = np.sum(now * self.direction, axis=-1, keepdims=True)
-        # Right behind it every axis across will do.
+        # Half a turn away, any perpendicular axis serves.
         behind = cross(now, np.where(np.abs(now[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 0, 1.0]]))
         axis = np.where((sine < 1e-9) & (cosine < 0.0), behind, axis)
         length = np.linalg.norm(axis, axis=-1, keepdims=True)
         error = np.arctan2(sine, cosine) * axis / np.where(length > 0.0, length, 1.0)
-        J = self.point.turns(batch, pose).transpose(0, 2, 1)
+        J = self.point.orientation_jacobian(batch, pose).transpose(0, 2, 1)
         across = np.eye(3) - now[:, :, None] * now[:, None, :]
         return Task(across @ J, error)
 
 
 @dataclass(frozen=True, eq=False)
 class JointTargets:
-    """Some joints at certain values.
+    """Some joints at given values.
 
     Attributes:
-        columns: (n,) 1 for those that are asked for, 0 for the others.
+        columns: (n,) 1 for these joints, 0 for the others.
         values: (L, n) [rad or m].
     """
 
@@ -313,7 +322,7 @@ class JointTargets:
     values: Array
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for the whole way."""
+        """Demand the whole error."""
         del batch
         rows = np.broadcast_to(np.diag(self.columns), (len(pose.q), *np.diag(self.columns).shape))
         return Task(rows, self.columns * (self.values - pose.q))
@@ -321,25 +330,25 @@ class JointTargets:
 
 @dataclass(frozen=True, eq=False)
 class JointPull:
-    """All joints a little nearer to certain values.
+    """All joints nearer to given values.
 
     Attributes:
         values: (L, n) [rad or m].
-        gain: the part of the way that one step goes.
+        gain: the fraction of the error that one step corrects.
     """
 
     values: Array
     gain: float
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for a part of the way."""
+        """Demand a fraction of the error."""
         del batch
         return Task.wish(self.gain * (self.values - pose.q))
 
 
 @dataclass(frozen=True)
 class LeastSquaresGoals:
-    """Several goals at once, the sum of whose squared errors is to be least.
+    """Several goals at once, with the least weighted sum of squared errors.
 
     The thesis adds the joint velocities that each goal would have alone (eq. B.10, see
     `WeightedGoals`); goals that agree would then be served twice.
@@ -351,7 +360,7 @@ class LeastSquaresGoals:
     parts: Sequence[tuple[float, Goal]]
 
     def task(self, batch: LimbBatch, pose: LimbPose) -> Task:
-        """Ask for all, each error times the root of its weight."""
+        """Demand all errors, each times the root of its weight."""
         tasks = [(weight**0.5, goal.task(batch, pose)) for weight, goal in self.parts]
         return Task(
             np.concatenate([w * task.jacobian for w, task in tasks], axis=1),

@@ -1,14 +1,14 @@
-"""Inverse dynamics: the forces and torques that make a tree of joints move as it does.
+"""Inverse dynamics: joint torques of a given motion, and motions from rows of poses.
 
-Recursive Newton-Euler: outward from the body, each link's velocity and acceleration follow
-from the one before; inward, each joint carries what the links beyond it need,
+Recursive Newton-Euler: outward from the body, each link's velocity and acceleration follow from
+the one before; inward, each joint carries what the links beyond it need,
 
     F = m (a_C - g),   N = I α + ω × I ω,
 
-and its axis takes the part of it that a muscle has to give; bearings take the rest. Vectors
-are told along the axes of the world, so no frame of a link turns under its derivatives.
+and the part along its axis is the torque of a muscle; bearings carry the rest. Vectors are in
+world axes, so no frame turns under its derivatives.
 
-Arrays of frames (..., J + 1, ...) have the body as their last, where `BODY` points.
+Arrays of frames (..., J + 1, ...) have the body as their last, at index `BODY`.
 
 Source: Luh, Walker and Paul 1980; Sims 1987, 7.3.1.
 """
@@ -30,10 +30,10 @@ from pipeline.simulation.spatial import UP, Array, cross, turn
 
 @dataclass(frozen=True, eq=False)
 class FrameMasses:
-    """What hangs rigidly on the frames of J joints, and on the body, the last.
+    """Masses fixed to the frames of J joints, and to the body, the last.
 
     Attributes:
-        mass: (J + 1,), zero between the joints of a ball [kg].
+        mass: (J + 1,), zero between the joints of a ball joint [kg].
         centre: (J + 1, 3) centres of mass from the joints' places, in the creation frame [m].
         inertia: (J + 1, 3, 3) about them [kg m²].
     """
@@ -44,7 +44,7 @@ class FrameMasses:
 
     @staticmethod
     def of(skeleton: Skeleton, links: Sequence[MassProperties]) -> FrameMasses:
-        """Collect the masses of a skeleton's links, told in the creation frame."""
+        """Return the masses of a skeleton's links, given in the creation frame."""
         n = len(skeleton.parents)
         mass, centre, inertia = np.zeros(n + 1), np.zeros((n + 1, 3)), np.zeros((n + 1, 3, 3))
         places = np.concatenate([skeleton.places, np.zeros((1, 3))])
@@ -57,11 +57,11 @@ class FrameMasses:
         return FrameMasses(mass, centre, inertia)
 
     def limb(self, joints: Sequence[int], count: int) -> FrameMasses:
-        """Return those of some joints alone, on a body that weighs nothing.
+        """Return the masses of some joints alone, on a massless body.
 
         Args:
-            joints: which.
-            count: how many there shall be; those beyond `joints` weigh nothing.
+            joints: their numbers.
+            count: number of joints in the result; those beyond `joints` are massless.
         """
         rows, lacking = list(joints), count - len(joints) + 1
         return FrameMasses(
@@ -73,7 +73,7 @@ class FrameMasses:
 
 @dataclass(frozen=True, eq=False)
 class FigureMotion:
-    """How a figure moves at some moments.
+    """The motion of a figure at some moments.
 
     Attributes:
         q: (..., J) joint values [rad or m].
@@ -94,11 +94,11 @@ class FigureMotion:
 
 @dataclass(frozen=True, eq=False)
 class ExternalForces:
-    """Forces from outside on points of links, such as those of the ground on feet.
+    """External forces on points of links, such as those of the ground on feet.
 
     Attributes:
         frames: (m,) joints of the links; `BODY` for the body.
-        points: (..., m, 3) where, in the world [m].
+        points: (..., m, 3) in the world [m].
         forces: (..., m, 3) [N].
     """
 
@@ -109,11 +109,11 @@ class ExternalForces:
 
 @dataclass(frozen=True, eq=False)
 class JointLoad:
-    """What a motion needs.
+    """The load of a motion.
 
     Attributes:
         torques: (..., J) of the joints; forces where they slide [N m or N].
-        force: (..., 3) that someone has to exert on the body beside all pushes [N].
+        force: (..., 3) still needed on the body beside all external forces [N].
         moment: (..., 3) likewise, about the body's origin [N m].
     """
 
@@ -133,9 +133,9 @@ def inverse_dynamics(
 
     Args:
         tree: the joints.
-        masses: of what they move.
+        masses: that they move.
         motion: at any number of moments.
-        push: from outside.
+        push: external forces.
         gravity: [m/s²].
     """
     R, p = _world_frames(tree, motion)
@@ -171,12 +171,12 @@ def _link_wrenches(
     frames: tuple[Array, Array, Array],
     g: float,
 ) -> tuple[list[Array], list[Array]]:
-    """Return the force and the moment about its joint that each link alone needs, by frame."""
+    """Return the force, and the moment about its joint, that each link alone needs, by frame."""
     R, p, axes = frames
     J = len(tree.parents)
     nothing = np.zeros((*p.shape[:-2], 3))
     ω, α, a = ([nothing] * (J + 1) for _ in range(3))
-    # A world that falls upward weighs as much as one with gravity.
+    # An upward acceleration g of the body is equivalent to gravity.
     ω[BODY], α[BODY], a[BODY] = motion.spin, motion.spin_rate, motion.acceleration + g * UP
     for j in tree.outward:
         above = tree.parents[j]
@@ -201,7 +201,9 @@ def _link_wrenches(
 
 
 def finite_difference_motion(q: Array, R_WB: Array, p_WB: Array, dt: float) -> FigureMotion:
-    """Return the motion in all rows but the first and the last.
+    """Return the motion in all rows but the first and the last, by central differences.
+
+    Changes within a row count as their mean.
 
     Args:
         q: (K, ..., J) joint values [rad or m].

@@ -1,11 +1,23 @@
-"""Inverse kinematics: where a tip shall be -> joint values, for many limbs at once.
+"""Inverse kinematics by pseudo-inverse iterations, for many limbs at once.
 
-Pseudo-inverse iterations along a path that is cut into segments no longer than the
-linearisation bears; what redundancy is left pulls towards the preferred values.
+`solve` follows a path that is cut into segments no longer than the linearisation allows;
+redundancy pulls towards the preferred values.
+
+`closest_pose` finds the pose within the limits nearest to an unreachable goal. There the error
+does not vanish, and with it remains the change of the Jacobian, which pseudo-inverse iterations
+leave out. A stretched limb shows it best: to first order a bend costs nothing, so the iterations
+bend it to and fro. Newton's method with the full second derivative of half the squared error e,
+
+    JᵀJ - Σ_x e_x ∂²x/∂θ²,
+
+arrives in a few steps.
+
+`track_goals` follows goals of several priorities through time, a few steps from the pose of the
+moment before, so that a limb keeps its branch and never jumps. Goals need not concern its tip.
 
 Notation of the thesis: x tip position, θ joint values (here q), J Jacobian.
 
-Source: Sims 1987, 6.1, 6.2 and appendix B.
+Source: Sims 1987, 6.1, 6.2 and appendix B; Bertsekas 1982 (projected Newton).
 """
 
 from __future__ import annotations
@@ -22,34 +34,34 @@ from pipeline.simulation.figures.task_priority import Task, bounded_priority_ste
 from pipeline.simulation.spatial import Array
 
 SEGMENT = 0.15
-"""Longest step of a tip in one iteration, as a part of the limb's length."""
+"""Longest step of a tip in one iteration, in lengths of the limb."""
 
 DAMPING = 1e-4
-"""λ as a part of the limb's length: bounds joint speeds near singularities and, the
-tip being corrected again in the next iteration, leaves no error behind."""
+"""λ in lengths of the limb: bounds joint speeds near singularities. As the tip is corrected in
+the next iteration, it leaves no error."""
 
 REST_GAIN = 0.25
-"""Gain of the secondary goal (α in eq. B.7): the part of the way to the preferred
-values that one iteration may go."""
+"""Gain of the secondary goal (α in eq. B.7): fraction of the way to the preferred values in one
+iteration."""
 
 REDUNDANCY_CUTOFF = 1e-2
-"""Once a tip is this near its goal, as a part of the limb's length, the redundancy is
-left alone after the first iteration: what it stirs up would have to be settled again."""
+"""Distance of tip from goal, in lengths of the limb, below which redundancy is left alone after
+the first iteration: its disturbance would have to be corrected again."""
 
 TOLERANCE = 1e-6
-"""Accepted distance of tip from goal, as a part of the limb's length."""
+"""Accepted distance of tip from goal, in lengths of the limb."""
 
 
 @dataclass(frozen=True, eq=False)
 class IKSolution:
-    """What the iterations came to.
+    """The result of the iterations.
 
     Attributes:
         batch: the limbs.
-        pose: their pose, joint values within their limits.
+        pose: their pose, within the limits.
         residual: (L,) distance of tip from goal [m].
-        iterations: how many there were.
-        turn: (L,) angle of tip from goal [rad]; None where no orientation was asked for.
+        iterations: number of iterations.
+        turn: (L,) angle of tip from goal [rad]; None without an orientation goal.
     """
 
     batch: LimbBatch
@@ -60,38 +72,38 @@ class IKSolution:
 
     @property
     def at_limit(self) -> NDArray[np.bool_]:
-        """(L, n) which joints have come to one of their limits."""
+        """(L, n) joints that are at one of their limits."""
         q, batch = self.pose.q, self.batch
         result: NDArray[np.bool_] = (q <= batch.lower) | (q >= batch.upper)
         return result & batch.is_joint
 
 
-def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> IKSolution:
-    """Bring the tips to `goals`, starting from the pose `start`.
+def solve(batch: LimbBatch, start: LimbPose, goals: Array, max_iterations: int = 40) -> IKSolution:
+    """Move the tips to `goals`, starting from the pose `start`.
 
     Args:
         batch: the limbs.
-        start: where to start from, within the limits; along a motion the pose of the
-            step before, so that a limb keeps its branch and its knee never flips.
-        goals: (L, 3) relative to the body [m]. An unreachable goal gives the closest
-            pose that the iterations find, with its residual.
-        most: bound on the iterations.
+        start: within the limits; along a motion the pose of the step before, so that a limb keeps
+            its branch and its knee never flips.
+        goals: (L, 3) relative to the body [m]. An unreachable goal gives the closest pose that the
+            iterations find, with its residual.
+        max_iterations: bound on the iterations.
     """
     pose, error = start, goals - start.tips
     distance = _norm(error)
     enough, near = TOLERANCE * batch.lengths, REDUNDANCY_CUTOFF * batch.lengths
     longest, damping = batch.lengths * SEGMENT, damping_matrix(batch)
     iteration = 0
-    while iteration < most and (far := distance > enough).any():
-        # A limb that has arrived stays as it is: what it does must not depend on others.
+    while iteration < max_iterations and (far := distance > enough).any():
+        # A limb that has arrived stays: its result must not depend on other limbs.
         part = far * np.minimum(1.0, longest / np.maximum(distance, enough))
         gain = np.where(far if iteration == 0 else distance > near, REST_GAIN, 0.0)
         candidate = batch.pose(damped_step(batch, pose, error * part[:, None], gain, damping))
         error_then = goals - candidate.tips
         distance_then = _norm(error_then)
         iteration += 1
-        # A segment after which the tip is further away was too long: take it back and
-        # shorten it. One that went well may be longer next time (Sims 1987, figure 6.3).
+        # A segment after which the tip is further away was too long: revert and shorten it. After
+        # a good one the next may be longer (Sims 1987, figure 6.3).
         good = distance_then < distance + enough
         longest = np.where(good, np.minimum(longest * 2.0, batch.lengths), longest * 0.25)
         if good.all():
@@ -104,7 +116,7 @@ def solve(batch: LimbBatch, start: LimbPose, goals: Array, most: int = 40) -> IK
 
 
 def damping_matrix(batch: LimbBatch) -> Array:
-    """Return λ² I (L, 3, 3) [m²], which all iterations of these limbs share."""
+    """Return λ² I (L, 3, 3) [m²], shared by all iterations of these limbs."""
     result: Array = ((DAMPING * batch.lengths) ** 2)[:, None, None] * IDENTITY
     return result
 
@@ -112,14 +124,14 @@ def damping_matrix(batch: LimbBatch) -> Array:
 def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, damping: Array) -> Array:
     """Return the joint values (L, n) after one step of the tips, within the limits.
 
-    Joints that the step would push through a limit are held there and the others
-    carry the motion, by a second pass with their columns taken out.
+    Joints that the step would push through a limit are held there and the others carry the motion,
+    by a second pass with their columns removed.
 
     Args:
         batch: the limbs.
-        pose: where they are.
+        pose: their pose.
         dx: (L, 3) the step [m].
-        gain: (L,) α, the part of the way to the preferred values that redundancy goes.
+        gain: (L,) α, the fraction of the way to the preferred values that redundancy goes.
         damping: see `damping_matrix`.
     """
     q, jacobian = pose.q, pose.jacobian
@@ -139,12 +151,12 @@ def damped_step(batch: LimbBatch, pose: LimbPose, dx: Array, gain: Array, dampin
 
 
 def _pseudo_inverse_step(jacobian: Array, dx: Array, z: Array, damping: Array) -> Array:
-    """Return J⁺ dx + (I - J⁺ J) z with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, λ² I being given.
+    """Return J⁺ dx + (I - J⁺ J) z with the damped J⁺ = Jᵀ (J Jᵀ + λ² I)⁻¹, for given λ² I.
 
     Written as z + J⁺ (dx - J z), which needs no projector.
 
-    Source: Sims 1987, eq. B.4 and B.7, with z = preferred - q (B.2 has the sign the
-    other way round); damping after Wampler 1986.
+    Source: Sims 1987, eq. B.4 and B.7, with z = preferred - q (B.2 has the opposite sign); damping
+    after Wampler 1986.
     """
     square = np.add.reduce(jacobian[..., None] * jacobian[..., None, :], axis=1)
     square += damping
@@ -156,7 +168,7 @@ def _pseudo_inverse_step(jacobian: Array, dx: Array, z: Array, damping: Array) -
 def _apply_jacobian(jacobian: Array, q: Array) -> Array:
     """Return J q (L, 3) for Jᵀ (L, n, 3) and q (L, n).
 
-    Summed joint after joint, as a BLAS would not: padding then leaves the last bit alone.
+    Summed joint by joint, unlike a BLAS, so that padding does not affect the last bit.
     """
     result: Array = np.add.reduce(jacobian * q[..., None], axis=1)
     return result
@@ -168,10 +180,10 @@ def _norm(v: Array) -> Array:
 
 
 FLAT_SLOPE = 1e-9
-"""Slope of half the squared error, per radian, at which there is no way further down."""
+"""Slope of half the squared error, per radian, that counts as flat."""
 
 MIN_CURVATURE = 1e-6
-"""Least curvature that a step counts on."""
+"""Least curvature assumed by a step."""
 
 MAX_NEWTON_MOVE = 0.3
 """Longest movement of a joint in one step [rad or m]."""
@@ -179,9 +191,11 @@ MAX_NEWTON_MOVE = 0.3
 LINE_SEARCH_HALVINGS = 12
 
 
-def closest_pose(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, most: int = 40) -> LimbPose:
-    """Return the limbs at a pose from which no small movement brings them nearer to `aim`."""
-    for _ in range(most):
+def closest_pose(
+    batch: LimbBatch, pose: LimbPose, aim: TipPlacement, max_iterations: int = 40
+) -> LimbPose:
+    """Return limbs at a pose from which no small movement brings them nearer to `aim`."""
+    for _ in range(max_iterations):
         task = aim.task(batch, pose)
         down = (task.velocity[:, None] @ task.jacobian)[:, 0]
         stopped = (pose.q <= batch.lower) & (down < 0.0) | (pose.q >= batch.upper) & (down > 0.0)
@@ -200,11 +214,11 @@ def closest_pose(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, most: int 
 def _newton_step(
     batch: LimbBatch, pose: LimbPose, aim: TipPlacement, down: Array, free: NDArray[np.bool_]
 ) -> Array:
-    """Return the step (L, n) to the minimum of a convex model, in which `free` joints move."""
+    """Return the step (L, n) to the minimum of a convex model, moving `free` joints alone."""
     task = aim.task(batch, pose)
     size = batch.lengths[:, None, None]
     curved = np.einsum("lijx,lx->lij", hessian(batch, pose)[..., :3], task.velocity[:, :3]) / size
-    # Of orientations the change of the axes is left out: a model only has to lead down.
+    # The change of the axes with orientation is left out: the model only has to lead down.
     H = task.jacobian.transpose(0, 2, 1) @ task.jacobian - 0.5 * (
         curved + curved.transpose(0, 2, 1)
     )
@@ -219,7 +233,7 @@ def _newton_step(
 
 
 def _downhill(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, step: Array) -> LimbPose | None:
-    """Return the limbs one step on, halved until it leads nearer; None if none of them gets on."""
+    """Return limbs one step on, halved until it leads nearer; None if no limb gets nearer."""
     before = np.linalg.norm(aim.task(batch, pose).velocity, axis=-1)
     moved = np.zeros(len(before), dtype=bool)
     result = pose
@@ -236,29 +250,29 @@ def _downhill(batch: LimbBatch, pose: LimbPose, aim: TipPlacement, step: Array) 
 
 
 PURSUIT_STIFFNESS = 0.7
-"""λ as a part of the error, λ² = |e|²/2 (Sugihara 2011): out of reach it keeps joints calm, and
-where the goal is reached it vanishes."""
+"""λ as a fraction of the error, λ² = |e|²/2 (Sugihara 2011): it calms joints of limbs out of
+reach, and vanishes where the goal is reached."""
 
 PURSUIT_DAMPING = 1e-3
-"""Least λ: near full extension a joint's speed stays bounded."""
+"""Least λ: bounds a joint's speed near full extension."""
 
 MAX_JOINT_MOVE = 0.25
-"""Most that a joint moves in one step [rad or m]."""
+"""Greatest movement of a joint in one step [rad or m]."""
 
 PURSUIT_TOLERANCE = 1e-5
-"""Error of the first goals, in lengths of the limb and radians, that is good enough."""
+"""Accepted error of the first goals, in lengths of the limb and radians."""
 
 STALL_FRACTION = 1e-3
-"""Part of the error that a step must take away to be worth another one."""
+"""Fraction of the error that a step must remove to be worth another one."""
 
 
 @dataclass(frozen=True, eq=False)
 class TrackedPose:
-    """Limbs with their goals.
+    """Limbs and their remaining error.
 
     Attributes:
         pose: within the limits.
-        error: (L,) what is left of the first goals, in lengths of the limb and radians.
+        error: (L,) of the first goals, in lengths of the limb and radians.
     """
 
     pose: LimbPose
@@ -266,24 +280,29 @@ class TrackedPose:
 
 
 def track_goals(
-    batch: LimbBatch, start: Array, goals: Sequence[Goal], *, least: int = 1, most: int = 12
+    batch: LimbBatch,
+    start: Array,
+    goals: Sequence[Goal],
+    *,
+    min_steps: int = 1,
+    max_steps: int = 12,
 ) -> TrackedPose:
-    """Follow goals from joint values that are near them.
+    """Follow goals from joint values near them.
 
     Args:
         batch: the limbs.
         start: (L, n) joint values of the moment before [rad or m].
-        goals: at least one, the first before all; the last is best a wish for joint values,
-            such as `Preferred`, so that redundancy does not drift.
-        least: steps that are taken anyhow, for what comes after the first goal.
-        most: bound on the steps.
+        goals: at least one, in order of priority; the last one should wish for joint values, such
+            as `PreferredValues`, so that redundancy does not drift.
+        min_steps: least number of steps, for the goals after the first.
+        max_steps: bound on the steps.
     """
     pose = batch.pose(np.clip(start, batch.lower, batch.upper))
     error = np.full(len(start), np.inf)
-    for count in range(most + 1):
+    for count in range(max_steps + 1):
         tasks = [goal.task(batch, pose) for goal in goals]
         before, error = error, np.linalg.norm(tasks[0].velocity, axis=-1)
-        if count == most or (count >= least and _is_converged(error, before)):
+        if count == max_steps or (count >= min_steps and _is_converged(error, before)):
             break
         pose = _pursuit_step(batch, pose, tasks, error)
     return TrackedPose(pose, error)

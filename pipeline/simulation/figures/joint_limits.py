@@ -1,10 +1,10 @@
-"""Stance: limits and preferred values of the joints of each kind of appendage.
+"""Limits and preferred values of joints, by kind of appendage and as the author overrides them.
 
-An insect is created flat, fully extended. The preferred value of a joint so near its
-full extension is altered, so that a limb at rest is bent and away from the
-singularity (Sims 1987, 5.2 and 6.3.1). A mammal's limbs keep the bends that they were
-drawn with, and those drawn straight are bent a little. Positive pitch raises a limb or
-swings it forward; an inner joint of a leg bends one way only, as a knee does.
+An insect is created flat, fully extended. The preferred value of a joint so near its full
+extension is altered, so that a limb at rest is bent and away from the singularity (Sims 1987, 5.2
+and 6.3.1). A mammal's limbs keep the bends that they were drawn with, and those drawn straight are
+bent a little. Positive pitch raises a limb or swings it forward; an inner joint of a leg bends one
+way only, as a knee does.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.spatial import Array
-from pipeline.spec.figure import JointWords
+from pipeline.spec.figure import JointSettings
 
 
 @dataclass(frozen=True, slots=True)
 class JointRange:
-    """Limits and values of one joint; zero is how it was created [rad].
+    """Limits and values of one joint; zero is as created [rad].
 
     Attributes:
         lower, upper: limits.
         preferred: value at rest.
-        extended: value at which the links that it joins are as straight as can be.
+        extended: value at which its links are straightest.
     """
 
     lower: float
@@ -43,7 +43,7 @@ class JointRange:
 def range_in_degrees(
     lower: float, upper: float, preferred: float, extended: float = 0.0
 ) -> JointRange:
-    """Return a stance given in degrees."""
+    """Return a range given in degrees."""
     return JointRange(*(math.radians(angle) for angle in (lower, upper, preferred, extended)))
 
 
@@ -51,8 +51,8 @@ LEG_RISE_DEG = 24.0
 """Elevation of the first link of an insect's leg at rest."""
 
 LEG_FALL_DEG = (-54.0, -72.0)
-"""Elevations of the second and of the last link of a leg at rest: over the knee and
-steeply down, to stand on its point."""
+"""Elevations of the second and the last link of an insect's leg at rest: over the knee and
+steeply down."""
 
 ROOT_RANGES = {
     HEAD: (
@@ -76,7 +76,7 @@ ROOT_RANGES = {
         range_in_degrees(-60, 60, 0),
     ),
 }
-"""Yaw, pitch and roll at the root of what is no leg."""
+"""Yaw, pitch and roll at the root of appendages other than legs."""
 
 BEND_RANGES = {
     HEAD: range_in_degrees(-50, 50, 0),
@@ -84,30 +84,30 @@ BEND_RANGES = {
     FEELER: range_in_degrees(-70, 40, -24),
     ARM: range_in_degrees(-150, 0, -35),
 }
-"""Inner joints of what is no leg."""
+"""Inner joints of appendages other than legs."""
 
 STRAIGHT_LIMIT_DEG = 8.0
-"""A joint drawn with less of a bend than this is taken to be drawn straight."""
+"""A joint drawn with a smaller bend counts as straight."""
 
 REST_BEND_DEG = {LEG: -22.0, ARM: 26.0}
-"""How a limb that is drawn straight is bent at rest: a knee backward, an elbow forward."""
+"""Rest bend of limbs drawn straight: knees bend backward, elbows forward."""
 
 MAX_BEND_DEG = {LEG: 160.0, ARM: 150.0}
-"""How far a knee or an elbow bends from straight: calf on thigh, forearm on upper arm."""
+"""Greatest bend of knees and elbows from straight: calf on thigh, forearm on upper arm."""
 
 SHOULDER_RANGES = {"pitch": range_in_degrees(-60, 170, 4), "yaw": range_in_degrees(-80, 80, 0)}
-"""A mammal's shoulder: back and forward, and about the arm itself. A person's, whose arms
-reach farther than most (American Academy of Orthopaedic Surgeons 1965)."""
+"""A mammal's shoulder: back and forward, and about the arm. As a person's, whose arms reach
+farther than most (American Academy of Orthopaedic Surgeons 1965)."""
 
 SHOULDER_ROLL_DEG = (-35.0, 150.0, 6.0)
-"""How far a mammal's arm goes inward and outward at the shoulder, and hangs clear at rest."""
+"""A mammal's shoulder inward, outward, and at rest, clear of the body."""
 
 WRIST_DEG = (-60.0, 70.0, 8.0)
-"""A wrist back and forward, and at rest; unlike an elbow it bends both ways."""
+"""A wrist back, forward, and at rest; unlike an elbow it bends both ways."""
 
 
 def insect_joint_ranges(kind: str, links: int) -> list[dict[str, JointRange]]:
-    """Return, for each node of an insect's appendage but its tip, its joints in their order.
+    """Return the joints at each node of an insect's appendage but its tip, in order.
 
     Args:
         kind: leg, arm, head, tail or feeler.
@@ -132,7 +132,7 @@ def _root_and_bends(kind: str, links: int) -> list[dict[str, JointRange]]:
 
 
 def insect_leg_elevations(links: int) -> list[float]:
-    """Return the elevations of an insect's leg at rest [degrees], from hip to foot.
+    """Return the link elevations of an insect's leg at rest, from hip to foot [degrees].
 
     A leg of one link leans outward.
     """
@@ -146,7 +146,7 @@ def insect_leg_elevations(links: int) -> list[float]:
 
 
 def mammal_joint_ranges(kind: str, side: str, steps: Array) -> list[dict[str, JointRange]]:
-    """Return, for each node of a mammal's appendage but its tip, its joints in their order.
+    """Return the joints at each node of a mammal's appendage but its tip, in order.
 
     Args:
         kind: leg, arm, head, tail or feeler.
@@ -167,7 +167,7 @@ def mammal_joint_ranges(kind: str, side: str, steps: Array) -> list[dict[str, Jo
         if len(inner) > 1:
             inner[-1] = _wrist_range(math.degrees(inner[-1].extended))
     else:
-        # A leg that runs back over its own hip cannot come under it.
+        # The foot of a leg drawn back over its own hip cannot come under it.
         under = math.degrees(_hip_pitch(steps, angles, inner))
         base = {"pitch": range_in_degrees(-85, 85, min(max(under, -85.0), 85.0))}
         base |= {"roll": range_in_degrees(-40, 40, 0), "yaw": range_in_degrees(-45, 45, 0)}
@@ -175,7 +175,7 @@ def mammal_joint_ranges(kind: str, side: str, steps: Array) -> list[dict[str, Jo
 
 
 def _shoulder_roll(side: str) -> JointRange:
-    """Return the roll of a shoulder, which is positive towards the left."""
+    """Return the roll of a shoulder, positive towards the left."""
     inward, outward, rest = SHOULDER_ROLL_DEG
     if side == "l":
         return range_in_degrees(inward, outward, rest)
@@ -185,67 +185,69 @@ def _shoulder_roll(side: str) -> JointRange:
 
 
 def _wrist_range(straight: float) -> JointRange:
-    """Return the stance of a wrist whose hand follows the forearm at `straight` [degrees]."""
+    """Return the range of a wrist whose hand continues the forearm at `straight` [degrees]."""
     back, forward, rest = WRIST_DEG
     if abs(straight) >= STRAIGHT_LIMIT_DEG:
         rest = -straight
-    # However sharply it was drawn, what it was drawn at is within its limits.
+    # The drawn bend is always within the limits.
     lower, upper = min(straight + back, 0.0), max(straight + forward, 0.0)
     return range_in_degrees(lower, upper, straight + rest, straight)
 
 
 def _hip_pitch(steps: Array, angles: Array, inner: Sequence[JointRange]) -> float:
-    """Return the pitch of a hip that brings the foot under it, its leg being at rest [rad]."""
+    """Return the pitch of a hip that brings the resting foot under it [rad]."""
     turned = angles + np.cumsum([0.0, *(stance.preferred for stance in inner)])
     lengths = np.hypot(steps[:, 0], steps[:, 1])
     return -math.atan2(float(lengths @ np.sin(turned)), float(lengths @ np.cos(turned)))
 
 
 def _inner_range(kind: str, bend: float) -> JointRange:
-    """Return the stance of an inner joint drawn with `bend` [degrees]."""
+    """Return the range of an inner joint drawn with `bend` [degrees]."""
     rest = 0.0
     if abs(bend) < STRAIGHT_LIMIT_DEG:
         rest = REST_BEND_DEG[kind]
     way = math.copysign(1.0, rest or bend)
-    # However sharply it was drawn, what it was drawn at is within its limits.
+    # The drawn bend is always within the limits.
     far = -bend + way * max(MAX_BEND_DEG[kind], abs(bend))
     return range_in_degrees(min(-bend, far), max(-bend, far), rest, -bend)
 
 
 @dataclass(frozen=True, eq=False)
 class AdjustedJoints:
-    """Limits and values of all joints, and which of them slide."""
+    """Ranges of all joints, and which of them slide."""
 
-    stances: list[JointRange]
+    ranges: list[JointRange]
     prismatic: NDArray[np.bool_]
 
 
 def apply_joint_overrides(
-    words: Mapping[str, Mapping[str, JointWords]],
+    overrides: Mapping[str, Mapping[str, JointSettings]],
     names: Sequence[str],
-    stances: Sequence[JointRange],
+    ranges: Sequence[JointRange],
     scale: float,
 ) -> AdjustedJoints:
-    """Apply an author's words on joints.
+    """Return joint ranges with an author's overrides applied.
 
     Args:
-        words: by limb and joint.
+        overrides: by limb and joint.
         names: of the joints, "limb.joint".
-        stances: as the style makes them.
-        scale: factor from the drawing to the world, for what slides.
+        ranges: by style.
+        scale: factor from the drawing to the world, for sliding joints.
 
     Raises:
-        SceneError: if a joint is named that there is not, or rests outside its limits.
+        SceneError: an override names no joint, or a joint rests outside its limits.
     """
-    told = {f"{limb}.{joint}": w for limb, joints in words.items() for joint, w in joints.items()}
+    by_name = {
+        f"{limb}.{joint}": w for limb, joints in overrides.items() for joint, w in joints.items()
+    }
     problems = [
         Problem(f"joints.{name}", f"the figure has no such joint{_name_hint(name, names)}")
-        for name in told
+        for name in by_name
         if name not in names
     ]
     result = [
-        _override(told[name], stance, scale) if name in told else stance
-        for name, stance in zip(names, stances, strict=True)
+        _override(by_name[name], stance, scale) if name in by_name else stance
+        for name, stance in zip(names, ranges, strict=True)
     ]
     problems += [
         Problem(f"joints.{name}", "rests outside its limits")
@@ -254,22 +256,22 @@ def apply_joint_overrides(
     ]
     if problems:
         raise SceneError(problems)
-    slides = [name in told and told[name].slide is not None for name in names]
+    slides = [name in by_name and by_name[name].slide is not None for name in names]
     return AdjustedJoints(result, np.array(slides, dtype=bool))
 
 
-def _override(words: JointWords, stance: JointRange, scale: float) -> JointRange:
-    if words.slide is not None:
-        lower, upper = (scale * value for value in words.slide)
-        rest = lower if words.rest is None else scale * words.rest
+def _override(config: JointSettings, joint_range: JointRange, scale: float) -> JointRange:
+    if config.slide is not None:
+        lower, upper = (scale * value for value in config.slide)
+        rest = lower if config.rest is None else scale * config.rest
         return JointRange(lower, upper, rest, upper)
-    if words.limits_deg is not None:
-        lower, upper = (math.radians(value) for value in words.limits_deg)
-        rest = min(max(stance.preferred, lower), upper)
-        stance = replace(stance, lower=lower, upper=upper, preferred=rest)
-    if words.rest_deg is not None:
-        stance = replace(stance, preferred=math.radians(words.rest_deg))
-    return stance
+    if config.limits_deg is not None:
+        lower, upper = (math.radians(value) for value in config.limits_deg)
+        rest = min(max(joint_range.preferred, lower), upper)
+        joint_range = replace(joint_range, lower=lower, upper=upper, preferred=rest)
+    if config.rest_deg is not None:
+        joint_range = replace(joint_range, preferred=math.radians(config.rest_deg))
+    return joint_range
 
 
 def _name_hint(name: str, names: Sequence[str]) -> str:

@@ -1,10 +1,15 @@
-"""Kinematics: joint values -> poses of links; Jacobians of limbs. Batched over creatures.
+"""Forward kinematics and Jacobians, batched over creatures.
 
-A joint's frame is its parent's, moved to its place and turned about its axis by its
-value, or slid along it. At value zero all frames are parallel to the creation frame, so a
-joint's place relative to its parent is the difference of their places there.
+A joint's frame is its parent's, moved to its place and turned about its axis by its value, or slid
+along it. At value zero all frames are parallel to the creation frame, so a joint's place relative
+to its parent is the difference of their places there.
 
-Source: Sims 1987, 5.4.
+Jacobians are stored transposed, joint by joint: Jᵀ (..., n, 3) or (..., n, 6). Their rows are the
+velocity, then the angular velocity of the tip. The thesis writes the last three as derivatives of
+three angles (ρ, φ, ψ); its axes give the angular velocity, which is not the derivative of any
+three angles. The matching orientation error is a rotation vector.
+
+Source: Sims 1987, 5.4, eq. 5.1 and 5.2.
 """
 
 from __future__ import annotations
@@ -22,20 +27,20 @@ from pipeline.simulation.spatial import Array, cross, cross_matrix, turn
 IDENTITY = np.eye(3)
 
 LimbRows = NDArray[np.bool_] | NDArray[np.int64]
-"""Which limbs of a batch: a mask (L,) or their numbers."""
+"""Limbs of a batch: a mask (L,) or their numbers."""
 
 
 @dataclass(frozen=True, eq=False)
 class JointTransforms:
     """Joints with constant axes and offsets, prepared so that a value costs two sines.
 
-    The frame of a joint in its parent's is a translation by its offset, then a rotation
-    R = 1 + sin θ K + (1 - cos θ) K², K being the cross-product matrix of the axis: linear
-    in sin θ and cos θ. It stands for the stored Q of Sims 1987, A.3. A prismatic joint
-    is translated along its axis instead, which is linear in the value itself.
+    The frame of a joint in its parent's is a translation by its offset, then a rotation R = 1 +
+    sin θ K + (1 - cos θ) K², where K is the cross-product matrix of the axis: linear in sin θ and
+    cos θ. It replaces the stored Q of Sims 1987, A.3. A prismatic joint translates along its axis,
+    which is linear in its value.
 
     Attributes:
-        axes: (..., n, 3) unit axes in the creation frame; zero for joints that do not move.
+        axes: (..., n, 3) unit axes in the creation frame; zero for fixed joints.
         offsets: (..., n, 3) from the joint before [m].
         prismatic: (..., n) whether they slide.
     """
@@ -46,7 +51,7 @@ class JointTransforms:
 
     @cached_property
     def _terms(self) -> tuple[Array, Array, Array]:
-        """Constant term, and those of sine and cosine, (..., n, 4, 4) each."""
+        """Constant, sine and cosine terms, (..., n, 4, 4) each."""
         constant, sine, cosine = np.zeros((3, *self.axes.shape[:-1], 4, 4))
         K = cross_matrix(np.where(self.prismatic[..., None], 0.0, self.axes))
         constant[..., :3, :3] = IDENTITY + K @ K
@@ -58,11 +63,11 @@ class JointTransforms:
 
     @cached_property
     def _slides(self) -> Array | None:
-        """Axes (..., n, 3) of the joints that slide, zero for the others; None if none does."""
+        """Axes (..., n, 3) of prismatic joints, zero for others; None without any."""
         return self.axes * self.prismatic[..., None] if self.prismatic.any() else None
 
     def __call__(self, values: Array) -> Array:
-        """Return the frames (..., n, 4, 4) in those before, for values (..., n) [rad or m]."""
+        """Return the frames (..., n, 4, 4) in their parents', for values (..., n) [rad or m]."""
         constant, sine, cosine = self._terms
         result: Array = np.sin(values)[..., None, None] * sine
         result += np.cos(values)[..., None, None] * cosine
@@ -74,10 +79,10 @@ class JointTransforms:
 
 @dataclass(frozen=True, eq=False)
 class JointTree:
-    """Joints that hang on one another, of one figure or of many, as arrays.
+    """A tree of joints, of one figure or many, as arrays.
 
     Attributes:
-        parents: (J,) number of the joint before each, `BODY` for joints on a body.
+        parents: (J,) joint before each; `BODY` for joints on a body.
         axes: (J, 3) unit axes in the creation frame.
         places: (J, 3) positions in the creation frame [m].
         prismatic: (J,) whether they slide along their axes instead of turning about them.
@@ -90,14 +95,14 @@ class JointTree:
 
     @staticmethod
     def of(skeleton: Skeleton) -> JointTree:
-        """Take the joints of a skeleton."""
+        """Return the tree of a skeleton."""
         return JointTree(skeleton.parents, skeleton.axes, skeleton.places, skeleton.prismatic)
 
     @cached_property
     def _depth(self) -> NDArray[np.int64]:
         depth = np.zeros(len(self.parents), dtype=np.int64)
         above = self.parents
-        # Not joint by joint: after a change of base a parent may have the higher number.
+        # Level by level: after a change of base a parent may have the higher number.
         while (inner := above != BODY).any():
             depth += inner
             above = np.where(inner, self.parents[above], BODY)
@@ -105,18 +110,18 @@ class JointTree:
 
     @cached_property
     def _order(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Joints by distance from the body, and the place of each in that order."""
+        """Joints by depth, and the place of each in that order."""
         order = np.argsort(self._depth, kind="stable")
         return order, np.argsort(order)
 
     @cached_property
     def outward(self) -> tuple[int, ...]:
-        """The joints, each after the one that it hangs on."""
+        """The joints, each after its parent."""
         return tuple(self._order[0].tolist())
 
     @cached_property
     def _hinges(self) -> JointTransforms:
-        """The joints by distance from the body, each in the frame of its parent."""
+        """The joints by depth, each in the frame of its parent."""
         origins = np.where((self.parents == BODY)[:, None], 0.0, self.places[self.parents])
         order, _ = self._order
         return JointTransforms(
@@ -125,7 +130,7 @@ class JointTree:
 
     @cached_property
     def _levels(self) -> list[tuple[slice, NDArray[np.int64]]]:
-        """In that order: joints that are equally far from the body, and their parents."""
+        """Joints of each depth, in that order, with their parents."""
         order, place = self._order
         counts = np.bincount(self._depth, minlength=1)
         ends = np.cumsum(counts)
@@ -148,13 +153,13 @@ class JointTree:
 
 @dataclass(frozen=True, eq=False)
 class LimbPose:
-    """Limbs at certain joint values, and all that follows from them.
+    """Limbs at given joint values.
 
     Attributes:
         q: (L, n) joint values [rad or m].
         X_BJ: (L, n, 4, 4) frames of the joints relative to the body.
         tips: (L, 3) p_BF [m].
-        jacobian: (L, n, 3) Jᵀ, how the tips move with each joint [m/rad or 1].
+        jacobian: (L, n, 3) Jᵀ of the tips [m/rad or 1].
     """
 
     q: Array
@@ -189,8 +194,8 @@ class LimbPose:
 class LimbBatch:
     """Limbs of equal or unequal length as arrays (L, n, ...), the shorter ones padded.
 
-    A padding joint stands at the tip with axis zero: it moves nothing, and its column
-    of the Jacobian is zero.
+    A padding joint is at the tip with axis zero: it moves nothing, and its Jacobian column is
+    zero.
 
     Attributes:
         places: (L, n, 3) joints in the creation frame, relative to the body [m].
@@ -199,7 +204,7 @@ class LimbBatch:
         tips: (L, 3) in the creation frame [m].
         lower, upper, preferred, extended: (L, n) [rad or m].
         lengths: (L,) of the stretched limbs [m].
-        is_joint: (L, n) false for padding.
+        is_joint: (L, n) False for padding.
     """
 
     places: Array
@@ -215,7 +220,7 @@ class LimbBatch:
 
     @staticmethod
     def of(limbs: list[tuple[Skeleton, Limb]]) -> LimbBatch:
-        """Collect limbs, of several skeletons if need be, each relative to its base link.
+        """Return limbs of any skeletons, each relative to its base link.
 
         The base link of a figure's own limbs is the body; `limb_between` gives others.
         """
@@ -261,8 +266,8 @@ class LimbBatch:
     def pose(self, q: Array) -> LimbPose:
         """Return frames, tips and Jacobians at joint values `q` (L, n) [rad or m].
 
-        The column of a joint is a × (p_tip - p), or a where it slides: the thesis's a × p
-        is about the base's origin and holds only for a tip there.
+        The column of a joint is a × (p_tip - p), or a where it slides: the thesis's a × p is about
+        the base's origin and holds only for a tip there.
 
         Source: Sims 1987, 5.4, eq. 5.2.
         """
@@ -270,7 +275,7 @@ class LimbBatch:
         for j in range(1, q.shape[1]):
             X[:, j] = X[:, j - 1] @ X[:, j]
         R, places = X[..., :3, :3], X[..., :3, 3]
-        # An axis is not moved by its own turn, so the frame after it will do.
+        # A joint's rotation leaves its own axis unchanged, so the frame after it serves.
         axes = turn(R, self.axes)
         tips = places[:, -1] + turn(R[:, -1], self.tips - self.places[:, -1])
         jacobian = cross(axes, tips[:, None] - places)
@@ -280,13 +285,13 @@ class LimbBatch:
 
 
 def rotation_axes(batch: LimbBatch, pose: LimbPose) -> Array:
-    """Return the axes (L, n, 3) that the tips turn about; zero for joints that slide."""
+    """Return the axes (L, n, 3) that the tips turn about; zero for prismatic joints."""
     axes = turn(pose.X_BJ[..., :3, :3], batch.axes)
     return np.where(batch.prismatic[..., None], 0.0, axes)
 
 
 def jacobian(batch: LimbBatch, pose: LimbPose) -> Array:
-    """Return Jᵀ (L, n, 6), position and orientation of the tips [m/rad, 1 and 1/m].
+    """Return Jᵀ (L, n, 6) of position and orientation of the tips [m/rad, 1 and 1/m].
 
     Source: Sims 1987, eq. 5.1.
     """
@@ -294,11 +299,11 @@ def jacobian(batch: LimbBatch, pose: LimbPose) -> Array:
 
 
 def hessian(batch: LimbBatch, pose: LimbPose) -> Array:
-    """Return H (L, n, n, 6), how the column of joint j (second) changes with joint i (first).
+    """Return H (L, n, n, 6), the change of the column of joint j (second) with joint i (first).
 
-    What lies beyond the nearer of two joints is turned with it, so the column of the
-    farther one turns, and the nearer one's lever is moved by the farther one: in both cases
-    the change of position is ω_near × J_far. Only the nearer joint changes an axis.
+    The nearer of two joints turns all beyond it, hence the farther one's column; the farther one
+    moves the nearer one's lever. In both cases the change of position is ω_near × J_far. Only the
+    nearer joint changes an axis.
     """
     ω, J = rotation_axes(batch, pose), pose.jacobian
     n = J.shape[1]

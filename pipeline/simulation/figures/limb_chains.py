@@ -1,17 +1,16 @@
-"""Chains: limbs of one make as arrays that run along limbs and moments, for speed.
+"""Limbs of one structure as arrays over limbs and moments, for fast kinematics.
 
-Arrays are (components, joints, limbs, moments), so that one operation does thousands of
-limbs in memory that stays in the cache. Each joint has a frame whose z is its axis and
-whose x is perpendicular to the next axis as well: its value turns x and y in their plane,
-and a constant turn about x, the bend, leads to the next axis. This is a third of the work
-of turning about constant axes of the creation frame.
+Arrays are (components, joints, limbs, moments), so that one operation handles thousands of limbs
+in cached memory. Each joint has a frame with its axis as z, and an x perpendicular to the next
+axis as well: its value turns x and y in their plane, and a constant turn about x, the bend, leads
+to the next axis. This is a third of the work of turning about constant axes of the creation frame.
 
-Limbs of one make have as many joints, of the same kinds, and the same constants vanish,
-which then cost nothing. So what comes out for a limb does not depend, to the last bit, on
-who is computed beside it; nothing here is summed in an order that hangs on sizes.
+Limbs of one structure have equally many joints of the same kinds, and the same vanishing
+constants, which then cost nothing. So a limb's result does not depend on the other limbs to the
+last bit; no sum depends on array sizes.
 
-Source: Denavit and Hartenberg 1955, Sims 1987, 5.2; the origins stay at the joints, so that
-axes may be parallel.
+Source: Denavit and Hartenberg 1955, Sims 1987, 5.2; the origins stay at the joints, so that axes
+may be parallel.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array, cross, normalized
 
 ROUNDING = 1e-12
-"""What is nearer to 0 than this is rounding, as a part of 1 or of a limb's length."""
+"""Values nearer to 0 are rounding, in 1 or in a limb's length."""
 
 Frame = tuple[Array, Array, Array, Array]
 """x, y and z of a frame and its origin relative to the base link, (3, l, m) each [m]."""
@@ -39,10 +38,10 @@ class ChainGroup:
     """The constants of l limbs with k joints each; a last axis of 1 stands for the moments.
 
     Attributes:
-        rows: (l,) which limbs of their batch.
+        rows: (l,) numbers of the limbs in their batch.
         slides: for each joint whether it slides along its axis instead of turning about it.
-        used: for each joint which numbers of its way are not 0, whether the cosine of its
-            bend is not, and whether there is a bend.
+        used: for each joint which components of its way are not 0, whether the cosine of its bend
+            is not, and whether there is a bend.
         base: (3, 3, l, 1) x, y, z of the first joint's frame before it moves.
         first: (3, l, 1) place of the first joint relative to the base link [m].
         offset: (k, l, 1) turn about z at joint value zero [rad].
@@ -67,16 +66,16 @@ class ChainGroup:
     preferred: Array
     lengths: Array
 
-    def some(self, which: slice | NDArray[np.int64]) -> ChainGroup:
-        """Return the limbs `which` alone; numbers may occur more than once."""
+    def subset(self, chosen: slice | NDArray[np.int64]) -> ChainGroup:
+        """Return some limbs alone; numbers may repeat."""
         of_limbs: dict[str, Any] = {
-            name: _pick_limbs(getattr(self, name), which)
+            name: _pick_limbs(getattr(self, name), chosen)
             for name in self.__dataclass_fields__
             if name not in ("rows", "slides", "used")
         }
-        return replace(self, rows=self.rows[which], **of_limbs)
+        return replace(self, rows=self.rows[chosen], **of_limbs)
 
-    def along(self, q: Array) -> Iterator[Frame]:
+    def frames(self, q: Array) -> Iterator[Frame]:
         """Yield the frames of the joints at values `q` (k, l, m) [rad or m], then the tip's."""
         turns = [not slides for slides in self.slides]
         angle = self.offset + (q if all(turns) else q * np.reshape(turns, (-1, 1, 1)))
@@ -99,7 +98,7 @@ class ChainGroup:
                 y, z = sine * z, -sine * y
         yield x, y, z, p
 
-    def turned(self, j: int, frame: Frame) -> Array:
+    def rotation(self, j: int, frame: Frame) -> Array:
         """Return R_BJ (3, 3, l, m) of joint `j`, the identity at joint values zero."""
         x, y, z, _ = frame
         u, v, w = self.home[j]
@@ -110,12 +109,12 @@ class ChainGroup:
 
 
 def group_chains(batch: LimbBatch, owner: NDArray[np.int64]) -> list[ChainGroup]:
-    """Sort limbs by their makes; those without joints are left out.
+    """Return limbs grouped by structure, without those that have no joints.
 
     Args:
         batch: the limbs.
-        owner: (L,) whose they are. Limbs of one creature that have the same joints are of one
-            make, so that few legs are still done together.
+        owner: (L,) numbers of their creatures. Limbs of one creature with the same joints share a
+            structure, so that few legs are still solved together.
     """
     base, offset, bend, way, home = _constants(batch)
     joints = np.concatenate([batch.is_joint, batch.prismatic], axis=1)
@@ -162,19 +161,19 @@ def _constants(batch: LimbBatch) -> tuple[Array, Array, Array, Array, Array]:
     """Return base (L, 3, 3), offset (L, n), bend (L, n, 2), way (L, n, 3), home (L, n, 3, 3)."""
     z, ends = batch.axes.copy(), np.concatenate([batch.places[:, 1:], batch.tips[:, None]], axis=1)
     for j in range(1, z.shape[1]):
-        # Padding goes on as the joint before it.
+        # Padding repeats the joint before it.
         z[:, j] = np.where(batch.is_joint[:, j, None], z[:, j], z[:, j - 1])
     after = np.concatenate([z[:, 1:], z[:, -1:]], axis=1)
     far = ends - batch.places
     normal = cross(z, after)
     sine = np.linalg.norm(normal, axis=-1, keepdims=True)
-    # Along a common normal; between parallel axes along the link, whose way has one number then.
+    # Along a common normal; between parallel axes along the link, whose way has one component then.
     least = np.eye(3)[np.argmin(np.abs(z), axis=-1)]
     sideways = _perpendicular(far, z)
     short = np.linalg.norm(sideways, axis=-1, keepdims=True) < 1e-6 * batch.lengths[:, None, None]
     x = np.where(sine > ROUNDING, normal / np.maximum(sine, ROUNDING), 0.0)
     x = np.where(sine > ROUNDING, x, np.where(short, least, sideways))
-    # Twice: a normal of axes that are almost parallel is not quite perpendicular to them.
+    # Twice: a normal of nearly parallel axes is not quite perpendicular to them.
     x = normalized(_perpendicular(normalized(_perpendicular(x, z)), z))
     home = np.stack([x, cross(z, x), z], axis=-2)
     bend = np.stack([_dot(z, after), _dot(normal, x)], axis=-1)
@@ -188,7 +187,7 @@ def _constants(batch: LimbBatch) -> tuple[Array, Array, Array, Array, Array]:
 
 
 def _pick_limbs(values: Array, which: slice | NDArray[np.int64]) -> Array:
-    """Return `values` (..., l, 1) of the limbs `which`, with limbs last in memory."""
+    """Return `values` (..., l, 1) of some limbs, with limbs last in memory."""
     if isinstance(which, slice):
         return values[..., which, :]
     return values.take(which, axis=-2)

@@ -1,8 +1,8 @@
-"""Shapes: the solids that a link may be, one function each.
+"""The solids of a figure's links: one function for each shape, and the eyes of heads.
 
-All are made in the link's own frame: X along it from its first node, Y along the normal of
-the plane it was drawn in, Z across it in that plane. They reach beyond both nodes, so that
-no gap opens where two of them meet in a joint that bends.
+Shapes are made in the link's own frame: X along it from its first node, Y along the normal of its
+drawing plane, Z across it in that plane. They extend beyond both nodes, so that no gap opens where
+two of them meet at a bent joint.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from pipeline.simulation.spatial import UP, Array, from_directions, normalized
 from pipeline.spec.figure import LinkShape
 
 PLATE_FLATNESS = 0.24
-"""Thickness of a plate as a part of its width."""
+"""Thickness of a plate, in its width."""
 
 BAR_WIDTH, BAR_HEIGHT = 0.86, 0.66
-"""Of a bar, as parts of a round link's: its edges lie about on the round one's surface, so
-that they come through no round link that it meets."""
+"""Width and height of a bar, in those of a round link: its edges lie about on the round link's
+surface, so that they do not show through round links that it meets."""
 
 BAR_BEVEL = 0.12
-"""Width of a bar's bevels, as a part of its radius."""
+"""Width of a bar's bevels, in its radius."""
 
 BAR_NARROWING = 0.94
-"""Width of a bar at its outer end, as a part of its node's, so that the sides of two bars in
-line do not lie in one plane, where it is chance which of them is seen."""
+"""Width of a bar at its outer end, in that of its node: sides of two bars in line must not be
+coplanar, where it is arbitrary which of them is visible."""
 
 BALL_STEM = 0.4
-"""Thickness of a ball's stem, at most, as a part of the ball's."""
+"""Greatest thickness of a ball's stem, in the ball's."""
 
 ShapeMaker = Callable[[float, float, float, float], Solid]
-"""From length, radii at both ends, and swelling."""
+"""Solid from length, radii at both ends, and swelling."""
 
 
 def link_solid(link: Link, swelling: float) -> Solid:
@@ -47,8 +47,7 @@ def link_solid(link: Link, swelling: float) -> Solid:
 
     Args:
         link: with its ends, radii and shape.
-        swelling: how much thicker than a cone it is in its thickest place, as a part; for
-            the shapes that swell.
+        swelling: greatest thickness beyond a cone, as a fraction; for shapes that swell.
     """
     span = link.ends[1] - link.ends[0]
     solid = SHAPE_MAKERS[link.shape](float(np.linalg.norm(span)), *link.radii, swelling)
@@ -57,11 +56,11 @@ def link_solid(link: Link, swelling: float) -> Solid:
 
 
 def surface_offset(link: Link, direction: Array) -> Array:
-    """Return where the surface of a link is, from its middle line, in parts of its radius.
+    """Return the offset of a link's surface from its middle line in a direction, in its radius.
 
     Args:
         link: of any shape.
-        direction: (3,) in the creation frame, of length one.
+        direction: (3,) unit vector in the creation frame.
     """
     up = (direction @ link.normal) * link.normal
     if link.shape == "plate":
@@ -79,10 +78,10 @@ def _link_axes(span: Array, up: Array) -> Array:
 
 
 def _round(length: float, a: float, b: float, swelling: float) -> Solid:
-    """Return a round cone with a swelling, closed by half balls."""
+    """Return a round cone with a swelling, closed by hemispheres."""
     cap = np.linspace(-np.pi / 2, 0, 6)[1:]
     s = np.linspace(0.0, 1.0, 12)[1:-1]
-    # Thickest at a third of the way, as a thigh is.
+    # Thickest at a third of its length, like a thigh.
     belly = np.sin(np.pi * s ** (np.log(0.5) / np.log(0.36)))
     places = np.concatenate(
         [a * np.sin(cap), length * s, length + b * np.sin(-cap[::-1])],
@@ -100,15 +99,15 @@ def _straight(length: float, a: float, b: float, swelling: float) -> Solid:
 
 
 def _plate(length: float, a: float, b: float, swelling: float) -> Solid:
-    """Return a round cone pressed flat; its edge is thin, its outline as round as it was."""
+    """Return a flattened round cone, with a thin edge and a round outline."""
     cone = _round(length, a, b, swelling)
     return Solid(cone.vertices * [1.0, PLATE_FLATNESS, 1.0], cone.faces)
 
 
 def _ball(length: float, a: float, b: float, swelling: float) -> Solid:
-    """Return a ball around the second node, on a stem from the first if it is outside.
+    """Return a ball around the second node, on a stem from the first.
 
-    A stem that would be all but inside the ball is left out.
+    A stem that would be nearly inside the ball is left out.
     """
     del swelling
     stem = min(a, BALL_STEM * b)
@@ -126,10 +125,10 @@ def _ball(length: float, a: float, b: float, swelling: float) -> Solid:
 
 
 def _box(length: float, a: float, b: float, swelling: float) -> Solid:
-    """Return a tapered bar; its edges are bevelled, its ends flat.
+    """Return a tapered bar with bevelled edges and flat ends.
 
     Beside every bevel runs a second line of vertices on the side itself: smooth normals turn
-    between the two, and the rest of the side is seen flat.
+    between the two, and the rest of the side looks flat.
     """
     del swelling
     radii = np.repeat([a, BAR_NARROWING * b], 4)
@@ -152,27 +151,27 @@ SHAPE_MAKERS: Mapping[LinkShape, ShapeMaker] = {
     "plate": _plate,
     "ball": _ball,
 }
-"""All shapes."""
+"""Solid of each link shape."""
 
 
 EYE_MATERIAL = "eye"
 
 EYE_SIZES = (0.20, 0.34)
-"""Size of eyes beside a long head and on a round one, as a part of its girth."""
+"""Radius of eyes at the side of a long head and on a round one, in its girth."""
 
 SWELLING = {LEG: 0.22, FEELER: 0.0}
-"""How much thicker than a cone a link is; what is not named swells a little."""
+"""Swelling of links by kind; other kinds swell a little."""
 
 
 @dataclass(frozen=True, eq=False)
 class SolidPiece:
-    """One visible solid.
+    """One solid of a figure.
 
     Attributes:
         name: such as "l1.2" or "head.eye_l".
         link: number of the link that it follows.
         solid: in the creation frame.
-        material: name, empty for the performer's own.
+        material: name; empty for the performer's own.
         size: characteristic length [m].
     """
 
@@ -184,7 +183,7 @@ class SolidPiece:
 
     @cached_property
     def vertices(self) -> NDArray[np.float32]:
-        """Those of the solid (V, 3), as a picture needs them: one array for all who have it."""
+        """Vertices (V, 3) for rendering, one array for all creatures of the figure."""
         return self.solid.vertices.astype(np.float32)
 
 
@@ -211,7 +210,7 @@ def _body(drawing: Drawing, anatomy: Anatomy, body: Solid) -> SolidPiece:
 
 
 def _eyes(number: int, link: Link) -> list[SolidPiece]:
-    """Return two eyes on the last link of a head, looking forward and to the sides.
+    """Return two eyes on the last link of a head, looking forward and sideways.
 
     A round head has them at its tip; a long one, which ends in a muzzle, nearer its root.
     """
@@ -233,9 +232,9 @@ def _eyes(number: int, link: Link) -> list[SolidPiece]:
 
 
 def _eye_direction(along: Array, is_round: bool) -> tuple[Array, float]:
-    """Return where the right eye of a head looks, and at what part of its last link it is."""
+    """Return the direction of a head's right eye, and its place along the last link, 0 to 1."""
     if abs(along[1]) > 0.8:
-        # A face on an upright head looks forward.
+        # The face of an upright head looks forward.
         return np.array([0.80, 0.12, 0.36]), 1.0
     if is_round:
         return np.array([0.50, 0.42, 0.74]), 1.0

@@ -1,16 +1,19 @@
-"""Network: which parts of a drawing are body, legs, arms, head, tail and feelers.
+"""Anatomy of a drawing: body, legs, arms, head, tail and feelers.
 
-The largest connected group is kept. Nodes with one connection are tips; each is
-followed inward until a node with more than two connections, its base (the thesis
-says "more than one", which would end every appendage at its second node).
-Whatever belongs to no appendage is the body, one solid: so loops fall into it, and
-so does a bridge that joins two loops.
+The largest connected group is used. Nodes with one connection are tips; each is followed inward to
+a node with more than two connections, its base (the thesis says "more than one", which would end
+every appendage at its second node). Nodes of no appendage are the body, one solid: so are loops,
+and bridges between loops.
 
-Feelers, which an author names, are followed and taken away first: what carries
-them is then judged as if they were not there, so a head with antennae is a head.
-What is then one chain without a branch has no base: its middle is the body.
+Feelers, which an author names, are followed and removed first: what carries them is classified
+without them, so a head with antennae is a head. A single chain without a branch has no base: its
+middle is the body.
 
-Source: Sims 1987, 4.2.
+The front-most base on the midline may carry a head, the rear-most a tail. Where several appendages
+share that base, or it is not on the midline, their direction decides: a head points forward and a
+tail backward, both along the midline.
+
+Source: Sims 1987, 4.2: "depending on the position of their base nodes".
 """
 
 from __future__ import annotations
@@ -39,30 +42,33 @@ KIND_ORDER = (LEG, ARM, HEAD, TAIL, FEELER)
 Chain = tuple[int, ...]
 
 MIDLINE_TOLERANCE = 0.3
-"""How far to the side of the midline a head or tail may point, as a part of its length."""
+"""Greatest sideways offset of a head or tail from the midline, in its length."""
 
 
 def classify_appendages(
-    drawing: Drawing, chains: Sequence[Chain], told: Mapping[int, str], branches: bool = True
+    drawing: Drawing,
+    chains: Sequence[Chain],
+    given_kinds: Mapping[int, str],
+    has_branches: bool = True,
 ) -> dict[Chain, str]:
     """Return the kind of each appendage.
 
     Args:
         drawing: the flat network.
         chains: the appendages but feelers, from base to tip.
-        told: kinds by tip, where the author knows better.
-        branches: False for a single chain, whose ends are head and tail wherever they point.
+        given_kinds: kinds by tip, given by the author.
+        has_branches: False for a single chain, whose ends are head and tail in any direction.
     """
-    kinds = {chain: told.get(chain[-1], "") for chain in chains}
+    kinds = {chain: given_kinds.get(chain[-1], "") for chain in chains}
     guessed = [chain for chain in chains if not kinds[chain]]
     kinds |= dict.fromkeys(guessed, LEG)
     if not chains:
         return kinds
     x, y = drawing.places.T
-    if not branches:
+    if not has_branches:
         ends = sorted(guessed, key=lambda c: (y[c[-1]], x[c[-1]]))
         free = [kind for kind in (HEAD, TAIL) if kind not in kinds.values()]
-        # An end that is alone is what it points to.
+        # The direction of a single end decides.
         if len(ends) == 1 and len(free) == 2 and y[ends[0][-1]] > y[ends[0][0]]:
             free.reverse()
         kinds |= dict(zip(ends, free, strict=False))
@@ -85,7 +91,7 @@ def classify_appendages(
 
 
 def sort_appendages(drawing: Drawing, kinds: Mapping[Chain, str]) -> list[Chain]:
-    """Return the appendages by kind, the left before the right, front to back."""
+    """Return the appendages by kind, left before right, front to back."""
 
     def rank(chain: Chain) -> tuple[int, str, float, float]:
         y = drawing.places[list(chain), 1]
@@ -100,7 +106,7 @@ def sort_appendages(drawing: Drawing, kinds: Mapping[Chain, str]) -> list[Chain]
 
 
 def appendage_side(drawing: Drawing, chain: Chain) -> str:
-    """Return the side that an appendage is on: "l", "r", or "m" in the middle."""
+    """Return the side of an appendage: "l", "r", or "m" in the middle."""
     lateral = float(drawing.places[list(chain), 0].mean()) - midline(drawing)
     extent = float(np.ptp(drawing.places, axis=0).max())
     if abs(lateral) <= 1e-6 * extent:
@@ -109,13 +115,13 @@ def appendage_side(drawing: Drawing, chain: Chain) -> str:
 
 
 def midline(drawing: Drawing) -> float:
-    """Return x of the midline: 0, or the middle of a drawing that lies on one side of it [m]."""
+    """Return x of the midline: 0, or the middle of a drawing beside it [m]."""
     low, high = float(drawing.places[:, 0].min()), float(drawing.places[:, 0].max())
     return 0.0 if low <= 0.0 <= high else (low + high) / 2
 
 
 def _is_lengthwise(drawing: Drawing, chain: Chain, middle: float) -> bool:
-    """Tell whether an appendage lies along the midline."""
+    """Return whether an appendage lies along the midline."""
     base, tip = drawing.places[chain[0]], drawing.places[chain[-1]]
     length = math.dist(base, tip)
     return bool(
@@ -133,7 +139,8 @@ class Appendage:
 
     Attributes:
         kind: leg, arm, head, tail or feeler.
-        nodes: node numbers; the first is the base, a node of the body or of what carries it.
+        nodes: node numbers; the first is the base, a node of the body or of the carrying
+            appendage.
         side: "l", "r" or "m", as drawn.
     """
 
@@ -144,11 +151,11 @@ class Appendage:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Something about a drawing that its author may not have meant.
+    """A hint about a drawing that its author may not have intended.
 
     Attributes:
-        node: name of a node that it is about.
-        text: what it is.
+        node: name of the node.
+        text: of the hint.
     """
 
     node: str
@@ -160,14 +167,14 @@ class Remark:
 
 @dataclass(frozen=True, slots=True)
 class Anatomy:
-    """A drawing with its parts told apart.
+    """The parts of a drawing.
 
     Attributes:
         body: node numbers of the body.
         bones: connections within the body.
         appendages: legs (left and right, each front to back), arms, head, tail, feelers.
         ignored: nodes outside the largest connected group.
-        warnings: what the author may not have meant.
+        warnings: hints to the author.
     """
 
     body: tuple[int, ...]
@@ -182,71 +189,77 @@ class Anatomy:
 
 
 def analyse(drawing: Drawing, overrides: Mapping[str, str]) -> Anatomy:
-    """Tell the parts of `drawing` apart.
+    """Return the anatomy of a drawing.
 
     Args:
         drawing: the flat network.
-        overrides: name of a tip -> kind, where the author knows better; of any node -> "body".
+        overrides: kind by name of a tip, or "body" by name of any node, given by the author.
 
     Raises:
-        SceneError: if the drawing has no connection at all, or an override asks of a node
-            what it cannot be. Its paths are relative to the figure.
+        SceneError: the drawing has no connection, or an override does not suit its node. Its paths
+            are relative to the figure.
     """
     if not drawing.connections:
         nodes = " and ".join(f"'{name}'" for name in drawing.names[:2])
         message = f"the figure has no connections; join its nodes, such as {nodes}, in a chain"
         raise SceneError([Problem("chains", message)])
     group = largest_group(drawing.neighbours)
-    links = {n: set(drawing.neighbours[n]) for n in sorted(group)}
-    _check_overrides(drawing, links, overrides)
-    told = {n: overrides[name] for n, name in enumerate(drawing.names) if name in overrides}
-    fixed = {n for n, kind in told.items() if kind == BODY}
-    whole = dict(links)
-    # All are followed before any is taken away: a pair of them makes their base a base.
-    stops = _find_stops(links, fixed)
-    feelers = [_follow_inward(links, n, stops) for n in links if told.get(n) == FEELER]
-    links = _without(links, feelers)
-    stops = _find_stops(links, fixed)
-    tips = [n for n in links if len(links[n]) == 1 and n not in fixed]
-    chains = [chain for tip in tips if len(chain := _follow_inward(links, tip, stops)) > 1]
-    branches = not _is_chain(links)
-    kinds = classify_appendages(drawing, chains, told, branches) | dict.fromkeys(feelers, FEELER)
-    inside = set(links) - {n for chain in chains for n in chain[1:]}
+    adjacency = {n: set(drawing.neighbours[n]) for n in sorted(group)}
+    _check_overrides(drawing, adjacency, overrides)
+    given_kinds = {n: overrides[name] for n, name in enumerate(drawing.names) if name in overrides}
+    fixed = {n for n, kind in given_kinds.items() if kind == BODY}
+    full_adjacency = dict(adjacency)
+    # All are followed before any is removed: two of them turn their common node into a base.
+    stops = _find_stops(adjacency, fixed)
+    feelers = [
+        _follow_inward(adjacency, n, stops) for n in adjacency if given_kinds.get(n) == FEELER
+    ]
+    adjacency = _without(adjacency, feelers)
+    stops = _find_stops(adjacency, fixed)
+    tips = [n for n in adjacency if len(adjacency[n]) == 1 and n not in fixed]
+    chains = [chain for tip in tips if len(chain := _follow_inward(adjacency, tip, stops)) > 1]
+    has_branches = not _is_chain(adjacency)
+    kinds = classify_appendages(drawing, chains, given_kinds, has_branches) | dict.fromkeys(
+        feelers, FEELER
+    )
+    body = set(adjacency) - {n for chain in chains for n in chain[1:]}
     return Anatomy(
-        body=tuple(sorted(inside)),
-        bones=tuple((a, b) for a, b in drawing.connections if a in inside and b in inside),
+        body=tuple(sorted(body)),
+        bones=tuple((a, b) for a, b in drawing.connections if a in body and b in body),
         appendages=tuple(
             Appendage(kinds[c], c, appendage_side(drawing, c))
             for c in sort_appendages(drawing, kinds)
         ),
         ignored=tuple(n for n in range(len(drawing.names)) if n not in group),
-        warnings=tuple(_find_remarks(drawing, whole, inside, kinds)),
+        warnings=tuple(_find_remarks(drawing, full_adjacency, body, kinds)),
     )
 
 
-def _find_stops(links: Adjacency, fixed: set[int]) -> set[int]:
-    """Return the nodes at which an appendage ends on its way inward."""
-    fixed = fixed & set(links)
-    stops = fixed | {n for n, others in links.items() if len(others) > 2}
-    if stops or not _is_chain(links):
+def _find_stops(adjacency: Adjacency, fixed: set[int]) -> set[int]:
+    """Return the nodes at which appendages end on their way inward."""
+    fixed = fixed & set(adjacency)
+    stops = fixed | {n for n, others in adjacency.items() if len(others) > 2}
+    if stops or not _is_chain(adjacency):
         return stops
-    # Its middle node is the body, or its middle link.
-    chain = _follow_inward(links, next(n for n, others in links.items() if len(others) <= 1), set())
+    # The middle node, or the middle link, is the body.
+    chain = _follow_inward(
+        adjacency, next(n for n, others in adjacency.items() if len(others) <= 1), set()
+    )
     n = len(chain)
     return set(chain) if n == 2 else set(chain[(n - 1) // 2 : n // 2 + 1])
 
 
-def _is_chain(links: Adjacency) -> bool:
-    """Tell whether a group is one chain without a branch."""
-    counts = [len(others) for others in links.values()]
+def _is_chain(adjacency: Adjacency) -> bool:
+    """Return whether a group is one chain without a branch."""
+    counts = [len(others) for others in adjacency.values()]
     return max(counts) <= 2 and min(counts) <= 1
 
 
-def _follow_inward(links: Adjacency, tip: int, stops: set[int]) -> Chain:
-    """Return the nodes from the base, the first that appendages stop at, out to `tip`."""
+def _follow_inward(adjacency: Adjacency, tip: int, stops: set[int]) -> Chain:
+    """Return the nodes from the base, the first stop on the way inward, out to `tip`."""
     chain, before = [tip], -1
     while chain[-1] not in stops:
-        onward = [n for n in sorted(links[chain[-1]]) if n != before]
+        onward = [n for n in sorted(adjacency[chain[-1]]) if n != before]
         if not onward:
             break
         before = chain[-1]
@@ -254,24 +267,24 @@ def _follow_inward(links: Adjacency, tip: int, stops: set[int]) -> Chain:
     return tuple(reversed(chain))
 
 
-def _without(links: Adjacency, chains: list[Chain]) -> dict[int, set[int]]:
-    """Return `links` without the nodes of `chains`, their bases excepted."""
+def _without(adjacency: Adjacency, chains: list[Chain]) -> dict[int, set[int]]:
+    """Return the adjacency without the nodes of `chains`, their bases excepted."""
     gone = {node for chain in chains for node in chain[1:]}
-    return {n: others - gone for n, others in links.items() if n not in gone}
+    return {n: others - gone for n, others in adjacency.items() if n not in gone}
 
 
-def _check_overrides(drawing: Drawing, links: Adjacency, overrides: Mapping[str, str]) -> None:
-    """Refuse overrides that ask of a node what it cannot be."""
+def _check_overrides(drawing: Drawing, adjacency: Adjacency, overrides: Mapping[str, str]) -> None:
+    """Refuse overrides that do not suit their nodes."""
     number = {name: n for n, name in enumerate(drawing.names)}
-    loops = loop_groups(links)
-    tips = [drawing.names[n] for n, others in links.items() if len(others) == 1]
+    loops = loop_groups(adjacency)
+    tips = [drawing.names[n] for n, others in adjacency.items() if len(others) == 1]
     problems = []
     for name, kind in overrides.items():
         node = number.get(name)
         loop = next((group for group in loops if node in group), None)
         if node is None:
             message = f"no node is called '{name}', {hint(name, number)}"
-        elif node not in links:
+        elif node not in adjacency:
             message = f"'{name}' is not connected to the figure, so it is no part of it"
         elif kind == BODY or name in tips:
             continue
@@ -289,23 +302,23 @@ def _tips_hint(name: str, tips: list[str]) -> str:
     return f"the tips are {', '.join(sorted(tips))}" if tips else "it has none"
 
 
-def list_names(drawing: Drawing, nodes: set[int], most: int = 6) -> str:
-    """Return the names of nodes, in the order of the drawing, the first few of many."""
+def list_names(drawing: Drawing, nodes: set[int], limit: int = 6) -> str:
+    """Return the names of nodes in drawing order, the first few of many."""
     names = [f"'{drawing.names[n]}'" for n in sorted(nodes)]
-    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
+    return ", ".join(names[:limit]) + (", ..." if len(names) > limit else "")
 
 
 def _find_remarks(
-    drawing: Drawing, links: Adjacency, body: set[int], kinds: Mapping[Chain, str]
+    drawing: Drawing, adjacency: Adjacency, body: set[int], kinds: Mapping[Chain, str]
 ) -> Iterator[Remark]:
-    """Find what the author may not have meant."""
-    ignored = set(range(len(drawing.names))) - set(links)
+    """Yield hints to the author."""
+    ignored = set(range(len(drawing.names))) - set(adjacency)
     if ignored:
         are = "are" if len(ignored) > 1 else "is"
         text = f"{list_names(drawing, ignored)} {are} not connected to the rest and ignored"
         yield Remark(drawing.names[min(ignored)], text)
-    yield from _joined_loops(drawing, links)
-    chain = _is_chain(links)
+    yield from _joined_loops(drawing, adjacency)
+    chain = _is_chain(adjacency)
     if LEG not in kinds.values() and not chain:
         name = drawing.names[min(body)]
         yield Remark(name, "there is no leg: the figure can stand and pose, but not walk")
@@ -316,12 +329,12 @@ def _find_remarks(
         )
         yield Remark(drawing.names[min(body)], text)
     ends = {n for chain in kinds for n in chain[1:]}
-    for n in sorted(set(links) - ends):
+    for n in sorted(set(adjacency) - ends):
         if drawing.shapes[n] != "round":
             text = f"no link ends at '{drawing.names[n]}', so its shape is not used"
             yield Remark(drawing.names[n], text)
     first: dict[tuple[float, float], int] = {}
-    for n in sorted(links):
+    for n in sorted(adjacency):
         x, y = drawing.places[n]
         other = first.setdefault((float(x), float(y)), n)
         if other != n:
@@ -329,16 +342,16 @@ def _find_remarks(
             yield Remark(drawing.names[n], f"{text} and not connected")
 
 
-def _joined_loops(drawing: Drawing, links: Adjacency) -> Iterator[Remark]:
-    """Find loops that are joined by a bridge, which then is part of the body."""
-    loops = loop_groups(links)
-    core = loop_core(links)
+def _joined_loops(drawing: Drawing, adjacency: Adjacency) -> Iterator[Remark]:
+    """Yield hints about loops that a bridge joins, which makes it a part of the body."""
+    loops = loop_groups(adjacency)
+    core = loop_core(adjacency)
     between: dict[int, set[int]] = {n: set() for n in core}
     for a, b in find_bridges(core):
         between[a].add(b)
         between[b].add(a)
     home = {n: i for i, loop in enumerate(loops) for n in loop}
-    told = set[frozenset[int]]()
+    reported = set[frozenset[int]]()
     for start in sorted(between):
         if start not in home:
             continue
@@ -347,14 +360,14 @@ def _joined_loops(drawing: Drawing, links: Adjacency) -> Iterator[Remark]:
             while way[-1] not in home:
                 way.append(next(n for n in sorted(between[way[-1]]) if n != way[-2]))
             ends = frozenset((start, way[-1]))
-            if ends in told:
+            if ends in reported:
                 continue
-            told.add(ends)
-            one, other = loops[home[start]], loops[home[way[-1]]]
+            reported.add(ends)
+            first_loop, second_loop = loops[home[start]], loops[home[way[-1]]]
             bridge = " - ".join(f"'{drawing.names[n]}'" for n in way)
             text = (
-                f"the loops of {list_names(drawing, one, 3)} and of "
-                f"{list_names(drawing, other, 3)} are "
+                f"the loops of {list_names(drawing, first_loop, 3)} and of "
+                f"{list_names(drawing, second_loop, 3)} are "
                 f"joined by the bridge {bridge}, which is part of the body and does not bend"
             )
             yield Remark(drawing.names[start], text)

@@ -1,7 +1,7 @@
-"""Avoidance: how near a limb comes to what stands in its way, and which way is off.
+"""Distances of limbs from obstacles, and the directions away from them.
 
-Obstacles are capsules, a ball being one without length. Joints beyond a link do not move
-it: a Jacobian J_0 of its own describes the limb up to the place of it that is nearest.
+Obstacles are capsules; a ball is one without length. Joints beyond a link do not move it: a
+Jacobian J_0 of its own describes the limb up to its nearest point.
 
 Source: Sims 1987, B.2; closest points of two segments after Ericson 2005, 5.1.9.
 """
@@ -31,13 +31,13 @@ class Obstacles:
 
 @dataclass(frozen=True, eq=False)
 class NearestObstacles:
-    """Where each link of each limb is nearest to an obstacle.
+    """The nearest obstacle to each link of each limb.
 
     Attributes:
-        gap: (L, n) distance of the link's line from the obstacle's surface, negative inside
-            [m]. Link k is moved by joint k.
+        gap: (L, n) distance of the link's line from the obstacle's surface, negative inside [m].
+            Link k is moved by joint k.
         away: (L, n, 3) unit direction away from the obstacle.
-        jacobian: (L, n, n, 3) J_0ᵀ of the place of each link (second) that is nearest.
+        jacobian: (L, n, n, 3) J_0ᵀ of the nearest point of each link (second).
     """
 
     gap: Array
@@ -46,7 +46,7 @@ class NearestObstacles:
 
 
 def nearest_obstacles(batch: LimbBatch, pose: LimbPose, obstacles: Obstacles) -> NearestObstacles:
-    """Return where each link is nearest to any of the obstacles."""
+    """Return the obstacle nearest to each link."""
     R, joints = pose.X_BJ[..., :3, :3], pose.X_BJ[..., :3, 3]
     ends = np.concatenate([joints[:, 1:], pose.tips[:, None]], axis=1)
     ours, theirs = closest_points(
@@ -72,13 +72,13 @@ def nearest_obstacles(batch: LimbBatch, pose: LimbPose, obstacles: Obstacles) ->
 def closest_points(a: Array, b: Array, c: Array, d: Array) -> tuple[Array, Array]:
     """Return the nearest points (..., 3) of the segments from `a` to `b` and from `c` to `d`.
 
-    All (..., 3), and either segment may be a point.
+    All are (..., 3), and either segment may be a point.
     """
     u, v, w = b - a, d - c, a - c
     uu, vv, uv = _dot(u, u), _dot(v, v), _dot(u, v)
     uw, vw = _dot(u, w), _dot(v, w)
     square = uu * vv - uv * uv
-    # Of parallel segments any place will do to begin with.
+    # For parallel segments any start is valid.
     apart = square > 1e-12 * uu * vv
     s = np.where(apart, np.clip((uv * vw - vv * uw) / np.where(apart, square, 1.0), 0, 1), 0.0)
     long = vv > 0.0

@@ -1,7 +1,10 @@
-"""Pose plan: an author's keys for a figure -> runs of tracks, each about one thing.
+"""An author's pose keys for a figure, sorted into runs of tracks, and the names of its parts.
 
-Keys about the same thing follow one another on one track, until a release ends it; a key
-after that begins a run of its own.
+Keys about the same part follow one another on one track, until a release ends it; a later key
+starts a new run.
+
+A joint is named after its node, with the unit of its value: elbow_r_deg where the node has one
+joint, hip_l_pitch_deg where it has several.
 
 Source: Sims 1987, 3.2.2.
 """
@@ -23,13 +26,13 @@ from pipeline.spec.suggestions import hint
 
 
 class PartNames:
-    """Names of limbs, nodes and joints.
+    """Names of limbs, nodes and joints of a figure.
 
     Attributes:
-        figure: whose parts they are.
+        figure: the figure.
         limbs: name -> number of the limb.
-        nodes: name -> limb, and which of its links ends there.
-        joints: name -> limb, and which of its joints it is.
+        nodes: name -> limb, and number of its link that ends there.
+        joints: name -> limb, and number of the joint within it.
         body: names of the nodes of the body.
     """
 
@@ -37,7 +40,7 @@ class PartNames:
         self.figure = figure
         skeleton, names = figure.skeleton, figure.drawing.names
         self.limbs = {limb.name: i for i, limb in enumerate(skeleton.limbs)}
-        # A limb that is the only one of its side needs no number.
+        # The only limb of its side needs no number.
         for name, i in list(self.limbs.items()):
             short = name[:-1]
             if name.endswith("1") and len(short) > 1 and f"{short}2" not in self.limbs:
@@ -52,7 +55,7 @@ class PartNames:
         self.body = {names[node] for node in figure.anatomy.body}
 
     def _name_joints(self, limb: int, k: int, node: str) -> None:
-        """Name the joints of a limb that stand at its node number `k`."""
+        """Name the joints of a limb at its node number `k`."""
         skeleton = self.figure.skeleton
         start = "base_" if k == 0 else f"joint{k}_"
         here = [
@@ -79,18 +82,18 @@ class PartNames:
 BODY = "body"
 
 POINT_PRIORITY, JOINT_PRIORITY = 1, 2
-"""Priorities that are taken if none is given."""
+"""Default priorities."""
 
 
 @dataclass(frozen=True, eq=False)
 class PoseRun:
-    """What is asked of a part of one limb.
+    """A demand on a part of one limb.
 
     Attributes:
         limb: number of the limb.
-        run: the values over time.
+        run: values over time.
         priority: 1 comes first.
-        weight: among what has that priority.
+        weight: among demands of that priority.
     """
 
     limb: int
@@ -101,12 +104,12 @@ class PoseRun:
 
 @dataclass(frozen=True, eq=False)
 class PointRun(PoseRun):
-    """What is asked of one node: a place [m], a direction, or angles [rad].
+    """A demand on one node: a place [m], a direction, or angles [rad].
 
     Attributes:
         point: the node.
         goal: "reach", "aim" or "turn_deg".
-        frame: what the values are relative to.
+        frame: of the values.
     """
 
     point: LimbPoint
@@ -116,11 +119,11 @@ class PointRun(PoseRun):
 
 @dataclass(frozen=True, eq=False)
 class JointRun(PoseRun):
-    """What is asked of one joint: a value [rad or m].
+    """A demand on one joint: a value [rad or m].
 
     Attributes:
-        column: which of the limb's joints.
-        joints: how many the limb has.
+        column: number of the joint within the limb.
+        joints: number of joints of the limb.
     """
 
     column: int
@@ -129,12 +132,12 @@ class JointRun(PoseRun):
 
 @dataclass(frozen=True, eq=False)
 class PosePlan:
-    """All that is asked of one figure.
+    """All demands on one figure.
 
     Attributes:
-        points: of nodes.
-        joints: of joints.
-        body: runs of the body, (6,) values: how far it is moved [m], angles [rad].
+        points: on nodes.
+        joints: on joints.
+        body: runs of the body, (6,) values: displacement [m], angles [rad].
     """
 
     points: tuple[PointRun, ...]
@@ -142,23 +145,23 @@ class PosePlan:
     body: tuple[BlendedTrack, ...]
 
     def limbs(self) -> list[int]:
-        """Return the numbers of the limbs that something is asked of."""
+        """Return the numbers of the limbs with demands."""
         return sorted({asked.limb for asked in (*self.points, *self.joints)})
 
 
 def plan_poses(keys: Sequence[PoseKey], figure: Figure, path: str) -> PosePlan:
-    """Sort the keys of a figure into runs.
+    """Return the pose plan of a figure.
 
     Args:
         keys: in any order.
-        figure: whose they are.
+        figure: the figure.
         path: of the keys in the scene, for errors.
 
     Raises:
-        SceneError: if a key names what the figure has not, or asks of it what it cannot do.
+        SceneError: a key names a part that the figure lacks, or demands the impossible.
     """
     plan = _Planner(PartNames(figure), path)
-    # Authors write limb after limb; what comes first in time is taken first.
+    # Authors write limb by limb; keys are taken in order of time.
     for number in sorted(range(len(keys)), key=lambda i: keys[i].at):
         plan.take(number, keys[number])
     if plan.problems:
@@ -167,7 +170,7 @@ def plan_poses(keys: Sequence[PoseKey], figure: Figure, path: str) -> PosePlan:
 
 
 class _TrackKey(NamedTuple):
-    """What a track is about: a joint, one of the goals of a node, or the body."""
+    """The part of a track: a joint, one of the goals of a node, or the body."""
 
     kind: str
     limb: int
@@ -176,7 +179,7 @@ class _TrackKey(NamedTuple):
 
 @dataclass(slots=True)
 class _OpenTrack:
-    """Keys about one thing so far."""
+    """The keys of one part so far."""
 
     keys: list[tuple[float, Sequence[float], Ease]]
     first: PoseKey
@@ -203,7 +206,7 @@ class _Planner:
     ended: list[tuple[_TrackKey, _OpenTrack]] = field(default_factory=list)
 
     def take(self, number: int, key: PoseKey) -> None:
-        """Put one key where it belongs."""
+        """Add one key to its tracks."""
         path = f"{self.path}[{number}]"
         if key.limb is not None or key.node is not None:
             self._take_point(key, path)
@@ -300,7 +303,7 @@ class _Planner:
         return known.get(name) == (thing.limb, thing.number)
 
     def finished(self) -> PosePlan:
-        """Return what the keys come to."""
+        """Return the plan."""
         runs = [*self.ended, *self.open.items()]
         return PosePlan(
             points=tuple(self._points(runs)),

@@ -1,12 +1,11 @@
-"""Reaching: the whole of inverse kinematics, for limbs that are posed rather than walked on.
+"""The complete inverse kinematics, for limbs that are posed.
 
-First the tips are brought to their goals: near full extension by its own method, elsewhere
-by damped pseudo-inverse iterations along a path of segments. Limbs that a limit has
-stopped short on a long way take another branch, which geometry knows; they may also start
-again from joint values that are drawn. Then the goals of lower priority
-have what redundancy is left, and the tips are settled a last time.
+First the tips are brought to their goals: near full extension by its own method, elsewhere by
+damped pseudo-inverse iterations along a path of segments. Limbs that a limit stops short on a long
+way try another branch, found by geometry; they may also restart from random joint values. Then the
+goals of lower priority use the remaining redundancy, and the tips are settled a last time.
 
-`inverse.solve` is the fast part of it that walking needs.
+`inverse_kinematics.solve` is the fast part of it that walking needs.
 
 Notation of the thesis: x tip, θ joint values (here q), J Jacobian, α gain.
 
@@ -42,32 +41,31 @@ from pipeline.simulation.figures.task_priority import Task, bounded_priority_ste
 from pipeline.simulation.spatial import Array
 
 DAMPING_RATIO = 0.05
-"""λ as a part of the error: far from a goal that a limb cannot reach it keeps joints calm,
-and it vanishes where the goal is reached."""
+"""λ as a fraction of the error: it calms joints of limbs out of reach, and vanishes at the goal."""
 
 MIN_DAMPING = 1e-6
 """Least λ."""
 
 MIN_SEGMENT = 1e-7
-"""Segment below which a tip is as near its goal as its limits let it."""
+"""Segment below which a tip is as near its goal as its limits allow."""
 
 MAX_JOINT_MOVE = 0.2
-"""Most that a joint moves for lower goals in one round [rad or m]."""
+"""Greatest movement of a joint for lower goals in one round [rad or m]."""
 
 RESTART_DRAWS = 32
-"""Joint values drawn for one restart; it begins at those nearest to the goal."""
+"""Random joint values for one restart; it starts at those nearest to the goal."""
 
 REST_PREFERENCE = 1e-2
-"""How much farther off a tip may begin on another branch, in lengths of the limb, for joints
-one radian nearer to rest."""
+"""Extra distance, in lengths of the limb, that a branch may start with for joints one radian
+nearer to rest."""
 
 STILL_MOVE = 1e-6
-"""Movement for lower goals below which they have what they can get [rad or m]."""
+"""Movement for lower goals below which they are served [rad or m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class _ReachState:
-    """Limbs on their way: their pose, and what is left of it (L,), see `Placement.task`."""
+    """Limbs in progress: their pose, and the remaining error (L,), see `TipPlacement.task`."""
 
     pose: LimbPose
     error: Array
@@ -90,44 +88,46 @@ def reach(
     *,
     restarts: int = 0,
     rng: np.random.Generator | None = None,
-    most: int = 50,
+    max_iterations: int = 50,
     rounds: int = 60,
 ) -> IKSolution:
-    """Bring tips to places, and to orientations if asked; then serve the other goals.
+    """Bring tips to places, and to orientations if given; then serve the other goals.
 
     Args:
         batch: the limbs.
         start: within the limits; along a motion the pose of the step before.
-        goals: (L, 3) places of the tips relative to their bases [m]. One out of reach gives
-            the closest pose that is found, with its residual. A tip less than a segment
-            from its goal stays on its branch: along a motion a knee never flips.
-        orientation: (L, 3, 3) R_BF of the tips; without it they are free.
-        secondary: goals of lower priority, each at no cost of those before it.
-        restarts: how often limbs that fell short start again from values drawn between
-            their limits. None along a motion: the pose would jump.
-        rng: what they are drawn with.
-        most: bound on the iterations of each start.
-        rounds: bound on those for the secondary goals. Along a motion few, so that joints
-            do not outrun the tip: one round is one step of eq. B.7.
+        goals: (L, 3) places of the tips relative to their bases [m]. One out of reach gives the
+            closest pose that is found, with its residual. A tip less than a segment from its goal
+            stays on its
+            branch: along a motion a knee never flips.
+        orientation: (L, 3, 3) R_BF of the tips; free by default.
+        secondary: goals of lower priority, in order.
+        restarts: number of restarts, from random values, of limbs that fell short. None along a
+            motion: the pose would jump.
+        rng: for the restarts.
+        max_iterations: bound on the iterations of each start.
+        rounds: bound on those for the secondary goals. Along a motion few, so that joints do not
+            outrun
+            the tip: one round is one step of eq. B.7.
 
     Raises:
-        ValueError: if there are restarts and nothing to draw them with.
+        ValueError: there are restarts but no `rng`.
     """
     aim = TipPlacement(goals, orientation)
-    state, iterations = _first_approach(batch, start, aim, most)
-    state, more = _try_branches(batch, start, state, aim, most)
+    state, iterations = _first_approach(batch, start, aim, max_iterations)
+    state, more = _try_branches(batch, start, state, aim, max_iterations)
     iterations += more
     for _ in range(restarts):
         if rng is None:
             raise ValueError("restarts need a generator of random numbers")
-        # Drawn for all, so that what a limb gets depends on no other's success.
+        # Drawn for all limbs, so that a limb's values do not depend on the success of others.
         share = rng.random((RESTART_DRAWS, *batch.lower.shape))
         rows = np.flatnonzero(state.error > TOLERANCE)
         if len(rows):
             own = batch.rows(rows)
             draws = own.lower + share[:, rows] * (own.upper - own.lower)
             q = _nearest_draw(own, aim.rows(rows), draws)
-            state, more = _retry(batch, state, aim, rows, q, most)
+            state, more = _retry(batch, state, aim, rows, q, max_iterations)
             iterations += more
     if secondary:
         state, more = _serve_secondary(batch, state, aim, secondary, rounds)
@@ -140,7 +140,7 @@ def reach(
 
 
 def _nearest_draw(batch: LimbBatch, aim: TipPlacement, draws: Array) -> Array:
-    """Return of several joint values (D, L, n) those (L, n) that leave the least to do."""
+    """Return, of several joint values (D, L, n), those (L, n) with the least error."""
     errors = np.stack([_error(batch, batch.pose(q), aim) for q in draws])
     result: Array = draws[errors.argmin(axis=0), np.arange(len(aim.places))]
     return result
@@ -162,7 +162,7 @@ def _first_approach(
         state = _replace_rows(state, rows[done], _ReachState(pose, left), done)
         if done.all() and len(rows) == len(state.error):
             return state, 1
-        # What is stretched out towards a goal beyond its reach is as near as can be.
+        # A limb stretched towards a goal beyond its reach is as near as possible.
         rest = np.setdiff1d(np.arange(len(state.error)), rows[done])
         return _retry(batch, state, aim, rest, state.pose.q[rest], most)
     return _approach(batch, state, aim, most)
@@ -173,8 +173,8 @@ def _try_branches(
 ) -> tuple[_ReachState, int]:
     """Let limbs that fell short on a long way take another branch, if it ends at the goal.
 
-    The branch is the one whose tip is nearest to its goal and whose joints are nearest to
-    rest: no chance is in it.
+    The branch is the one with the tip nearest to its goal and the joints nearest to rest; there is
+    no randomness in it.
     """
     begun = _error(batch, start, aim)
     beyond = np.linalg.norm(aim.places - batch.places[:, 0], axis=-1) > full_reach(batch)
@@ -201,7 +201,7 @@ def _retry(
     q: Array,
     most: int,
 ) -> tuple[_ReachState, int]:
-    """Approach with the limbs `rows` (k,) alone from `q` (k, n); keep what is better."""
+    """Approach with the limbs `rows` (k,) alone from `q` (k, n); keep the better result."""
     own, there = batch.rows(rows), aim.rows(rows)
     pose = own.pose(q)
     found, count = _approach(own, _ReachState(pose, _error(own, pose, there)), there, most)
@@ -233,7 +233,7 @@ def _replace_rows(
 def _approach(
     batch: LimbBatch, state: _ReachState, aim: TipPlacement, most: int
 ) -> tuple[_ReachState, int]:
-    """Go towards the goals segment by segment, until all are reached or nearer is not possible."""
+    """Go towards the goals segment by segment, until they are reached or progress ends."""
     longest = np.full(len(state.error), SEGMENT)
     calm = np.zeros(len(state.error), dtype=bool)
     count = 0
@@ -250,8 +250,8 @@ def _approach(
         )
         after, off = _segment(own, here, there, longest[rows], gain, calm[rows])
         good = after.error < here.error
-        # A segment at whose end the tip is not nearer was too long: take it back and shorten
-        # it. One whose end was met may be longer next time (Sims 1987, figure 6.3).
+        # A segment after which the tip is not nearer was too long: revert and shorten it. After
+        # one whose end was met the next may be longer (Sims 1987, figure 6.3).
         factor = np.where(good, np.where(off < 0.3, 2.0, 1.0), 0.25)
         longest[rows] = np.minimum(longest[rows] * factor, 1.0)
         calm[rows] = ~good
@@ -273,17 +273,17 @@ def _segment(
     gain: Array,
     straight: NDArray[np.bool_],
 ) -> tuple[_ReachState, Array]:
-    """Return the limbs one segment on, and by what part of it they missed its end (L,)."""
+    """Return the limbs one segment on, and the fraction of it by which they missed its end (L,)."""
     task = aim.task(batch, state.pose)
     part = np.minimum(1.0, longest / np.maximum(state.error, 1e-300))[:, None]
-    # On a long way the middle of the limits has a say: a knee that starts out straight
-    # would else be driven into the limit that it does not bend towards.
+    # On a long way the middle of the limits attracts: a knee that starts straight would else be
+    # driven into the limit that it does not bend towards.
     middle = 0.5 * (batch.lower + batch.upper)
     share = np.where(state.error > SEGMENT, 0.5, 0.0)[:, None]
     z = gain[:, None] * (batch.preferred + share * (middle - batch.preferred) - state.pose.q)
     velocity = part * task.velocity
     arc = _arc_step(batch, state.pose.tips, aim.places, part)
-    # Only the straight way is sure to lead nearer when all others fail.
+    # Only the straight way leads nearer when all others fail.
     velocity[:, :3] = np.where(straight[:, None], velocity[:, :3], arc)
     tasks = [Task(task.jacobian, velocity), Task.wish(z)]
     q, _ = bounded_priority_step(
@@ -299,8 +299,8 @@ def _segment(
 def _arc_step(batch: LimbBatch, tips: Array, goals: Array, part: Array) -> Array:
     """Return the step (L, 3), in lengths of the limb, that leads `part` (L, 1) of the way.
 
-    The way turns about the base while it gets longer or shorter: a straight one to a goal on
-    the other side would lead through the base, which folds a limb into its limits.
+    The way turns about the base while it lengthens or shortens: a straight one to a goal on the
+    other side would lead through the base, which folds a limb into its limits.
     """
     base = batch.places[:, 0]
     a, b = tips - base, goals - base
@@ -344,13 +344,13 @@ def _serve_secondary(
         pose = batch.pose(q)
         settled = _ReachState(pose, _error(batch, pose, aim)).better(settled)
         count += 1
-    # A lower goal never costs a higher one: where the tip is worse off, all is as before.
+    # A lower goal never costs a higher one: where the tip is worse off, revert.
     kept = settled.error <= np.maximum(TOLERANCE, state.error * (1.0 + 1e-9))
     return settled.where(kept, state), count
 
 
 SETTLE_ITERATIONS = 20
-"""Most iterations that bring the tips back after lower goals have stirred the joints."""
+"""Bound on the iterations that bring the tips back after the lower goals."""
 
 
 def _error(batch: LimbBatch, pose: LimbPose, aim: TipPlacement) -> Array:

@@ -1,14 +1,13 @@
-"""Settling: the joint values nearest to the preferred ones that bring tips to goals.
+"""Inverse kinematics from the preferred values: the nearest joint values that bring tips to goals.
 
-Unlike `solve`, which follows a motion from pose to pose, this always begins at the
-preferred values and takes the same number of iterations. So a limb's pose is a function
-of its goal alone, as smooth as the goal is; poses of many moments can be worked out at
-once, in any order, and a limb comes back to the same pose with its foot.
+Unlike `solve`, which follows a motion from pose to pose, this always starts at the preferred
+values and takes the same number of iterations. So a limb's pose is a function of its goal alone,
+as smooth as the goal; poses of many moments can be solved at once, in any order, and a limb
+returns to the same pose with its foot.
 
-It does what `inverse.iterate` does, written out for speed: limbs of one make, block by
-block, as `chains` lays them out. Sums go joint after joint, and the three equations of a tip
-are solved by their own elimination, so that a limb's last bit does not hang on how many
-there are.
+It computes the same as `inverse_kinematics.damped_step`, written out for speed: limbs of one
+structure (`limb_chains`), block by block. Sums go joint by joint, and the three equations of a tip
+are solved by elimination, so that the last bit does not depend on the number of limbs.
 
 Source: Sims 1987, 6.1, 6.2, B.2, B.4 and B.7.
 """
@@ -31,14 +30,14 @@ from pipeline.simulation.figures.limb_chains import ChainGroup
 from pipeline.simulation.spatial import Array
 
 SEGMENT = 0.35
-"""Longest step of a tip in one iteration, as a part of the limb's length."""
+"""Longest step of a tip in one iteration, in lengths of the limb."""
 
 REST_GAINS = (0.6, 0.6, 0.6, 0.6, 0.3, 0.0, 0.0)
-"""Gain α of the pull towards the preferred values, iteration by iteration; at the end
-the tip is only brought home."""
+"""Gain α of the pull towards the preferred values by iteration; the last ones only solve for the
+tip."""
 
 BLOCK_SIZE = 5000
-"""Limbs and moments at once: so many stay in a processor's cache."""
+"""Limbs times moments solved at once: so many fit a processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +56,11 @@ class RestSolution:
 
 
 def solve_near_rest(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array) -> RestSolution:
-    """Bring the tips to `goals` with joint values as near the preferred as can be.
+    """Move the tips to `goals` with joint values as near the preferred ones as possible.
 
     Args:
         batch: L limbs.
-        chains: the same limbs by their makes.
+        chains: the same limbs by structure.
         goals: (m, L, 3) at m moments, relative to the body [m].
     """
     moments, limbs, n = len(goals), *batch.is_joint.shape
@@ -74,10 +73,10 @@ def solve_near_rest(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array
         goal = np.ascontiguousarray(goals[at].transpose(2, 1, 0))
         values = _solve_block(chain, goal)
         k = len(values)
-        for j, frame in enumerate(chain.along(values)):
+        for j, frame in enumerate(chain.frames(values)):
             p = frame[3]
             if j < k:
-                R = chain.turned(j, frame)
+                R = chain.rotation(j, frame)
                 X[when, :, j, :3, :3][:, chain.rows] = R.transpose(3, 2, 0, 1)
                 X[when, :, j, :3, 3][:, chain.rows] = p.transpose(2, 1, 0)
         residual[at] = _norm(goal - p).T
@@ -93,16 +92,16 @@ def solve_near_rest(batch: LimbBatch, chains: Sequence[ChainGroup], goals: Array
 def solve_each_near_rest(
     batch: LimbBatch, chains: Sequence[ChainGroup], rows: LimbRows, goals: Array
 ) -> tuple[Array, Array]:
-    """Return what `solve_near_rest` makes of limbs, each brought to a goal of its own.
+    """Return the result of `solve_near_rest` for limbs with a goal each.
 
     Args:
         batch: L limbs.
-        chains: the same limbs by their makes.
-        rows: (N,) which limb for each goal.
+        chains: the same limbs by structure.
+        rows: (N,) number of the limb of each goal.
         goals: (N, 3) relative to the body [m].
 
     Returns:
-        Joint values (N, n) [rad or m], and how far the tips stay from their goals (N,) [m].
+        Joint values (N, n) [rad or m], and distances of the tips from their goals (N,) [m].
     """
     residual: Array = np.linalg.norm(goals - batch.tips[rows], axis=-1)
     q = batch.preferred[rows]
@@ -112,10 +111,10 @@ def solve_each_near_rest(
         mine = np.flatnonzero(place[rows] >= 0)
         if not len(mine):
             continue
-        some = chain.some(place[rows[mine]])
+        some = chain.subset(place[rows[mine]])
         goal = np.ascontiguousarray(goals[mine].T)[..., None]
         values = _solve_block(some, goal)
-        *_, (_, _, _, p) = some.along(values)
+        *_, (_, _, _, p) = some.frames(values)
         residual[mine] = _norm(goal - p)[:, 0]
         q[mine, : len(values)] = values[..., 0].T
         far = mine[residual[mine] > TOLERANCE * batch.lengths[rows[mine]]]
@@ -126,18 +125,18 @@ def solve_each_near_rest(
 
 
 def _continue_solving(batch: LimbBatch, rows: LimbRows, q: Array, goals: Array) -> IKSolution:
-    """Go on to goals at the rim of what limbs reach: it takes smaller and more segments."""
+    """Continue to goals at the edge of the reach, in smaller and more segments."""
     rest = batch.rows(rows)
-    return solve(rest, rest.pose(q), goals, most=100)
+    return solve(rest, rest.pose(q), goals, max_iterations=100)
 
 
 def _blocks(chains: Sequence[ChainGroup], moments: int) -> Iterator[tuple[ChainGroup, slice]]:
-    """Cut limbs and moments into blocks."""
+    """Yield limbs and moments in blocks."""
     most = min(moments, BLOCK_SIZE)
     limbs = max(BLOCK_SIZE // max(most, 1), 1)
     for chain in chains:
         for first in range(0, len(chain.rows), limbs):
-            some = chain.some(slice(first, first + limbs))
+            some = chain.subset(slice(first, first + limbs))
             for moment in range(0, moments, most):
                 yield some, slice(moment, moment + most)
 
@@ -152,7 +151,7 @@ def _solve_block(chain: ChainGroup, goal: Array) -> Array:
     )
     longest = np.broadcast_to(SEGMENT * chain.lengths, (limbs, moments))
     damping = np.broadcast_to((DAMPING * chain.lengths) ** 2, (limbs, moments)).ravel()
-    # At the preferred values, where all begin, moments do not differ yet.
+    # At the preferred values, where all start, moments do not differ yet.
     tip, J = _jacobian(chain, chain.preferred)
     J, q = np.broadcast_to(J, (3, *shape)), preferred
     for i, gain in enumerate(REST_GAINS):
@@ -166,7 +165,7 @@ def _solve_block(chain: ChainGroup, goal: Array) -> Array:
         bounded = np.minimum(np.maximum(wanted, lower), upper)
         at = np.flatnonzero((bounded != wanted).any(axis=0))
         if len(at):
-            # Joints that would go through a limit are held there, and the others carry on.
+            # Joints that would exceed a limit are held there, and the others carry the motion.
             held = bounded[:, at] != wanted[:, at]
             moved = np.where(held, bounded[:, at] - q[:, at], 0.0)
             rest = dx[:, at] - _apply_jacobian(J[..., at], moved)
@@ -179,9 +178,9 @@ def _solve_block(chain: ChainGroup, goal: Array) -> Array:
 
 
 def _jacobian(chain: ChainGroup, q: Array) -> tuple[Array, Array]:
-    """Return the tips (3, l, m) [m] and how they move with each joint (3, k, l, m)."""
+    """Return the tips (3, l, m) [m] and their Jacobian (3, k, l, m)."""
     axes, lever = np.empty((2, 3, *q.shape))
-    for j, (_, _, z, p) in enumerate(chain.along(q)):
+    for j, (_, _, z, p) in enumerate(chain.frames(q)):
         if j < len(q):
             axes[:, j], lever[:, j] = z, p
     np.subtract(p[:, None], lever, out=lever)
@@ -239,7 +238,7 @@ def _apply_jacobian(J: Array, q: Array) -> Array:
 
 
 def _sum_joints(terms: Array) -> Array:
-    """Return the sums (3, N) over joints of `terms` (3, k, N), one joint after the other."""
+    """Return the sums (3, N) over joints of `terms` (3, k, N), joint by joint."""
     total: Array = terms[:, 0].copy()
     for j in range(1, terms.shape[1]):
         total += terms[:, j]

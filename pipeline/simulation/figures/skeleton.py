@@ -1,10 +1,15 @@
-"""Skeleton: joints and links in three dimensions, by axis and position.
+"""The skeleton of a figure: its nodes laid out in three dimensions, joints and links.
 
-A joint is a place and an axis in the creation frame, in which the figure lies as
-it was drawn, all joint values being zero. A ball joint is three joints at one
-place. Link 0 is the body; every other link hangs on one joint.
+An insect stays flat as drawn. A mammal's body may be raised at its front, and its legs and arms
+are folded down: the direction from a limb's base to its tip becomes down, and what was drawn
+towards the head of a sideways limb becomes forward.
 
-Source: Sims 1987, 4.2 (axes by style), 5.1 and 5.2 (axis and position).
+A joint is a place and an axis in the creation frame, in which the figure lies as drawn with all
+joint values zero. A ball joint is three joints at one place. Link 0 is the body; every other link
+hangs on one joint.
+
+Source: Sims 1987, 4.2 (axes by style), eq. 4.1 (its -y_c up is left-handed for a drawing seen from
+above; X forward, Y up, Z right is right-handed), 5.1 and 5.2 (axis and position).
 """
 
 from __future__ import annotations
@@ -26,54 +31,54 @@ from pipeline.simulation.figures.joint_limits import (
 )
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL, Anatomy, Appendage
 from pipeline.simulation.spatial import UP, Array, normalized, rotation
-from pipeline.spec.figure import Figure as Words
+from pipeline.spec.figure import Figure as FigureConfig
 from pipeline.spec.figure import LinkShape
 
 FOLDED_KINDS = (LEG, ARM)
-"""Kinds of appendage that a mammal has folded down."""
+"""Kinds of appendage that a mammal folds down."""
 
 SIDEWAYS = np.array([0.0, 0.0, 1.0])
-"""The axis about which a mammal's limbs swing and bend."""
+"""Axis about which a mammal's limbs swing and bend."""
 
 
-def lay_out_nodes(words: Words, drawing: Drawing, anatomy: Anatomy, scale: float) -> Array:
+def lay_out_nodes(config: FigureConfig, drawing: Drawing, anatomy: Anatomy, scale: float) -> Array:
     """Return the nodes (n, 3) in the creation frame [m].
 
-    Its origin is the middle of the nodes that carry legs, or of the body.
+    Its origin is the mean of the nodes that carry legs, or of the body.
     """
     points: Array = drawing.creation() * scale
     carried = [a.nodes[0] for a in anatomy.of_kind(LEG)] or list(anatomy.body)
     points = points - points[sorted(set(carried))].mean(axis=0)
-    if words.style == "insect":
+    if config.style == "insect":
         return points
-    points = points @ rotation(SIDEWAYS, math.radians(words.pitch_deg)).T
+    points = points @ rotation(SIDEWAYS, math.radians(config.pitch_deg)).T
     for appendage in anatomy.appendages:
         if appendage.kind in FOLDED_KINDS:
             _fold_limb(points, drawing, appendage, scale)
     return points
 
 
-def drawing_normal(words: Words, kind: str) -> Array:
+def drawing_normal(config: FigureConfig, kind: str) -> Array:
     """Return the unit normal (3,) of the plane that appendages of a kind were drawn in.
 
-    Upward as they were drawn; for a mammal's legs and arms it is folded down with them.
+    It points up as drawn; for a mammal's legs and arms it is folded down with them.
     """
-    if words.style == "insect":
+    if config.style == "insect":
         return UP
     if kind in FOLDED_KINDS:
         return SIDEWAYS
-    return rotation(SIDEWAYS, math.radians(words.pitch_deg)) @ UP
+    return rotation(SIDEWAYS, math.radians(config.pitch_deg)) @ UP
 
 
 def _fold_limb(points: Array, drawing: Drawing, appendage: Appendage, scale: float) -> None:
-    """Put the nodes of a limb, all but its base, under its base."""
+    """Put all nodes of a limb below its base."""
     base, rest = appendage.nodes[0], list(appendage.nodes[1:])
     drawn = (drawing.places[rest] - drawing.places[base]) * scale
-    # A limb that was drawn back to its base has no direction but that of its first link.
-    far = drawn[-1] if np.linalg.norm(drawn[-1]) > 1e-6 * np.abs(drawn).max() else drawn[0]
-    down = far / np.linalg.norm(far)
-    # A quarter turn that takes sideways-out to headward on either side.
-    left = drawing.places[base][0] + far[0] / scale <= 0.0
+    # A limb drawn back to its base only has the direction of its first link.
+    to_tip = drawn[-1] if np.linalg.norm(drawn[-1]) > 1e-6 * np.abs(drawn).max() else drawn[0]
+    down = to_tip / np.linalg.norm(to_tip)
+    # A quarter turn that takes outward to headward on either side.
+    left = drawing.places[base][0] + to_tip[0] / scale <= 0.0
     forward = np.array([-down[1], down[0]]) if left else np.array([down[1], -down[0]])
     points[rest] = points[base]
     points[rest, 1] -= drawn @ down
@@ -83,14 +88,14 @@ def _fold_limb(points: Array, drawing: Drawing, appendage: Appendage, scale: flo
 FORWARD = np.array([1.0, 0.0, 0.0])
 
 UPRIGHT_SINE = 0.9
-"""Beyond this rise (the sine of its elevation) a limb stands or hangs: nothing in the
-plane of the drawing is across it."""
+"""Sine of the elevation beyond which a limb stands or hangs: no axis in the drawing plane is
+across it."""
 
 MIN_RADIUS_RATIO = 1e-6
-"""Radius of a link, as a part of its length."""
+"""Least radius of a link, in its length."""
 
 BODY = -1
-"""In place of a joint: the body, which no joint moves."""
+"""Number in place of a joint: the body, which no joint moves."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,13 +105,13 @@ class Link:
     Attributes:
         name: such as "l1.2", the second link of the first left leg.
         kind: body, leg, arm, head, tail or feeler.
-        joint: the joint that moves it; `BODY` for the body.
+        joint: that moves it; `BODY` for the body.
         ends: (2, 3) its nodes in the creation frame [m].
         radii: of the solid at both ends [m].
-        material: name, empty for the performer's own.
+        material: name; empty for the performer's own.
         is_tip: whether its second end is the tip of an appendage.
         shape: of its solid.
-        normal: (3,) of the plane that it was drawn in, of length one.
+        normal: (3,) unit normal of the plane that it was drawn in.
     """
 
     name: str
@@ -122,7 +127,7 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Limb:
-    """A chain of joints from a base to a tip, between which inverse kinematics works.
+    """A chain of joints from a base to a tip, for inverse kinematics.
 
     Attributes:
         name: "l1", "r2", "head", ...
@@ -132,7 +137,7 @@ class Limb:
         links: link numbers from base to tip.
         tip: (3,) in the creation frame [m].
         tip_radius: of the solid around the tip [m].
-        length: from base to tip, stretched out [m].
+        length: from base to tip, stretched [m].
     """
 
     name: str
@@ -151,13 +156,13 @@ class Skeleton:
 
     Attributes:
         joint_names: such as "l1.hip_yaw".
-        parents: (J,) joint before each, `BODY` for joints on the body.
+        parents: (J,) joint before each; `BODY` for joints on the body.
         axes: (J, 3) unit axes in the creation frame.
         places: (J, 3) positions in the creation frame [m].
         prismatic: (J,) whether a joint slides along its axis instead of turning about it.
         lower, upper: (J,) limits [rad or m].
         preferred: (J,) values at rest [rad or m].
-        extended: (J,) values at which limbs are as straight as can be [rad or m].
+        extended: (J,) values at which limbs are straightest [rad or m].
         links: the body first.
         limbs: legs first, left before right, front to back.
     """
@@ -176,13 +181,13 @@ class Skeleton:
 
     @property
     def legs(self) -> tuple[Limb, ...]:
-        """Limbs that can be walked on."""
+        """The limbs that walk."""
         return tuple(limb for limb in self.limbs if limb.kind == LEG)
 
 
 @dataclass(slots=True)
 class _Builder:
-    """Collects joints and links while the appendages are gone through."""
+    """Collects joints and links, appendage by appendage."""
 
     style: str
     carrier: dict[int, int]  # node -> joint that moves the link it belongs to
@@ -190,55 +195,57 @@ class _Builder:
     parents: list[int] = field(default_factory=list)
     axes: list[Array] = field(default_factory=list)
     places: list[Array] = field(default_factory=list)
-    stances: list[JointRange] = field(default_factory=list)
+    ranges: list[JointRange] = field(default_factory=list)
     links: list[Link] = field(default_factory=list)
     limbs: list[Limb] = field(default_factory=list)
 
-    def joint(self, name: str, parent: int, axis: Array, place: Array, stance: JointRange) -> int:
+    def joint(
+        self, name: str, parent: int, axis: Array, place: Array, joint_range: JointRange
+    ) -> int:
         self.names.append(name)
         self.parents.append(parent)
         self.axes.append(axis)
         self.places.append(place)
-        self.stances.append(stance)
+        self.ranges.append(joint_range)
         return len(self.names) - 1
 
 
 def build_skeleton(
-    words: Words, drawing: Drawing, anatomy: Anatomy, points: Array, scale: float
+    config: FigureConfig, drawing: Drawing, anatomy: Anatomy, points: Array, scale: float
 ) -> Skeleton:
-    """Build the joints and links of a figure.
+    """Return the joints and links of a figure.
 
-    Axes of an insect's inner joints lie in the plane of the drawing, across the limb, so
-    that its legs bend up and down; those of a mammal's legs point to the side. Hips,
-    necks and roots are ball joints. (The thesis puts insect axes "perpendicular to the
-    two links", which is undefined for straight legs and vertical for bent ones.)
+    Axes of an insect's inner joints lie in the plane of the drawing, across the limb, so that its
+    legs bend up and down; those of a mammal's legs point to the side. Hips, necks and roots are
+    ball joints. (The thesis puts insect axes "perpendicular to the two links", which is undefined
+    for straight legs and vertical for bent ones.)
 
     Args:
-        words: the figure's, for its style and its joints.
+        config: style and joints of the figure.
         drawing: the flat network.
         anatomy: its parts.
         points: (n, 3) nodes in the creation frame [m].
         scale: factor from the drawing to the world.
 
     Raises:
-        SceneError: if `joints` names what the figure does not have, or a link has no thickness
-            to speak of; its path begins there.
+        SceneError: `joints` names a joint that the figure lacks, or a link is too thin; the path
+            starts there.
     """
     radii = drawing.radii * scale
-    builder = _Builder(words.style, dict.fromkeys(anatomy.body, BODY))
+    builder = _Builder(config.style, dict.fromkeys(anatomy.body, BODY))
     middle = points[list(anatomy.body)].mean(axis=0)
     girth = max((float(radii[n]) for n in anatomy.body), default=0.0)
     builder.links.append(
         Link("body", "body", BODY, np.stack([middle, middle]), (girth, girth), "", False)
     )
     for name, side, appendage in _name_appendages(anatomy):
-        normal = drawing_normal(words, appendage.kind)
+        normal = drawing_normal(config, appendage.kind)
         _add_limb(builder, name, side, appendage, points, radii, drawing, normal)
-    joints = apply_joint_overrides(words.joints, builder.names, builder.stances, scale)
-    stances = joints.stances
+    joints = apply_joint_overrides(config.joints, builder.names, builder.ranges, scale)
+    ranges = joints.ranges
     axes = np.array(builder.axes).reshape(-1, 3)
     for j in np.flatnonzero(joints.prismatic):
-        # What slides does so along its link, not about the axis it would have turned on.
+        # A sliding joint slides along its link, not along the axis it would turn about.
         link = next(link for link in builder.links if link.joint == j)
         axes[j] = normalized(link.ends[1] - link.ends[0])
     return Skeleton(
@@ -247,22 +254,22 @@ def build_skeleton(
         axes=axes,
         places=np.array(builder.places).reshape(-1, 3),
         prismatic=joints.prismatic,
-        lower=np.array([s.lower for s in stances]),
-        upper=np.array([s.upper for s in stances]),
-        preferred=np.array([s.preferred for s in stances]),
-        extended=np.array([s.extended for s in stances]),
+        lower=np.array([s.lower for s in ranges]),
+        upper=np.array([s.upper for s in ranges]),
+        preferred=np.array([s.preferred for s in ranges]),
+        extended=np.array([s.extended for s in ranges]),
         links=tuple(builder.links),
         limbs=tuple(builder.limbs),
     )
 
 
 def _name_appendages(anatomy: Anatomy) -> list[tuple[str, str, Appendage]]:
-    """Give each appendage its name and side: l1, l2, ..., r1, ..., head, tail, feeler_l1."""
+    """Return each appendage with name and side: l1, l2, ..., r1, ..., head, tail, feeler_l1."""
     counts: dict[tuple[str, str], int] = {}
     named = []
     for appendage in anatomy.appendages:
         kind, side = appendage.kind, appendage.side
-        # Heads and tails are few, and are not told apart by their sides.
+        # Heads and tails are numbered across sides.
         key = (kind, "" if kind in (HEAD, TAIL) else side)
         counts[key] = number = counts.get(key, 0) + 1
         if kind == LEG:
@@ -293,18 +300,18 @@ def _add_limb(
     joints, links = list[int](), list[int]()
     mammal = builder.style == "mammal"
     kind = appendage.kind
-    stances = (
+    ranges = (
         mammal_joint_ranges(kind, side, steps) if mammal else insect_joint_ranges(kind, len(steps))
     )
     for i, (node, after) in enumerate(itertools.pairwise(nodes)):
-        # An inner joint's axis stands across the mean of the two links it joins.
+        # An inner joint's axis is across the mean direction of its two links.
         along = directions[i] if i == 0 else _mean_direction(directions[i - 1], directions[i])
         axes = _axes(along, mammal and kind in FOLDED_KINDS)
         girths = _link_radii(radii[[node, after]], i == 0, materials[after] != materials[node])
         _check_thickness(drawing, (node, after), girths, float(np.linalg.norm(steps[i])))
-        for turn, stance in stances[i].items():
+        for turn, joint_range in ranges[i].items():
             joint_name = f"{name}.{'base' if i == 0 else f'joint{i}'}_{turn}"
-            parent = builder.joint(joint_name, parent, axes[turn], points[node], stance)
+            parent = builder.joint(joint_name, parent, axes[turn], points[node], joint_range)
             joints.append(parent)
         builder.links.append(
             Link(
@@ -338,7 +345,7 @@ def _add_limb(
 
 
 def _axes(along: Array, folded: bool) -> dict[str, Array]:
-    """Return the axes of the joints of a link that points `along`, by how they turn it."""
+    """Return the joint axes of a link that points `along`, by the name of the joint."""
     if folded or abs(along[1]) > UPRIGHT_SINE:
         return {"yaw": UP, "pitch": SIDEWAYS, "roll": FORWARD, "bend": SIDEWAYS}
     across = normalized(np.cross(along, UP))
@@ -348,9 +355,8 @@ def _axes(along: Array, folded: bool) -> dict[str, Array]:
 def _link_radii(radii: Array, is_root: bool, changes: bool) -> tuple[float, float]:
     """Return the radii of a link's solid between nodes of `radii` (2,) [m].
 
-    At its root an appendage is no thicker than where it goes on. Where the material
-    changes it is thicker than the end of the link before, so that the two meet in a
-    clean line.
+    At its root an appendage is no thicker than further on. Where the material changes it is
+    thicker than the link before, so that the two meet in a clean line.
     """
     first, second = (float(radius) for radius in radii)
     if is_root:
@@ -362,7 +368,7 @@ def _check_thickness(
     drawing: Drawing, nodes: tuple[int, int], girths: tuple[float, float], length: float
 ) -> None:
     """Refuse a link so thin that its volume is lost in rounding."""
-    # A ball's stem is as thin as the ball.
+    # A ball's stem may be as thin as the ball allows.
     is_ball = drawing.shapes[nodes[1]] == "ball"
     if (girths[1] if is_ball else max(girths)) >= MIN_RADIUS_RATIO * length:
         return
@@ -372,6 +378,6 @@ def _check_thickness(
 
 
 def _mean_direction(before: Array, after: Array) -> Array:
-    """Return the direction between those of two links; of the first, where they lie together."""
+    """Return the mean direction of two links; that of the first where they fold together."""
     mean: Array = before + after
     return normalized(mean) if np.linalg.norm(mean) > 1e-6 else before

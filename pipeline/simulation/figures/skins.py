@@ -1,4 +1,11 @@
-"""Skins: surfaces that are seen in place of the solids of a figure's links."""
+"""Skins: rendered surfaces of grown-together links, and of a body with limbs that grow from it.
+
+A limb's skin is a sequence of vertex rings. Around a joint they follow both of its links, by
+shares that change over from one to the other, so that a bent knee stays round.
+
+The stumps of necks, tails and thighs join the body's smooth union. Its skin follows the body, and
+over a stump increasingly the limb, inside whose own skin it ends.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +24,7 @@ from pipeline.simulation.spatial import Array, cross, normalized
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """A closed surface that follows two links a vertex at most.
+    """A closed surface whose vertices follow up to two links.
 
     Attributes:
         vertices: (V, 3) in the creation frame [m].
@@ -57,21 +64,22 @@ LINK_RINGS = 5
 """Rings of a link between its joints."""
 
 BLEND_RADII, MAX_BLEND_LENGTH = 1.1, 0.42
-"""How far from a joint its skin follows both links, in radii and at most in lengths of a link."""
+"""Distance from a joint within which its skin follows both links, in radii and at most in link
+lengths."""
 
 CAP_LATITUDES = np.radians([18.0, 40.0, 62.0, 80.0])
-"""Latitudes of the rings of an end."""
+"""Latitudes of the rings of a cap [rad]."""
 
 EAR_LENGTH = 1.35
-"""Length of an ear in lengths of its link."""
+"""Length of an ear, in lengths of its link."""
 
 SWELLING_EXPONENT = np.log(0.5) / np.log(0.36)
-"""Links are thickest at a third of their way, as a thigh is."""
+"""Places the thickest point of a link at a third of its length, like a thigh's."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Ring:
-    """One ring: its middle and axis, radius, links, and the share of the second of these."""
+    """A ring: centre and axis, radius, links, and the share of the second one."""
 
     middle: Array
     along: Array
@@ -81,9 +89,9 @@ class _Ring:
 
 
 def skin_runs(limb: Limb, skeleton: Skeleton) -> list[tuple[int, ...]]:
-    """Return the links of a limb that look as one, in order.
+    """Return the sequences of a limb's links that grow together.
 
-    Only what is round and of one material grows together, and nothing that slides.
+    Only round links of one material do, and none that slides.
     """
     found: list[list[int]] = []
     for number in limb.links:
@@ -101,12 +109,12 @@ def _is_continuous(before: Link, link: Link, skeleton: Skeleton) -> bool:
 
 
 def limb_skin(run: Sequence[int], links: Sequence[Link], swelling: float) -> Skin:
-    """Return the skin of links that have grown together.
+    """Return the skin of links that grow together.
 
     Args:
         run: their numbers, from the base outward.
-        links: all of the skeleton.
-        swelling: how much thicker than a cone they are in their thickest place, as a part.
+        links: all links of the skeleton.
+        swelling: greatest thickness beyond a cone, as a fraction.
     """
     rings = _rings(run, links, swelling)
     first, last = rings[0], rings[-1]
@@ -130,7 +138,7 @@ def limb_skin(run: Sequence[int], links: Sequence[Link], swelling: float) -> Ski
 
 
 def leaf_skin(number: int, link: Link) -> Skin:
-    """Return an ear: a leaf on a link, flat in the plane that it was drawn in."""
+    """Return an ear: a leaf on a link, flat in its drawing plane."""
     span = EAR_LENGTH * (link.ends[1] - link.ends[0])
     along, across = normalized(span), normalized(cross(link.normal, span))
     s = np.linspace(0.0, 1.0, 12)
@@ -173,7 +181,7 @@ def _rings(run: Sequence[int], links: Sequence[Link], swelling: float) -> list[_
 
 
 def _ring_distances(length: float, before: float, after: float, last: bool) -> list[float]:
-    """Return the distances of a link's rings from its joint; the next link has that at its end."""
+    """Return the distances of a link's rings from its joint, without those of the next link."""
     start = [0.0, 0.5 * before] if before else [0.0]
     inner = np.linspace(before, length - after, LINK_RINGS + 2)
     inner = inner[1:] if before == 0.0 else inner
@@ -198,13 +206,13 @@ def _ring_links(
 
 
 def _cap_ring(ring: _Ring, angle: float) -> _Ring:
-    """Return a ring of the half ball that closes a skin."""
+    """Return a ring of the hemisphere that closes a skin."""
     middle = ring.middle + ring.radius * float(np.sin(angle)) * ring.along
     return _Ring(middle, ring.along, ring.radius * float(np.cos(angle)), ring.links, ring.share)
 
 
 def _parallel_transport(ways: Sequence[Array]) -> Array:
-    """Return a direction (n, 3) across each way, carried along from the first without a twist."""
+    """Return directions (n, 3) across ways, transported from the first one without twist."""
     first = ways[0]
     across = np.eye(3)[int(np.abs(first).argmin())]
     found = []
@@ -219,29 +227,29 @@ def _smooth_share(s: float) -> float:
 
 
 STUMP_KINDS = (LEG, HEAD, TAIL)
-"""Kinds of limbs that a body may grow into. Arms turn too far."""
+"""Kinds of limbs that grow from a body. Arms turn too far."""
 
 MIN_STUMP_RADIUS = 0.30
-"""Radius of a limb's root, as a part of the body's, from which on it has a stump."""
+"""Least root radius of a limb with a stump, in the body's."""
 
 STUMP_RADII, MAX_STUMP_LENGTH = 1.7, 0.55
 """Length of a stump in radii of its root, and at most in lengths of its link."""
 
 STUMP_SEPARATION = 0.8
-"""How much nearer to one stump than to another what follows it alone is, in radii."""
+"""Difference of distances from two stumps beyond which only the nearer one counts, in radii."""
 
 STUMP_END_RATIO = 0.90
-"""Radius of a stump's end as a part of the link's there: it ends inside the limb's skin."""
+"""Radius of a stump's end, in the link's there: it ends inside the limb's skin."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stump:
-    """The begin of a limb.
+    """The root of a limb.
 
     Attributes:
         link: number of its first link.
         ends: (2, 3) in the creation frame [m].
-        radii: there [m].
+        radii: at the ends [m].
     """
 
     link: int
@@ -259,7 +267,7 @@ def find_stumps(
         links: of the figure.
         girth: radius of the body [m].
         material: of the body's solid.
-        own: what links are made of that name no material.
+        own: material of links that name none.
     """
     found = []
     for limb in limbs:
@@ -291,7 +299,7 @@ def body_skin(
         points: (n, 3) nodes in the creation frame [m].
         radii: (n,) of the solid at the nodes [m].
         bones: pairs of nodes.
-        flatness: height as a part of the width.
+        flatness: height, in the width.
         stumps: that grow from it.
     """
     n = len(points)
@@ -312,7 +320,7 @@ def body_skin(
 
 
 def _separation(distances: Array) -> Array:
-    """Return 0 halfway between two stumps (S, n), which follows neither, and 1 away from there.
+    """Return 0 halfway between two stumps, and 1 away from there (n,).
 
     Args:
         distances: (S, n) of places from the stumps' lines, in radii.
@@ -324,9 +332,9 @@ def _separation(distances: Array) -> Array:
 
 
 def _stump_weight(places: Array, stump: Stump) -> tuple[Array, Array]:
-    """Return how much places (n, 3) follow a limb, and how far they are from it in radii.
+    """Return how much places (n, 3) follow a limb, and their distance from it in radii.
 
-    They do more along its stump, and less away from it.
+    The weight grows along the stump, and fades away from it.
     """
     span = stump.ends[1] - stump.ends[0]
     square = float((span * span).sum())

@@ -1,7 +1,11 @@
-"""Solids: closed surfaces of triangles, in the creation frame.
+"""Solids: closed triangle surfaces, in the creation frame.
 
-What links are made of are rings of vertices one after the other. A body is the smooth
-union of round cones along all its connections, polygonised once.
+Links are rings of vertices in sequence. A body is the smooth union of round cones along its
+connections, polygonised once by surface nets: one vertex a cell that the surface crosses, at the
+mean of its crossings with the cell's edges; one quadrilateral for each crossed edge of the grid.
+This is smoother and has better triangles than marching cubes.
+
+Source: Gibson 1998 (naive surface nets, without relaxation).
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from pipeline.simulation.spatial import Array
 
 
 def surface_nets(values: Array, low: Array, cell: float) -> tuple[Array, NDArray[np.uint32]]:
-    """Return vertices (V, 3) and faces (F, 3) of the surface where `values` are zero.
+    """Return vertices (V, 3) and faces (F, 3) of the zero surface of sampled values.
 
     Args:
         values: (n_x, n_y, n_z) samples, negative inside; positive on the whole border.
@@ -47,7 +51,7 @@ def surface_nets(values: Array, low: Array, cell: float) -> tuple[Array, NDArray
 
 
 def _corner_values(field: NDArray[Any], corner: Array, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return what a field is at one corner of all cells."""
+    """Return the values of a field at one corner of all cells."""
     i, j, k = corner
     return field[i : i + shape[0], j : j + shape[1], k : k + shape[2]]
 
@@ -72,16 +76,16 @@ def _quads(inside: NDArray[np.bool_], number: NDArray[np.int64], axis: int) -> N
 
 
 RING_VERTICES = 16
-"""Vertices around a link: with smooth normals more are not seen."""
+"""Vertices around a link: with smooth normals more are not visible."""
 
 BODY_CELLS = 56
-"""Cells along the longest side of the grid that a body is polygonised on."""
+"""Cells along the longest side of a body's grid."""
 
 BLEND_REACH = 6.0
-"""Distance from a bone at which it no longer shapes a body, in widths of the blend."""
+"""Distance from a bone beyond which it does not shape the body, in widths of the blend."""
 
 BODY_FLATNESS = 0.78
-"""Height of an insect's body as a part of its width."""
+"""Height of an insect's body, in its width."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +105,7 @@ def loft(rings: Array, ends: Array) -> Solid:
     """Return the surface through rings of vertices, closed to a point at both ends.
 
     Args:
-        rings: (n, m, 3) one after the other along X, each running from Y to Z [m].
+        rings: (n, m, 3) in sequence along X, each running from Y to Z [m].
         ends: (2, 3) the points before the first ring and after the last [m].
     """
     n, m, _ = rings.shape
@@ -110,7 +114,7 @@ def loft(rings: Array, ends: Array) -> Solid:
 
 @cache
 def _lofted_faces(n: int, m: int) -> NDArray[np.uint32]:
-    """Return the faces of `n` rings of `m` vertices and two points after them."""
+    """Return the faces of `n` rings of `m` vertices followed by two points."""
     i = np.arange(n - 1)[:, None] * m
     k = np.arange(m)
     a, b = i + k, i + (k + 1) % m
@@ -121,13 +125,13 @@ def _lofted_faces(n: int, m: int) -> NDArray[np.uint32]:
     end = np.stack([np.full(m, last), k, k_next], axis=-1)
     end[:, 1:] += (n - 1) * m
     faces = np.concatenate([sides, start, end]).astype(np.uint32)
-    # Many solids share them.
+    # Shared by many solids.
     faces.setflags(write=False)
     return faces
 
 
 def revolve(axis_places: Array, radii: Array) -> Solid:
-    """Return the surface of revolution about X with rings at `axis_places` of `radii`.
+    """Return the surface of revolution about X.
 
     Args:
         axis_places: (n,) ascending along X [m]; the first and last ring are closed to a point.
@@ -137,7 +141,7 @@ def revolve(axis_places: Array, radii: Array) -> Solid:
     ring = np.stack([np.zeros(RING_VERTICES), np.cos(angle), np.sin(angle)], axis=-1)
     rings = ring * radii[:, None, None]
     rings[..., 0] = axis_places[:, None]
-    # The poles carry on the profile's curve to the axis.
+    # The poles continue the profile's curve to the axis.
     ends = [[axis_places[0] - radii[0] * 0.12, 0, 0], [axis_places[-1] + radii[-1] * 0.12, 0, 0]]
     return loft(rings, np.array(ends))
 
@@ -158,21 +162,21 @@ def body_solid(
         points: (n, 3) nodes in the creation frame [m].
         radii: (n,) of the solid at the nodes [m].
         bones: pairs of nodes; a body of a single node is a ball.
-        flatness: height as a part of the width.
+        flatness: height, in the width.
     """
     bones = bones or [(0, 0)]
     blend = float(np.median(radii)) * 0.35
-    # A union of n solids swells by up to blend ln n where all of them meet.
+    # A smooth union of n solids swells by up to blend ln n where all of them meet.
     margin = float(radii.max()) * 1.1 + blend * (1.0 + np.log(len(bones)))
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     cell = float((high - low).max()) / BODY_CELLS
     counts = np.ceil((high - low) / cell).astype(int) + 1
     x, y, z = (low[k] + cell * np.arange(counts[k]) for k in range(3))
-    # Flattened about the body's own middle, which stays where it is.
+    # Flattened about the body's own middle.
     middle = points[:, 1].mean()
     y = middle + (y - middle) / flatness
-    # Smooth minimum by log-sum-exp: the order of the bones does not matter. Beyond a few
-    # widths of the blend a bone adds nothing, so it is looked at in its neighbourhood only.
+    # Smooth minimum by log-sum-exp, which does not depend on the order of the bones. Beyond a few
+    # widths of the blend a bone adds nothing, so only its neighbourhood is evaluated.
     total = np.zeros(counts)
     for a, b in bones:
         reach = float(max(radii[a], radii[b])) + BLEND_REACH * blend
@@ -188,9 +192,9 @@ def body_solid(
 def _cells_near(
     ends: Array, reach: float, low: Array, cell: float, counts: tuple[int, ...]
 ) -> tuple[slice, ...]:
-    """Return the part of a grid that lies within `reach` of the box around `ends` [m].
+    """Return the part of a grid within `reach` of the box around `ends` [m].
 
-    Flattening draws the grid apart along y, which only makes the part larger than needed.
+    Flattening stretches the grid along y, which only makes the part larger than needed.
     """
     first = np.floor((ends.min(axis=0) - reach - low) / cell).astype(int)
     last = np.ceil((ends.max(axis=0) + reach - low) / cell).astype(int) + 1
@@ -202,11 +206,11 @@ def _cells_near(
 def _round_cone(
     axes: tuple[Array, Array, Array], a: Array, b: Array, r_a: float, r_b: float
 ) -> Array:
-    """Return about the distance from the round cone between two balls [m].
+    """Return the approximate distance from the round cone between two balls [m].
 
     Args:
-        axes: (n_x,), (n_y,), (n_z,) coordinates of a grid [m]: its distances and products
-            are sums along the axes, which costs a fraction of taking them point by point.
+        axes: (n_x,), (n_y,), (n_z,) coordinates of a grid [m]: sums along the axes cost a fraction
+            of evaluating point by point.
         a: (3,) centre of the first ball [m].
         b: (3,) of the second.
         r_a: radius of the first [m].

@@ -1,9 +1,9 @@
-"""Priority: several goals for the joints of a limb, none at the cost of one before it.
+"""Task priority: several goals for the joints of a limb, none at the cost of one before it.
 
-Each goal acts in the null space of all goals above it. The projector onto that space is
-exact whatever the damping: the rows of the Jacobians are turned into an orthonormal
-basis, the damped inverse works inside of it, and what is left belongs to the goals below.
-A damped pseudo-inverse in place of J⁺ in (I - J⁺J) would let them leak through.
+Each goal acts in the null space of all goals above it. The projector onto that space is exact
+whatever the damping: the rows of the Jacobians are turned into an orthonormal basis, the damped
+inverse works inside it, and the remainder belongs to the goals below. A damped pseudo-inverse in
+place of J⁺ in (I - J⁺J) would let them leak through.
 
 Notation of the thesis: J Jacobian, θ̇ joint velocities, z those that a lower goal asks for.
 
@@ -22,20 +22,20 @@ from pipeline.simulation.figures.kinematics import LimbBatch
 from pipeline.simulation.spatial import Array
 
 LOWER_DAMPING = 1e-3
-"""λ of all tasks but the first in steps that are taken."""
+"""λ of all tasks but the first."""
 
 RANK_TOLERANCE = 1e-10
-"""Singular values below this part of the greatest count as zero."""
+"""Singular values below this fraction of the greatest count as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What a goal asks for at a certain pose.
+    """The demand of a goal at a certain pose.
 
     Attributes:
-        jacobian: (L, m, n) J, without units of length; a row of zeros asks for nothing.
+        jacobian: (L, m, n) J, without units of length; a row of zeros demands nothing.
         velocity: (L, m) ẋ, in one step.
-        is_wish: whether it asks for joint velocities themselves.
+        is_wish: whether it demands joint velocities themselves.
     """
 
     jacobian: Array
@@ -44,7 +44,7 @@ class Task:
 
     @staticmethod
     def wish(z: Array) -> Task:
-        """Ask for joint velocities `z` (L, n) themselves."""
+        """Return a demand for joint velocities `z` (L, n) themselves."""
         count, n = z.shape
         return Task(np.broadcast_to(np.eye(n), (count, n, n)), z, True)
 
@@ -52,23 +52,22 @@ class Task:
 def solve_priorities(
     tasks: Sequence[Task], damping: Array | float = 0.0, lower: float = 0.0
 ) -> Array:
-    """Return joint velocities θ̇ (L, n) that serve the tasks, the first before all.
+    """Return joint velocities θ̇ (L, n) that serve the tasks in order of priority.
 
-    For one task it is J⁺ẋ; a second one that wishes for z makes it
-    J⁺ẋ + (I - J⁺J)(z - J⁺ẋ), which is eq. B.9 with α = 1. Undamped it equals eq. B.7, as
-    J⁺ẋ has no part in the null space.
+    For one task it is J⁺ẋ; a second one that wishes for z makes it J⁺ẋ + (I - J⁺J)(z - J⁺ẋ), which
+    is eq. B.9 with α = 1. Undamped it equals eq. B.7, as J⁺ẋ has no part in the null space.
 
     Args:
         tasks: at least one.
         damping: (L,) or one number: λ of the first task's inverse.
-        lower: λ of all others, whose Jacobians, once projected, may be near singular.
+        lower: λ of all others, whose Jacobians may be near singular once projected.
     """
     count, _, n = tasks[0].jacobian.shape
     velocities = np.zeros((count, n))
     N = np.broadcast_to(np.eye(n), (count, n, n)).copy()
     for level, task in enumerate(tasks):
         if task.is_wish and level == len(tasks) - 1:
-            # What is left of a wish needs no inverse: it is projected as it is.
+            # The remainder of a wish needs no inverse, only projection.
             rest = task.jacobian.transpose(0, 2, 1) @ _remaining(task, velocities)[..., None]
             return velocities + (N @ rest)[..., 0]
         basis, step = _serve_task(task, velocities, N, damping if level == 0 else lower)
@@ -80,11 +79,11 @@ def solve_priorities(
 def _serve_task(
     task: Task, velocities: Array, N: Array, damping: Array | float
 ) -> tuple[Array, Array]:
-    """Return an orthonormal basis (L, n, k) of what a task uses up, and its step (L, n)."""
+    """Return an orthonormal basis (L, n, k) of the directions a task uses, and its step (L, n)."""
     U, σ, Vt = np.linalg.svd(task.jacobian @ N, full_matrices=False)
     largest = np.linalg.norm(task.jacobian, axis=(1, 2))[:, None]
     real = σ > RANK_TOLERANCE * np.maximum(largest, 1e-300)
-    # Directions of small σ carry rounding from outside of the null space: project again.
+    # Directions of small σ carry rounding from outside the null space: project again.
     V = N @ (Vt.transpose(0, 2, 1) * real[:, None, :])
     basis = np.linalg.qr(V)[0] * real[:, None, :]
     rest = _remaining(task, velocities)
@@ -101,11 +100,11 @@ def bounded_priority_step(
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Return joint values (L, n) one step on, within the limits, and which were held there.
 
-    Joints that the step would push through a limit are held at it and the others carry
-    the motion. A joint whose return from its limit would then serve the first task is let
-    go again: without this a limb stalls where it need not, its joints held by what they
-    would have done before others were held. It ends where no joint changes sides, which is
-    the minimum of the first task's damped error between the limits.
+    Joints that the step would push through a limit are held at it and the others carry the motion.
+    A joint whose return from its limit would then serve the first task is released again; a limb
+    would else stall, its joints held by steps computed before others were held. The iteration ends
+    where no joint changes sides, which is the minimum of the first task's damped error between the
+    limits.
 
     Source: Júdice and Pires 1994 (block principal pivoting).
     """
@@ -129,7 +128,7 @@ def bounded_priority_step(
         if not (over.any() or inward.any()):
             break
         if turn >= q.shape[1]:
-            # All at once may go in circles; the last joint alone cannot (Murty's rule).
+            # Changing all at once may cycle; changing the last joint alone cannot (Murty's rule).
             last = (over | inward) & (np.cumsum((over | inward)[:, ::-1], axis=1)[:, ::-1] == 1)
             over, inward = over & last, inward & last
         moved = np.where(over, bounded, np.where(inward, 0.0, moved))
@@ -138,10 +137,10 @@ def bounded_priority_step(
 
 
 RELEASE_GAIN = 1e-9
-"""Gain in squared error for a joint's movement that makes it worth letting go of its limit."""
+"""Reduction of squared error, for a joint's movement, that releases it from its limit."""
 
 
 def _remaining(task: Task, velocities: Array) -> Array:
-    """Return what joint velocities leave of a task (L, m)."""
+    """Return the part (L, m) of a task that joint velocities leave."""
     result: Array = task.velocity - (task.jacobian @ velocities[..., None])[..., 0]
     return result

@@ -27,7 +27,7 @@ from pipeline.simulation.spatial import Array, matrix, quaternion, turn, unturn
 from pipeline.simulation.terrain import Ground
 
 if TYPE_CHECKING:
-    from pipeline.simulation.dynamics.ragdoll import Knock, Ragdoll
+    from pipeline.simulation.dynamics.ragdoll import BoneImpact, Ragdoll
     from pipeline.simulation.dynamics.terrain_bodies import TerrainBodies
 
 
@@ -78,13 +78,14 @@ class RagdollFall:
     def begin(self, hopper: Hopper, ground: Ground, state: HopState, joints: JointState) -> None:
         """Start falling from the current state."""
         # Creatures that stay on their feet do not load MuJoCo.
-        from pipeline.simulation.dynamics.ragdoll import Attitude, Ragdoll
+        from pipeline.simulation.dynamics.ragdoll import Ragdoll
+        from pipeline.simulation.dynamics.ragdoll_model import RagdollState
         from pipeline.simulation.figures.figure_mass import build_bones
 
         bones = build_bones(self.figure)
         now = state.body(hopper)
         w = np.array(state.attitude[1])
-        start = Attitude(
+        start = RagdollState(
             p=now.origin,
             q=np.array(state.attitude[0]),
             v=state.v + np.cross(w, now.origin - now.p),
@@ -137,7 +138,7 @@ class RagdollFall:
         return q
 
 
-def _impact_event(start: float, knock: Knock) -> HopEvent:
+def _impact_event(start: float, knock: BoneImpact) -> HopEvent:
     time, place, normal = start + knock.time, knock.place, knock.normal
     return HopEvent("body", time, -1, place, normal, knock.speed, knock.energy, link=knock.bone)
 

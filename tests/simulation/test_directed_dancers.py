@@ -296,7 +296,12 @@ def test_who_is_told_nothing_dances_as_ever() -> None:
             *("pose[0].joints.elbow_l_flexion_deg", "belongs to the other arm"),
         ),
         ("", "pose: [{at: 1, limb: arm_r, reach: [1, 1, 1]}]", "pose[0].reach", "the shoulder"),
-        ("", "pose: [{at: 1, limb: arm_r, reach: [0.4, 1, 0], ease: in}]", "pose[0].ease", "remove this"),
+        (
+            "",
+            "pose: [{at: 1, limb: arm_r, reach: [0.4, 1, 0], ease: in}]",
+            "pose[0].ease",
+            "remove",
+        ),
     ],
 )
 def test_what_a_dancer_cannot_be_told_is_said(script, words, path, message) -> None:
@@ -359,8 +364,8 @@ def test_what_it_has_to_know_from_the_begin_is_refused_from_outside() -> None:
     scene = read_scene(SCENE.format(duration=6, words="start: 0", script="  []", more=""))
     one = Simulation(scene, directed=True)
     for do, message in (
-        ({"reach": [0.4, 1.3, 0.2]}, "only for places that its scene's script names"),
-        ({"dance": "drum"}, "the drums of 'drum' stand before it only if its script names it"),
+        ({"reach": [0.4, 1.3, 0.2]}, "only reaches for places that the scene"),
+        ({"dance": "drum"}, "the drums of 'drum' exist only if the scene's script names"),
     ):
         with pytest.raises(SceneError, match=message):
             one.add_instruction(instruction_of({"who": "ada", "do": do}, scene, 0.0))

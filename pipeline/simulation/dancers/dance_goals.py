@@ -35,7 +35,7 @@ from pipeline.simulation.dancers.torso import (
     torso_of,
 )
 from pipeline.simulation.dynamics.linkage import Disc, Spot
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.people.proportions import Proportions
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Dance, Drum, Hand, Subtask, Where
@@ -167,7 +167,7 @@ def build_choreography(
     """
     surfaces = body_surfaces(person)
     surfaces |= {name: drum_surface(person, drum) for name, drum in drums.items()}
-    plain = Moving(torso_of(person).linkage, 1e-3)
+    plain = LinkageSimulation(torso_of(person).linkage, 1e-3)
     spots, rows, problems = list[Spot](), list[list[tuple[str, str]]](), list[Problem]()
     for i, part in enumerate(parts):
         placed = list(_spots(person, part, i, surfaces, plain))
@@ -230,7 +230,11 @@ def _goal(
 
 
 def _spots(
-    person: Proportions, part: PlacedSubtask, i: int, surfaces: dict[str, Surface], plain: Moving
+    person: Proportions,
+    part: PlacedSubtask,
+    i: int,
+    surfaces: dict[str, Surface],
+    plain: LinkageSimulation,
 ) -> Iterator[tuple[Spot, str]]:
     """Yields the spots of a subtask with their keys in the scene."""
     subtask = part.subtask
@@ -269,7 +273,7 @@ def _positions(subtask: Subtask, placed: Sequence[tuple[Spot, str]]) -> list[tup
     return [(spot, key) for spot, key in placed if key not in named]
 
 
-def _forward_kinematics(subtask: Subtask, plain: Moving) -> Array:
+def _forward_kinematics(subtask: Subtask, plain: LinkageSimulation) -> Array:
     """Returns the position (3,) of the hand at the given joint angles of its arm [m]."""
     names = [hinge.name for hinge in plain.linkage.hinges]
     plain.q[:] = 0.0

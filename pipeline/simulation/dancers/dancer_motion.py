@@ -18,7 +18,7 @@ from pipeline.simulation.dancers.hand_contacts import HandContacts, HandStrike
 from pipeline.simulation.dancers.key_postures import key_postures, ready_postures
 from pipeline.simulation.dancers.torso import HANDS, LINKS, with_gains
 from pipeline.simulation.dancers.trunk_control import TRUNK_JOINTS, TrunkController
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dance import Controller
 from pipeline.spec.dancer import Arms, Dancer
@@ -84,7 +84,7 @@ class DancerMotion:
         self.controls_per_step = max(math.ceil(dt * CONTROL_RATE - 1e-9), 1)
         self.control_time = dt / self.controls_per_step
         self.substeps = max(math.ceil(self.control_time * config.steps_a_second - 1e-9), 1)
-        self.moving = Moving(self.torso.linkage, self.control_time / self.substeps)
+        self.moving = LinkageSimulation(self.torso.linkage, self.control_time / self.substeps)
         self.postures = key_postures(choreography) if self._needs_postures() else ()
         self._take_start_posture(ready_postures(choreography))
         rate = FIELD_RATE * config.gains.rate

@@ -26,7 +26,7 @@ from pipeline.simulation.dancers.hand_contacts import HandStrike
 from pipeline.simulation.dancers.practice import measure_lateness
 from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
 from pipeline.simulation.dancers.torso import dancer_proportions, is_child
-from pipeline.simulation.people.person_mesh import clothes_of
+from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
@@ -192,7 +192,7 @@ def _to_dancer_frame(R: Array, p: Array, place: Place) -> Place:
 def _appearance(
     member: Dancer, proportions: Proportions, drums: Mapping[str, Drum], seed: int
 ) -> DancerAppearance:
-    clothes = clothes_of(member.name, seed, is_child(member))
+    clothes = random_clothes(member.name, seed, is_child(member))
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
     return DancerAppearance(member.name, proportions, clothes, dict(drums))

@@ -22,7 +22,7 @@ from pipeline.simulation.dancers.dance_goals import (
 )
 from pipeline.simulation.dancers.force_fields import FIELD_RATE
 from pipeline.simulation.dancers.torso import HANDS
-from pipeline.simulation.dynamics.mujoco_linkage import Moving
+from pipeline.simulation.dynamics.mujoco_linkage import LinkageSimulation
 from pipeline.simulation.spatial import Array
 
 STEP = 0.002
@@ -54,7 +54,7 @@ class KeyPostures:
 def key_postures(choreography: Choreography) -> tuple[KeyPostures, ...]:
     """Returns the postures of every subtask; practice asks for the same ones repeatedly."""
     torso = choreography.torso
-    moving = Moving(torso.linkage, STEP)
+    moving = LinkageSimulation(torso.linkage, STEP)
     arms = {side: ArmController(side, torso, moving, FIELD_RATE, False) for side in HANDS}
     ready = ready_postures(choreography)
     for side, arm in arms.items():
@@ -83,7 +83,7 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
         return {}
     linkage = replace(choreography.torso.linkage, discs=())
     torso = replace(choreography.torso, linkage=linkage)
-    moving, found = Moving(linkage, STEP), dict[str, Array]()
+    moving, found = LinkageSimulation(linkage, STEP), dict[str, Array]()
     for side, spot in choreography.ready.items():
         arm = ArmController(side, torso, moving, FIELD_RATE, False)
         pull_to_spot(arm, moving, reaching_posture(), spot, 0.0)
@@ -92,7 +92,12 @@ def ready_postures(choreography: Choreography) -> Mapping[str, Array]:
 
 
 def pull_to_spot(
-    arm: ArmController, moving: Moving, held: Array, spot: int, now: float, touches: bool = False
+    arm: ArmController,
+    moving: LinkageSimulation,
+    held: Array,
+    spot: int,
+    now: float,
+    touches: bool = False,
 ) -> float:
     """Pulls a hand to a spot by a force field until it rests there.
 
@@ -120,7 +125,7 @@ def pull_to_spot(
     return now
 
 
-def _assume_angles(arm: ArmController, moving: Moving, goal: Goal) -> KeyPostures:
+def _assume_angles(arm: ArmController, moving: LinkageSimulation, goal: Goal) -> KeyPostures:
     """Puts an arm into given angles."""
     posture = np.where(goal.given, goal.held, moving.q[arm.all])
     arm.drive(False)
@@ -130,6 +135,8 @@ def _assume_angles(arm: ArmController, moving: Moving, goal: Goal) -> KeyPosture
     return KeyPostures((posture,))
 
 
-def _visit(arm: ArmController, moving: Moving, goal: Goal, spot: int, now: float) -> float:
+def _visit(
+    arm: ArmController, moving: LinkageSimulation, goal: Goal, spot: int, now: float
+) -> float:
     """Pulls the hand to one spot of a subtask; returns the end [s]."""
     return pull_to_spot(arm, moving, goal.held, spot, now, goal.surface is not None)

@@ -14,7 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.simulation.dynamics.linkage import Capsule, Disc, Hinge, Link, Linkage, Meets, Spot
+from pipeline.simulation.dynamics.linkage import (
+    Capsule,
+    CollisionGroup,
+    Disc,
+    Hinge,
+    Link,
+    Linkage,
+    Spot,
+)
 from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENT_MASSES, Proportions
 from pipeline.simulation.spatial import Array
 from pipeline.spec.dancer import Build, Dancer, Gains
@@ -206,7 +214,7 @@ def _arm(
         ("forearm", elbow, np.stack([elbow, wrist]), 0.021, "limb", "elbow"),
         ("hand", wrist, fingers, HAND_RADIUS, "limb", "wrist"),
     )
-    links, meets = list[Link](), dict[str, Meets](limb="limb", trunk="trunk")
+    links, meets = list[Link](), dict[str, CollisionGroup](limb="limb", trunk="trunk")
     for k, (name, place, ends, radius, kind, hinges) in enumerate(kinds):
         solid = Capsule(f"{name}_{side}", ends, radius * h, meets[kind])
         mass = who.mass * SEGMENT_MASSES[name]
@@ -238,7 +246,7 @@ def _capsule(
     other: tuple[float, float],
     radius: float,
     h: float,
-    meets: Meets,
+    meets: CollisionGroup,
 ) -> Capsule:
     """Returns a capsule in the middle plane, given as forward and up in heights."""
     ends = np.array([[*one, 0.0], [*other, 0.0]])

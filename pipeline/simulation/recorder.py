@@ -34,7 +34,7 @@ from pipeline.simulation.take import (
 )
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Inventory, Rows
-from pipeline.spec.script import said
+from pipeline.spec.script import order_text
 
 
 class Recorder:
@@ -187,7 +187,7 @@ class Recorder:
     def told(self, step: int, orders: Orders) -> None:
         """Keep what the script asks of whom from `step` on."""
         for who, given in orders.items():
-            self.orders.extend(Told(step, who, said(do)) for do in given)
+            self.orders.extend(Told(step, who, order_text(do)) for do in given)
 
     def take(self) -> Take:
         """Return the finished take."""

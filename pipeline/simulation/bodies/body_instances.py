@@ -18,12 +18,13 @@ from pipeline.simulation.bodies.arrangements import Placements, arrange
 from pipeline.simulation.bodies.body_model import build_body, mesh_of, seen_of
 from pipeline.simulation.dynamics.mujoco_bodies import Collider
 from pipeline.simulation.dynamics.rigid_body import BodyModel, State, unrotate
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array, heading, quaternion, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
-from pipeline.simulation.troupe import Inventory, World
+from pipeline.simulation.troupe import World
 from pipeline.spec.body import Body, Box, Brick, Cube, Many
 
 PERIMETER_SAMPLES = 33

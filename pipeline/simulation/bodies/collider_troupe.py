@@ -28,8 +28,7 @@ from pipeline.simulation.bodies.sliding_tracker import (
 )
 from pipeline.simulation.dynamics.kinematic_bodies import Poses
 from pipeline.simulation.dynamics.mujoco_world import TERRAIN, MujocoWorld, Overlap, Strike
-from pipeline.simulation.obstacles import directions
-from pipeline.simulation.solid import Motion, Obstacle, Weight
+from pipeline.simulation.obstacles import Obstacle, ObstacleMass, SolidMotion, directions
 from pipeline.simulation.spatial import Array, matrix, turn
 from pipeline.simulation.take import Contact, Note
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World, WriteStage
@@ -151,11 +150,11 @@ class ColliderTroupe(Troupe):
         """Return all bodies; their nodes count from the first."""
         return [_solid(i, block) for i, block in enumerate(self.blocks)]
 
-    def solid_motion(self) -> Motion:
+    def solid_motion(self) -> SolidMotion:
         """Return where they are in the last row, and how fast."""
         state, R = self.solver.state, matrix(self.solver.state.q)
         borne = self.solver.asleep | self.solver.touching
-        return Motion(state.p, R, state.v, turn(R, state.w), self.alive.copy(), borne)
+        return SolidMotion(state.p, R, state.v, turn(R, state.w), self.alive.copy(), borne)
 
     def push_solids(self, impulses: Array, angular_impulses: Array) -> None:
         """Let them be pushed until the next row: (N, 3) [N s], about their middles [N m s]."""
@@ -281,5 +280,5 @@ def _solid(number: int, block: BodyInstance) -> Obstacle:
     build = block.collider.build
     corners = build.hull.vertices if build.hull is not None else build.radius * directions()
     inverse = np.linalg.inv(build.mass.inertia).astype(np.float64)
-    weight = Weight(build.mass.mass, inverse, build.friction, build.bounciness)
+    weight = ObstacleMass(build.mass.mass, inverse, build.friction, build.bounciness)
     return Obstacle(number, block.name, block.performer, block.material, corners, weight)

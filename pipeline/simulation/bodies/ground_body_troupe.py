@@ -19,10 +19,11 @@ from pipeline.simulation.bodies.sliding_tracker import (
 )
 from pipeline.simulation.dynamics.rigid_body import Bodies, BodyModel, State, dot, unrotate
 from pipeline.simulation.dynamics.terrain_bodies import GroundImpact, TerrainBodies
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.spatial import Array, heading, matrix, quaternion
 from pipeline.simulation.take import Contact, Mesh, Node, Note, Part
-from pipeline.simulation.troupe import Facts, Inventory, Rows, Troupe, World
+from pipeline.simulation.troupe import Facts, Rows, Troupe, World
 from pipeline.spec.body import Body
 
 DROP_DEPTH = 10.0

@@ -39,8 +39,8 @@ from pipeline.simulation.characters.visibility_route import ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Records
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.terrain_grid import grid_of
+from pipeline.simulation.obstacles import Obstacle, SolidMotion
 from pipeline.simulation.script import Orders
-from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact
 from pipeline.simulation.troupe import Facts, Rows, Troupe, World
@@ -144,7 +144,7 @@ class Characters(Troupe):
         self.obstacle_circles.put(self.solid_tracker.solids.bodies)
         return self.solid_tracker.obstacles
 
-    def update_obstacles(self, motion: Motion) -> None:
+    def update_obstacles(self, motion: SolidMotion) -> None:
         """Take in where the solids are now, and how fast."""
         spans = self.arrays.owners["nodes"].tolist()
         self.solid_tracker.feel(motion, [self.arrays.p[first : first + n] for first, n in spans])

@@ -16,8 +16,7 @@ from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
-from pipeline.simulation.obstacles import directions, outermost
-from pipeline.simulation.solid import Motion, Obstacle
+from pipeline.simulation.obstacles import Obstacle, SolidMotion, directions, outermost
 from pipeline.simulation.spatial import Array
 
 ROUND = 0.06
@@ -193,7 +192,7 @@ class SolidTracker:
         self._hollow: NDArray[np.bool_] | None = None
         self._yields = np.array([one.weight is not None for one in self.obstacles], dtype=bool)
 
-    def feel(self, motion: Motion, characters: Sequence[Array]) -> None:
+    def feel(self, motion: SolidMotion, characters: Sequence[Array]) -> None:
         """Take in where the solids are, and how fast; what they were pushed by is forgotten.
 
         Args:

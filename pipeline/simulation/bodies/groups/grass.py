@@ -18,9 +18,10 @@ from pipeline.simulation.bodies.groups import member_meshes
 from pipeline.simulation.bodies.groups.counter_random import CounterRandom
 from pipeline.simulation.bodies.groups.group_rule import CastIndex, CastPoses, GroupContext, Outline
 from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.spatial import UP, Array, heading, rotation
 from pipeline.simulation.take import Contact, Mesh, Node, Part
-from pipeline.simulation.troupe import Inventory, Rows
+from pipeline.simulation.troupe import Rows
 from pipeline.spec.group import Grass
 
 LEVELS = np.array([0.0, 0.3, 0.6, 0.85])

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.attachment import node_number
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.spatial import Array, turn
 from pipeline.simulation.take import Contact, Mesh, Node
-from pipeline.simulation.troupe import Inventory, Rows, World
+from pipeline.simulation.troupe import Rows, World
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,10 +27,11 @@ from pipeline.simulation.bodies.groups.rain import RainRule
 from pipeline.simulation.bodies.groups.school import SchoolRule
 from pipeline.simulation.bodies.groups.swarm import SwarmRule
 from pipeline.simulation.figures.figure import Figure
+from pipeline.simulation.inventory import join_inventories
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Contact, Mesh, Node
-from pipeline.simulation.troupe import Inventory, Rows, Troupe, World, WriteStage
+from pipeline.simulation.troupe import Rows, Troupe, World, WriteStage
 from pipeline.spec.group import Fire, Flock, Grass, Group, Rain, School, Swarm
 from pipeline.spec.script import GoTo
 
@@ -65,7 +66,7 @@ class GroupTroupe(Troupe):
     def __init__(self, cast: Sequence[Member], world: World) -> None:
         self.world = world
         self.rules = {member.name: _rule(i, member, world) for i, member in cast}
-        self.inventory = _together([rule.inventory for rule in self.rules.values()])
+        self.inventory = join_inventories(rule.inventory for rule in self.rules.values())
         self._step = 0
         self._steps: list[int] = []
         self._rows: Rows | None = None
@@ -141,17 +142,3 @@ def _rule(i: int, member: Group, world: World) -> GroupRule:
     material = member.material or MATERIALS[kind]
     setting = GroupContext(member.name, f"cast[{i}]", place, member.parent, material, world)
     return RULES[kind](setting, member.group)
-
-
-def _together(inventories: Sequence[Inventory]) -> Inventory:
-    """Put inventories one after the other, their numbers counted on."""
-    nodes, meshes, parts, scaled = list[Node](), list[Mesh](), [], list[int]()
-    for inventory in inventories:
-        first = len(nodes)
-        parts += [replace(part, mesh=part.mesh + len(meshes)) for part in inventory.parts]
-        meshes += [
-            replace(mesh, nodes=(mesh.nodes + first).astype(np.int32)) for mesh in inventory.meshes
-        ]
-        scaled += [first + node for node in inventory.scaled]
-        nodes += inventory.nodes
-    return Inventory(tuple(nodes), (), tuple(meshes), tuple(parts), tuple(scaled))

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from pipeline.simulation.figures.solids import Solid, loft
+from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Mesh, Node, Part
-from pipeline.simulation.troupe import Inventory
 
 RING_SIDES = 6
 """Sides of what is round: nobody looks at one of many for long."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pipeline.simulation.figures.solids import Solid
 from pipeline.simulation.obstacles import Obstacle, outermost
 from pipeline.simulation.take import Channel, Mesh, Node, Part
 
@@ -69,6 +70,17 @@ def shifted_look(part: Part, first: int) -> int:
 
 def _on_nodes_from(mesh: Mesh, first: int) -> Mesh:
     return replace(mesh, nodes=(mesh.nodes + first).astype(np.int32))
+
+
+def rigid_mesh(solid: Solid, node: int) -> Mesh:
+    """Returns the mesh of a solid that follows one node."""
+    count = len(solid.vertices)
+    return Mesh(
+        solid.vertices.astype(np.float32),
+        solid.faces,
+        np.full((count, 2), node, dtype=np.int32),
+        np.tile(np.array([1.0, 0.0], dtype=np.float32), (count, 1)),
+    )
 
 
 def obstacles_of(inventories: Sequence[Inventory]) -> list[Obstacle]:

@@ -167,7 +167,8 @@ class Contact:
         other: thing touched, such as "terrain".
         place: position [m].
         normal: of the surface touched.
-        speed: approach speed along the normal; greatest tangential speed of rolling or sliding [m/s].
+        speed: approach speed along the normal; of rolling or sliding, the greatest tangential
+            speed [m/s].
         energy: kinetic energy at this speed [J].
         material: of the part.
         surface: material of the other.

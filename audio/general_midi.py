@@ -76,9 +76,8 @@ DRUMS: tuple[str, ...] = (
     *("mute cuica", "open cuica", "mute triangle", "open triangle"),
 )
 
-_DRUM_KEYS = {normalized_name(name): key for key, name in enumerate(DRUMS, start=_LOWEST_DRUM_KEY)}
-
 _PROGRAMS = {normalized_name(name): program for program, name in enumerate(INSTRUMENTS)}
+_DRUM_KEYS = {normalized_name(name): key for key, name in enumerate(DRUMS, _LOWEST_DRUM_KEY)}
 
 
 def program_number(name: str) -> int:
@@ -87,15 +86,9 @@ def program_number(name: str) -> int:
     Raises:
         ValueError: no instrument has this name; the message names the nearest.
     """
-    program = _PROGRAMS.get(normalized_name(name))
-    if program is None:
+    if normalized_name(name) not in _PROGRAMS:
         raise ValueError(unknown_name_message("instrument", name, INSTRUMENTS))
-    return program
-
-
-def usual_range(program: int) -> tuple[int, int]:
-    """Return the lowest and the highest usual pitch of an instrument."""
-    return RANGES.get(INSTRUMENTS[program], _DEFAULT_RANGE)
+    return _PROGRAMS[normalized_name(name)]
 
 
 def drum_key(name: str) -> int:
@@ -104,7 +97,11 @@ def drum_key(name: str) -> int:
     Raises:
         ValueError: no drum has this name; the message names the nearest.
     """
-    key = _DRUM_KEYS.get(normalized_name(name))
-    if key is None:
+    if normalized_name(name) not in _DRUM_KEYS:
         raise ValueError(unknown_name_message("drum", name, DRUMS))
-    return key
+    return _DRUM_KEYS[normalized_name(name)]
+
+
+def usual_range(program: int) -> tuple[int, int]:
+    """Return the lowest and the highest usual pitch of an instrument."""
+    return RANGES.get(INSTRUMENTS[program], _DEFAULT_RANGE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import floor
 from pathlib import Path
 
@@ -38,15 +38,9 @@ class MidiReport:
         muted: number of muted events.
         added: number of notes of chords and phrases beyond the first of each event.
         after_the_end: number of phrase notes dropped because they start after the last frame.
-        merged: number of events that share the note of another with the same onset.
-        pan_changed: number of notes moved to a neighbouring direction for want of channels.
-        reverb_changed: number of notes with another share of the reverb for want of channels.
-        cut_short: number of notes ended early so that another can be struck.
-        tails_cut: number of channels reused while their last note still rang.
-        without_curve: number of sustained notes without pitch bend and expression for want of
-            channels.
+        losses: compromises made for want of channels.
+        merged_by_frame: frame -> number of events that share the note of another.
         shifts: statistics of the quantisation.
-        merged_by_frame: frame -> number of merged events.
     """
 
     path: Path
@@ -55,14 +49,9 @@ class MidiReport:
     muted: int
     added: int
     after_the_end: int
-    merged: int
-    pan_changed: int
-    reverb_changed: int
-    cut_short: int
-    tails_cut: int
-    without_curve: int
+    losses: AllocationLosses
+    merged_by_frame: dict[int, int]
     shifts: TimingShifts
-    merged_by_frame: dict[int, int] = field(default_factory=dict)
 
 
 def write_midi(score: Score, path: Path) -> MidiReport:
@@ -84,14 +73,9 @@ def write_midi(score: Score, path: Path) -> MidiReport:
         muted=len(score.events) - events,
         added=len(arrangement.notes) - events,
         after_the_end=arrangement.after_the_end,
-        merged=len(losses.merged),
-        pan_changed=losses.pan_changed,
-        reverb_changed=losses.reverb_changed,
-        cut_short=losses.cut_short,
-        tails_cut=losses.tails_cut,
-        without_curve=losses.without_curve,
-        shifts=arrangement.shifts,
+        losses=losses,
         merged_by_frame=dict(sorted(Counter(map(grid.frame_at, losses.merged)).items())),
+        shifts=arrangement.shifts,
     )
 
 

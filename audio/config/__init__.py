@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict
+from collections.abc import Callable
+
+from pydantic import AfterValidator, BaseModel, ConfigDict
 
 
 class Config(BaseModel):
     """Base of the models: immutable, known keys only, finite numbers only."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+def checked_by(parse: Callable[[str], object]) -> AfterValidator:
+    """Return a validator that keeps a text if it can be parsed."""
+
+    def check(text: str) -> str:
+        parse(text)
+        return text
+
+    return AfterValidator(check)

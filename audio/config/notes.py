@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic.config import JsonDict
 
-from audio.config import Config
+from audio.config import Config, checked_by
 from audio.harmony import parse_chord, parse_note, parse_steps
 from audio.names import nearest_name, normalized_name
 
@@ -24,16 +24,6 @@ from audio.names import nearest_name, normalized_name
 
 PITCH_RULES = ("by size", "by foot", "by part")
 _RULE_WITH_FIRST_NOTE = re.compile(r"(by foot|by part) from (.+)")
-
-
-def _check_scale(text: str) -> str:
-    parse_steps(text)
-    return text
-
-
-def _check_chord(text: str) -> str:
-    parse_chord(text)
-    return text
 
 
 def _parse_pitch(pitch: object) -> int | str:
@@ -65,8 +55,8 @@ def first_note_of_rule(rule: str) -> int | None:
     return parse_note(match[2]) if match else None
 
 
-ScaleName = Annotated[str, AfterValidator(_check_scale)]
-ChordName = Annotated[str, AfterValidator(_check_chord)]
+ScaleName = Annotated[str, checked_by(parse_steps)]
+ChordName = Annotated[str, checked_by(parse_chord)]
 # One validator instead of a union, so that a mistake is reported once.
 Pitch = Annotated[
     int | str,

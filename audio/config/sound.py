@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from audio.config import Config
+from audio.config import Config, checked_by
 from audio.config.notes import (
     ChordName,
     PhraseOrSteps,
@@ -18,19 +18,8 @@ from audio.config.notes import (
 )
 from audio.general_midi import drum_key, program_number
 
-
-def _check_instrument(name: str) -> str:
-    program_number(name)
-    return name
-
-
-def _check_drum(name: str) -> str:
-    drum_key(name)
-    return name
-
-
-Instrument = Annotated[str, AfterValidator(_check_instrument)]
-Drum = Annotated[str, AfterValidator(_check_drum)]
+Instrument = Annotated[str, checked_by(program_number)]
+Drum = Annotated[str, checked_by(drum_key)]
 Pattern = Annotated[str, Field(min_length=1)]
 Share = Annotated[float, Field(ge=0, le=1)]
 

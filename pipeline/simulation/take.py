@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.simulation.mechanism import Leg, Mechanism
+from pipeline.simulation.mechanism import Leg, Mechanism, NodeAlias
 from pipeline.simulation.row_storage import row_chunks
 from pipeline.simulation.spatial import Array
 
@@ -31,10 +31,21 @@ Place = tuple[float, float, float]
 
 ContactKind = Literal["touch", "scuff", "hit", "roll", "slide", "lift"]
 
-TABLES = ("nodes", "channels", "parts", "contacts", "events", "notes", "told", "mechanisms", "legs")
+TABLES = (
+    "nodes",
+    "channels",
+    "parts",
+    "contacts",
+    "events",
+    "notes",
+    "told",
+    "mechanisms",
+    "legs",
+    "aliases",
+)
 """Attributes of a take that are tables of records."""
 
-OPTIONAL_TABLES = ("told", "mechanisms", "legs")
+OPTIONAL_TABLES = ("told", "mechanisms", "legs", "aliases")
 """Tables left out where they are empty: earlier takes have none, and keep their digests."""
 
 
@@ -301,6 +312,7 @@ class Take:
         told: instructions given by the script, in the order of time.
         mechanisms: joints and masses of the creatures on legs.
         legs: legs of these creatures, with the stances that their gaits planned.
+        aliases: names of drawing nodes for the nodes of creatures.
     """
 
     header: Header
@@ -321,6 +333,7 @@ class Take:
     told: tuple[Told, ...] = ()
     mechanisms: tuple[Mechanism, ...] = ()
     legs: tuple[Leg, ...] = ()
+    aliases: tuple[NodeAlias, ...] = ()
 
     def arrays(self) -> Iterator[tuple[str, NDArray[np.generic]]]:
         """Yields the name and the values of every array, in a fixed order."""

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from pipeline.spec.keyframes import TURN, Turn
+from pipeline.spec.keyframes import Turn
 from pipeline.spec.model_base import (
     ConfigModel,
     Fault,
@@ -22,6 +22,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.performer import At, Performer, Velocity
+from render.config.base import TURN_DESCRIPTION
 
 AROUND_IT = "Diameter of the sphere around it [m]."
 
@@ -139,7 +140,7 @@ class MeshBody(Matter):
     scale: Length = Field(1.0, description="Metres a unit of the file.")
 
 
-BodyWords = Annotated[
+BodyShape = Annotated[
     Box | Brick | Cube | Regular | Upright | Sphere | HullBody | MeshBody,
     Field(discriminator="shape"),
 ]
@@ -173,7 +174,7 @@ def _body_from_name(words: Any) -> Any:
 
 
 OfWhat = Annotated[
-    BodyWords, BeforeValidator(_body_from_name, json_schema_input_type=ShapeName | BodyWords)
+    BodyShape, BeforeValidator(_body_from_name, json_schema_input_type=ShapeName | BodyShape)
 ]
 
 
@@ -287,7 +288,7 @@ def _laid_out(words: Any) -> Any:
     return {"layout": "wall", **words} if isinstance(words, Mapping) else words
 
 
-ManyWords = Annotated[
+Layout = Annotated[
     Wall | Pyramid | Stack | Row | Heap,
     Field(discriminator="layout"),
     BeforeValidator(_laid_out),
@@ -297,13 +298,14 @@ ManyWords = Annotated[
 class Body(Performer):
     """A rigid thing that falls, bounces and rolls by itself."""
 
-    body: BodyWords = Field(description="Its shape, and what it is made of.")
+    body: BodyShape = Field(description="Its shape, and what it is made of.")
     at: At = Field(
         (0.0, 0.0),
         description="Where its centre of mass begins, [x, y, z]; [x, z] puts it on the ground [m].",
     )
     rotation_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"How it begins turned, before its heading: {TURN}."
+        (0.0, 0.0, 0.0),
+        description=f"How it begins turned, before its heading: {TURN_DESCRIPTION}.",
     )
     velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the begin, [x, y, z] [m/s].")
     spin_deg: Turn = Field(
@@ -327,7 +329,7 @@ class Body(Performer):
 class Many(Performer):
     """Bodies of one kind that begin in some order and meet whatever there is."""
 
-    many: ManyWords = Field(description="Of what, how many, and how they stand.")
+    many: Layout = Field(description="Of what, how many, and how they stand.")
     at: At = Field(
         (0.0, 0.0),
         description="The middle of the ground that they stand on, or where their row begins, "

@@ -26,7 +26,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.operations import Operation, carry_out
-from pipeline.spec.operations.drawing import MOST_NODES, Mark, Sheet, faults_of_chain
+from pipeline.spec.operations.drawing import MAX_NODES, Mark, Sheet, faults_of_chain
 from pipeline.spec.suggestions import hint
 
 PartKind = Literal["leg", "arm", "head", "tail", "feeler", "body"]
@@ -84,7 +84,7 @@ class Figure(ConfigModel):
     )
     nodes: dict[Name, Node] = Field(
         min_length=1,
-        max_length=MOST_NODES,
+        max_length=MAX_NODES,
         description="Nodes by name; [x, y] is short for {at: [x, y]}.",
     )
     chains: tuple[tuple[Name, ...], ...] = Field(
@@ -106,7 +106,7 @@ class Figure(ConfigModel):
     radius: Length | None = Field(
         None, description="Radius of links whose nodes give none [m]; chosen if left out."
     )
-    joints: dict[Name, dict[Name, JointWords]] = Field(
+    joints: dict[Name, dict[Name, JointSettings]] = Field(
         {},
         description="Joints that are not as their style makes them: by limb, such as l1 or head, "
         "and by joint, such as base_pitch or joint1_bend.",
@@ -164,7 +164,7 @@ def _faults_of_figure(figure: Figure) -> Iterator[Fault]:
 Angle = Annotated[Number, Field(ge=-180, le=180)]
 
 
-class JointWords(ConfigModel):
+class JointSettings(ConfigModel):
     """One joint: its limits and where it rests; or a joint that slides instead of turning."""
 
     rest_deg: Angle | None = Field(None, description="Value at rest [degrees].")

@@ -150,7 +150,7 @@ class Grass(GroupBase):
     )
 
 
-GroupWords = Annotated[Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")]
+GroupRule = Annotated[Flock | School | Swarm | Rain | Fire | Grass, Field(discriminator="rule")]
 
 DIRECTED = ("flock", "school")
 """Rules of the groups that a script can send somewhere."""
@@ -159,7 +159,7 @@ DIRECTED = ("flock", "school")
 class Group(Performer):
     """Many bodies that move by one rule."""
 
-    group: GroupWords = Field(description="How many they are, and by which rule they move.")
+    group: GroupRule = Field(description="How many they are, and by which rule they move.")
     at: At = Field(
         (0.0, 0.0),
         description="About where they begin, [x, y, z]; [x, z] is on the ground [m].",

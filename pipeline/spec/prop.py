@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, Self, TypeGuard
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.keyframes import (
-    TURN,
     Keyframe,
     Rates,
     Time,
@@ -27,7 +26,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
-from render.config.ease import EASE, Ease
+from render.config.base import EASE_DESCRIPTION, TURN_DESCRIPTION, Ease
 
 
 class BoxShape(ConfigModel):
@@ -105,7 +104,7 @@ class Hold(ConfigModel):
 Push = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Pushes = tuple[Push, Push, Push]
 
-DRIVEN_EASE = f"{EASE}, hold keeps the value before until then."
+DRIVEN_EASE = f"{EASE_DESCRIPTION}, hold keeps the value before until then."
 
 
 class VelocityKey(ConfigModel):
@@ -131,7 +130,7 @@ def _velocity_form(words: Any) -> str:
     return "one"
 
 
-VelocityWords = Annotated[
+PropVelocity = Annotated[
     Annotated[Velocity, Tag("one")]
     | Annotated[
         tuple[VelocityKey, ...], Field(min_length=1, max_length=MAX_KEYFRAMES), Tag("keys")
@@ -156,7 +155,7 @@ class ForceKey(ConfigModel):
         return self
 
 
-class ForceWords(ConfigModel):
+class ForceMotion(ConfigModel):
     """What pushes a prop: it meets nothing, and goes as its mass lets it."""
 
     force: Pushes | None = Field(None, description="At its middle, all the time [N].")
@@ -190,7 +189,7 @@ class ForceWords(ConfigModel):
                 yield Fault((word,), "give it in the keys, or take the keys away", at_key=True)
 
 
-def _keyed(velocity: VelocityWords | None) -> TypeGuard[tuple[VelocityKey, ...]]:
+def _keyed(velocity: PropVelocity | None) -> TypeGuard[tuple[VelocityKey, ...]]:
     return velocity is not None and isinstance(velocity[0], VelocityKey)
 
 
@@ -204,7 +203,7 @@ class Prop(Performer):
         "origin of its parent [m].",
     )
     rotation_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN}."
+        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN_DESCRIPTION}."
     )
     keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
         (),
@@ -215,7 +214,7 @@ class Prop(Performer):
         description="Whether the keyframes begin again when the last is reached, which should "
         "then be as the first; a rotation may be whole turns on.",
     )
-    velocity: VelocityWords | None = Field(
+    velocity: PropVelocity | None = Field(
         None,
         description="How fast it goes from where it is at the begin, [x, y, z], or a list of "
         "velocities at certain times; relative to its parent or the world [m/s].",
@@ -225,7 +224,7 @@ class Prop(Performer):
         description="How it turns all the time, about x, y and z of its parent or the world "
         "[degrees/s].",
     )
-    force: ForceWords | None = Field(
+    force: ForceMotion | None = Field(
         None, description="What pushes and turns it, as its mass lets it."
     )
     held: Annotated[tuple[Hold, ...], Field(max_length=MAX_KEYFRAMES)] = Field(

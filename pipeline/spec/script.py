@@ -83,7 +83,7 @@ class HopOver(ConfigModel):
     hop_over: Name = Field(description="Over whom or what: a prop, a body or a creature.")
 
 
-class JumpWords(ConfigModel):
+class JumpSettings(ConfigModel):
     """One jump; what is left out is as the creature's `pronk` block says, or suits its legs."""
 
     distance: LengthOrZero | None = Field(
@@ -108,7 +108,7 @@ class JumpWords(ConfigModel):
 class JumpOnce(ConfigModel):
     """Make one jump, and go on."""
 
-    jump: JumpWords = Field(description="The jump; {} is an ordinary one.")
+    jump: JumpSettings = Field(description="The jump; {} is an ordinary one.")
 
 
 Side = Literal["left", "right", "both"]

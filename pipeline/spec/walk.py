@@ -24,7 +24,7 @@ CONTRADICTION = 1e-6
 """Relative difference between stride and speed * cycle that is still rounding."""
 
 
-class GaitWords(ConfigModel):
+class GaitPhases(ConfigModel):
     """A gait written out: when each foot goes up and comes down within the cycle."""
 
     up: dict[Name, Phase] = Field(
@@ -72,11 +72,11 @@ GaitName = Literal[
 def _form_of_gait(words: Any) -> str | None:
     if isinstance(words, str):
         return "a gait by name"
-    return "a gait written out" if isinstance(words, Mapping | GaitWords) else None
+    return "a gait written out" if isinstance(words, Mapping | GaitPhases) else None
 
 
 Gait = Annotated[
-    Annotated[GaitName, Tag("a gait by name")] | Annotated[GaitWords, Tag("a gait written out")],
+    Annotated[GaitName, Tag("a gait by name")] | Annotated[GaitPhases, Tag("a gait written out")],
     Discriminator(_form_of_gait),
 ]
 

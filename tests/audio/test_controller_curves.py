@@ -76,8 +76,8 @@ def test_sixteen_rolls_at_once_keep_their_notes_and_lose_one_curve(
     report = write_midi(score_of(happened, 48), path)
     smf = read_smf(path.read_bytes())
     check_laws(smf, 48, Fraction(24))
-    assert report.without_curve == 1
-    assert report.notes + report.merged == 16
+    assert report.losses.without_curve == 1
+    assert report.notes + len(report.losses.merged) == 16
 
 
 @given(

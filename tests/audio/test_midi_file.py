@@ -73,7 +73,7 @@ def test_any_score_gives_a_valid_file_and_counts_its_losses(
     smf = read_smf(path.read_bytes())
     check_laws(smf, frames, rate)
     assert len(smf.onsets()) == report.notes
-    assert report.notes + report.merged + report.muted == len(happened)
+    assert report.notes + len(report.losses.merged) + report.muted == len(happened)
     cues = Counter(tick for tick, _ in smf.texts(CUE))
     ticks = smf.seconds(1)
     assert cues == Counter(int((e.frame - 1) / rate / ticks) for e in happened)
@@ -103,11 +103,11 @@ def test_five_thousand_events_in_two_seconds_are_all_accounted_for(
     smf = read_smf(path.read_bytes())
     check_laws(smf, 48, Fraction(24))
     assert len(smf.texts(CUE)) == 5000
-    assert report.merged > 0
-    assert sum(report.merged_by_frame.values()) == report.merged
+    assert len(report.losses.merged) > 0
+    assert sum(report.merged_by_frame.values()) == len(report.losses.merged)
     assert {tick for tick, *_ in smf.onsets()} == {40 * i for i in range(48)}
-    assert report.pan_changed > 0
-    assert report.notes == len(smf.onsets()) == 5000 - report.merged
+    assert report.losses.pan_changed > 0
+    assert report.notes == len(smf.onsets()) == 5000 - len(report.losses.merged)
     read = symusic.Score.from_midi(path.read_bytes())
     assert sum(len(track.notes) for track in read.tracks) == report.notes
 

@@ -88,7 +88,7 @@ def test_every_phrase_note_is_on_a_frame_or_counted_as_dropped(
     assert all(place.denominator == 1 and 0 <= place < 40 for place in at)
     assert {frame - 1 for frame in shown} <= set(at)
     wanted = sum(len(set(s)) if isinstance(s, list) else 1 for s in phrase) * len(shown)
-    assert report.notes + report.merged + report.after_the_end == wanted
+    assert report.notes + len(report.losses.merged) + report.after_the_end == wanted
     assert len(smf.onsets()) == report.notes
     assert len(smf.texts(0xFF07)) == len(shown)
 

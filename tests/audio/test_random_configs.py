@@ -109,7 +109,7 @@ def test_any_configuration_gives_a_valid_file_on_frames(
     at = [smf.seconds(tick) * rate for tick, *_ in smf.onsets()]
     assert all(place.denominator == 1 and 0 <= place < frames for place in at)
     opened = len(happened) - report.muted
-    assert len(smf.onsets()) == report.notes == opened + report.added - report.merged
+    assert len(smf.onsets()) == report.notes == opened + report.added - len(report.losses.merged)
     cues = [smf.seconds(tick) * rate for tick, _ in smf.texts(0xFF07)]
     assert len(cues) == opened
     # A merged note is never a frame's only note.

@@ -69,7 +69,7 @@ def test_every_note_of_a_shipped_scene_is_on_its_frame(
         ticks = sorted(tick for tick, *_ in smf.onsets())
         assert sorted(with_symusic(data)) == sorted(with_mido(data)) == ticks
         events = len(score.events) - report.muted
-        assert len(ticks) == report.notes == events + report.added - report.merged
+        assert len(ticks) == report.notes == events + report.added - len(report.losses.merged)
         cues = {tick for tick, _ in smf.texts(0xFF07)}
         assert cues <= set(ticks)
         assert all((smf.seconds(tick) * rate).denominator == 1 for tick in ticks)

@@ -18,7 +18,7 @@ from pipeline.production.goldens.motion_comparison import compare
 from pipeline.production.goldens.motion_file import read_golden, write_golden
 from pipeline.production.goldens.motion_golden import golden_of
 from pipeline.production.goldens.motion_sensitivity import predictable_steps
-from pipeline.production.goldens.motion_verdict import Outcome
+from pipeline.production.goldens.motion_verdict import MotionOutcome
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.take import Take
 from pipeline.spec import load_scene
@@ -69,7 +69,7 @@ def _due(path: Path, take: Take) -> tuple[bool, str]:
         return True, f"{path.stem}: new"
     except PronkError as error:
         return True, str(error)
-    return verdict.outcome is Outcome.CHANGED, str(verdict)
+    return verdict.outcome is MotionOutcome.CHANGED, str(verdict)
 
 
 def orphans() -> list[Path]:

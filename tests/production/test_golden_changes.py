@@ -18,14 +18,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pipeline.production.goldens.golden_candidate import Candidate, golden_scene
 from pipeline.production.goldens.golden_card import Framing, read_card
-from pipeline.production.goldens.golden_case import Case, Lab
+from pipeline.production.goldens.golden_case import Case, GoldenFolder, GoldenRenderer
 from pipeline.production.goldens.golden_check import check
 from pipeline.production.goldens.golden_content import Content, read_content
-from pipeline.production.goldens.golden_files import GoldenFolder
 from pipeline.production.goldens.golden_record import record
 from pipeline.production.goldens.judges import judge_frames
-from pipeline.production.goldens.sampling_proof import Proof, filmed_for
 from pipeline.production.goldens.verdict import Outcome
 from pipeline.production.run.outputs import Outputs
 from pipeline.production.run.progress import Reporter
@@ -73,7 +72,7 @@ class Base:
 
     case: Case
     take: Take
-    lab: Lab
+    renderer: GoldenRenderer
 
     @property
     def scene(self) -> Scene:
@@ -85,11 +84,11 @@ class Base:
         """Its golden as it stands in its folder."""
         return read_content(self.case.golden, read_card(self.case.golden.card))
 
-    def changed(self, word: str, other: str) -> Proof:
-        """Return the proof of the scene with other words; its motion must be the same."""
+    def changed(self, word: str, other: str) -> Candidate:
+        """Return the candidate of the scene with other settings; its motion must be the same."""
         text = text_of(LIGHTS[int(self.case.name[-1])])
         assert word in text
-        return Proof(read_scene(text.replace(word, other)), self.take)
+        return Candidate(read_scene(text.replace(word, other)), self.take)
 
 
 def text_of(light: str) -> str:
@@ -100,31 +99,31 @@ def text_of(light: str) -> str:
 def bases(tmp_path_factory: pytest.TempPathFactory) -> list[Base]:
     """Return two scenes with their goldens."""
     folder = tmp_path_factory.mktemp("goldens")
-    lab = Lab("llvm")
-    return [made(f"bug{k}", text_of(light), folder, lab) for k, light in enumerate(LIGHTS)]
+    renderer = GoldenRenderer("llvm")
+    return [made(f"bug{k}", text_of(light), folder, renderer) for k, light in enumerate(LIGHTS)]
 
 
-def made(name: str, text: str, folder: Path, lab: Lab) -> Base:
+def made(name: str, text: str, folder: Path, renderer: GoldenRenderer) -> Base:
     """Record the golden of a scene."""
     scene = read_scene(text)
     case = Case(name, scene, GoldenFolder(folder / name), folder / "out", "bug")
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("CI", raising=False)
-        record(case, lab, Reporter(), seeds=4)
+        record(case, renderer, Reporter(), seeds=4)
     (folder / "out" / "golden").mkdir(parents=True, exist_ok=True)
-    return Base(case, simulate(scene), lab)
+    return Base(case, simulate(scene), renderer)
 
 
 # --- what must be noticed ---------------------------------------------------------
 
 
-def without_a_link(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def without_a_link(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     parts = base.take.parts
     gone = int(draw.integers(len(parts)))
-    return Proof(base.scene, replace(base.take, parts=parts[:gone] + parts[gone + 1 :]))
+    return Candidate(base.scene, replace(base.take, parts=parts[:gone] + parts[gone + 1 :]))
 
 
-def foot_moved(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def foot_moved(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     """Move the last node of a leg by 2 cm, in all rows or in one of a golden's frames."""
     names = [node.name for node in base.take.nodes]
     feet = [name for name in names if name.startswith(("bug.l", "bug.r")) and name.endswith(".3")]
@@ -133,10 +132,10 @@ def foot_moved(base: Base, k: int, draw: np.random.Generator) -> Proof:
     positions = base.take.positions.copy()
     rows = slice(None) if k % 2 else slice(28, 29)
     positions[rows, node] += 0.02 * way / np.linalg.norm(way)
-    return Proof(base.scene, replace(base.take, positions=positions))
+    return Candidate(base.scene, replace(base.take, positions=positions))
 
 
-def other_material(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def other_material(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     if k % 2:
         presets = ("sand", "grass", "snow", "wood", "blue plastic", "clay", "steel")
         other = presets[int(draw.integers(len(presets)))]
@@ -144,17 +143,17 @@ def other_material(base: Base, k: int, draw: np.random.Generator) -> Proof:
     parts = list(base.take.parts)
     n = int(draw.integers(len(parts)))
     parts[n] = replace(parts[n], material="bone" if parts[n].material != "bone" else "steel")
-    return Proof(base.scene, replace(base.take, parts=tuple(parts)))
+    return Candidate(base.scene, replace(base.take, parts=tuple(parts)))
 
 
-def light_off(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def light_off(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     if base.case.name == "bug1":
         # A cloud before the sun, or the sun nearly set.
         return base.changed("hour: 16.5", ("hour: 16.5, clouds: 1.0", "hour: 19")[k % 2])
     return base.changed(*((("fill: 0.3", "fill: 0.0"), ("rim: 0.5", "rim: 0.0"))[k % 2]))
 
 
-class Shifted(Proof):
+class Shifted(Candidate):
     """Shows the frame after one of the golden's, or films a frame twice."""
 
     def __init__(self, base: Base, k: int) -> None:
@@ -168,34 +167,34 @@ class Shifted(Proof):
         shifted = super().shots(framing.model_copy(update={"numbers": tuple(numbers)}))
         yield from zip(framing.numbers, (shot for _, shot in shifted), strict=True)
 
-    def order(self) -> Sequence[int]:
+    def frame_order(self) -> Sequence[int]:
         """Show a frame twice, if `k` is odd."""
-        frames = list(super().order())
+        frames = list(super().frame_order())
         if self.k % 2:
             at = self.k % (FRAMES - 1)
             frames[at + 1] = frames[at]
         return frames
 
 
-def frame_shifted(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def frame_shifted(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     return Shifted(base, k)
 
 
-def footfall_dropped(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def footfall_dropped(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     steps = [n for n, event in enumerate(base.take.events) if event.cause == "footfall"]
     gone = steps[int(draw.integers(len(steps)))]
     events = base.take.events
-    return Proof(base.scene, replace(base.take, events=events[:gone] + events[gone + 1 :]))
+    return Candidate(base.scene, replace(base.take, events=events[:gone] + events[gone + 1 :]))
 
 
-def camera_moved(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def camera_moved(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     place = np.array([0.9, 0.5, 0.9])
     way = draw.normal(size=3)
     place += 0.01 * way / np.linalg.norm(way)
     return base.changed("at: [0.9, 0.5, 0.9]", f"at: {place.tolist()}")
 
 
-class Late(Proof):
+class Late(Candidate):
     """Sounds a frame late, or early."""
 
     def __init__(self, base: Base, late: bool) -> None:
@@ -206,19 +205,19 @@ class Late(Proof):
         """Write it a frame late, or early."""
         super().write_sound(path)
         with wave.open(str(path)) as file:
-            words, data = file.getparams(), file.readframes(file.getnframes())
-        size = words.sampwidth * words.nchannels * 48_000 // 24
+            params, data = file.getparams(), file.readframes(file.getnframes())
+        size = params.sampwidth * params.nchannels * 48_000 // 24
         data = bytes(size) + data[:-size] if self.late else data[size:] + bytes(size)
         with wave.open(str(path), "wb") as file:
-            file.setparams(words)
+            file.setparams(params)
             file.writeframes(data)
 
 
-def sound_shifted(base: Base, k: int, draw: np.random.Generator) -> Proof:
+def sound_shifted(base: Base, k: int, draw: np.random.Generator) -> Candidate:
     return Late(base, k % 2 == 0)
 
 
-Mutation = Callable[[Base, int, np.random.Generator], Proof]
+Mutation = Callable[[Base, int, np.random.Generator], Candidate]
 MUTATIONS: tuple[tuple[Mutation, tuple[str, ...]], ...] = (
     (without_a_link, ("motion",)),
     (foot_moved, ("motion",)),
@@ -241,12 +240,15 @@ def _some(count: int) -> list[object]:
 
 
 @pytest.mark.parametrize("k", _some(COUNT))
-def test_what_changes_a_film_is_noticed(bases: list[Base], k: int) -> None:
+def test_changes_of_a_film_are_detected(bases: list[Base], k: int) -> None:
     mutate, layers = MUTATIONS[k % len(MUTATIONS)]
     turn = k // len(MUTATIONS)
     base = bases[turn % 2]
     verdict = check(
-        base.case, base.lab, Reporter(), proof=mutate(base, turn // 2, np.random.default_rng(k))
+        base.case,
+        base.renderer,
+        Reporter(),
+        candidate=mutate(base, turn // 2, np.random.default_rng(k)),
     )
     changed = {layer.layer for layer in verdict.layers if layer.outcome is Outcome.CHANGED}
     assert changed, str(verdict)
@@ -257,7 +259,7 @@ def test_what_changes_a_film_is_noticed(bases: list[Base], k: int) -> None:
 
 
 def judged(base: Base, frames: dict[int, NDArray[np.uint8]], environment: str = "") -> Outcome:
-    verdict = judge_frames(base.golden, frames, environment or base.lab.environment)
+    verdict = judge_frames(base.golden, frames, environment or base.renderer.environment)
     return verdict.outcome
 
 
@@ -265,7 +267,7 @@ def other_seed(base: Base, k: int, folder: Path) -> None:
     """Make another noise at the samples that the golden was calibrated with."""
     framing = base.golden.framing
     assert framing is not None
-    frames = dict(Proof(base.scene, base.take).frames(framing, base.lab.renderer, 100 + k))
+    frames = dict(Candidate(base.scene, base.take).frames(framing, base.renderer.loaded, 100 + k))
     assert judged(base, frames) is Outcome.WITHIN
 
 
@@ -273,15 +275,18 @@ def elsewhere(base: Base, k: int, folder: Path) -> None:
     """Make another noise in what says that it is another environment."""
     framing = base.golden.framing
     assert framing is not None
-    frames = dict(Proof(base.scene, base.take).frames(framing, base.lab.renderer, 1000 + k))
+    frames = dict(Candidate(base.scene, base.take).frames(framing, base.renderer.loaded, 1000 + k))
     assert judged(base, frames, "another") is Outcome.WITHIN
 
 
 def other_threads(base: Base, k: int, folder: Path) -> None:
     """Render one frame with one thread, which another one rendered with two."""
     framing = Framing(numbers=(k % FRAMES + 1,), size=(96, 54), samples=4)
-    proof = Proof(base.scene, base.take)
-    one, two = (dict(proof.frames(framing, Lab("llvm", threads).renderer)) for threads in (1, 2))
+    candidate = Candidate(base.scene, base.take)
+    one, two = (
+        dict(candidate.frames(framing, GoldenRenderer("llvm", threads).loaded))
+        for threads in (1, 2)
+    )
     assert all(np.array_equal(one[n], two[n]) for n in framing.numbers)
 
 
@@ -289,7 +294,7 @@ def other_jobs(base: Base, k: int, folder: Path) -> None:
     """Render the golden's frames in two processes, as `pronk render --jobs 2` does."""
     golden = base.golden
     assert golden.framing is not None
-    scene = filmed_for(base.scene, golden.framing)
+    scene = golden_scene(base.scene, golden.framing)
     outputs = Outputs(folder, "bug")
     outputs.frames.mkdir(parents=True)
     write_take(base.take, outputs.take)
@@ -304,7 +309,7 @@ SOMEWHERE_ELSE = """
 import sys
 import numpy as np
 from pipeline.production.goldens.golden_card import Framing
-from pipeline.production.goldens.sampling_proof import Proof, filmed_for
+from pipeline.production.goldens.golden_candidate import Proof, filmed_for
 from pipeline.spec import read_scene
 from render.backend import Backend
 from render.renderer import Renderer
@@ -319,10 +324,10 @@ np.savez(place, **{str(n): p for n, p in Proof(read_scene(text)).frames(framing,
 def rendered_by(variant: str, library: str, text: str, folder: Path) -> dict[int, Any] | None:
     """Return the golden's frames as another backend renders them, None if it does not work."""
     place = folder / "frames.npz"
-    words = [sys.executable, "-c", SOMEWHERE_ELSE, text, variant, library, str(place)]
+    command = [sys.executable, "-c", SOMEWHERE_ELSE, text, variant, library, str(place)]
     paths = [str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
-    done = subprocess.run(words, env=environment, capture_output=True, check=False)
+    done = subprocess.run(command, env=environment, capture_output=True, check=False)
     if done.returncode:
         return None
     with np.load(place) as frames:
@@ -330,10 +335,10 @@ def rendered_by(variant: str, library: str, text: str, folder: Path) -> dict[int
 
 
 @pytest.mark.nightly
-def test_another_variant_is_let_pass_by_the_variances(tmp_path: Path) -> None:
+def test_another_variant_passes_by_the_variances(tmp_path: Path) -> None:
     """On plain ground in a studio: of patterns and far ground scalar keeps the mean colours."""
     text = text_of(LIGHTS[0]).replace("{preset: dry soil}", "{preset: red rubber}")
-    base = made("plain", text, tmp_path, Lab("llvm"))
+    base = made("plain", text, tmp_path, GoldenRenderer("llvm"))
     frames = rendered_by("scalar_rgb", "", text, tmp_path)
     assert frames is not None
     assert not np.array_equal(frames[8], base.golden.frames[8])
@@ -354,12 +359,12 @@ HARMLESS = (other_seed,) * 12 + (elsewhere,) * 4 + (other_threads,) * 3 + (other
 
 
 @pytest.mark.parametrize("k", _some(COUNT))
-def test_what_changes_no_film_is_let_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
+def test_changes_that_keep_the_film_pass(bases: list[Base], k: int, tmp_path: Path) -> None:
     # Likewise mixed in every tenth of the list.
     HARMLESS[k % len(HARMLESS)](bases[k // len(HARMLESS) % 2], k, tmp_path)
 
 
-def test_both_lists_are_of_two_hundred() -> None:
+def test_both_lists_have_two_hundred_changes() -> None:
     assert COUNT % len(MUTATIONS) == 0
     assert len({mutate for mutate, _ in MUTATIONS}) == 8
     assert COUNT % len(HARMLESS) == 0

@@ -1,4 +1,4 @@
-"""Motion goldens: what changes is named with its step and part, what does not is let pass."""
+"""Motion goldens: changes are named with step and part, and equal motion passes."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from pipeline.errors import GoldenMissing, StoreError
-from pipeline.production.goldens import motion_sampling, motion_tolerance
+from pipeline.production.goldens import motion_golden, motion_tolerance
 from pipeline.production.goldens.motion_comparison import compare
 from pipeline.production.goldens.motion_digest import motion_digest
 from pipeline.production.goldens.motion_file import encoded, read_golden, write_golden
 from pipeline.production.goldens.motion_golden import MotionGolden, golden_of
-from pipeline.production.goldens.motion_verdict import Outcome, Verdict
+from pipeline.production.goldens.motion_verdict import MotionOutcome, MotionVerdict
 from pipeline.production.goldens.packed_series import Series
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation, simulate
@@ -67,8 +67,8 @@ def _elsewhere(take: Take, **versions: str) -> Take:
     return replace(take, header=replace(take.header, versions=changed))
 
 
-def _only(verdict: Verdict) -> tuple[int, str, str]:
-    assert verdict.outcome is Outcome.CHANGED
+def _only(verdict: MotionVerdict) -> tuple[int, str, str]:
+    assert verdict.outcome is MotionOutcome.CHANGED
     assert not verdict.passed
     assert len(verdict.differences) == 1, str(verdict)
     found = verdict.differences[0]
@@ -77,13 +77,13 @@ def _only(verdict: Verdict) -> tuple[int, str, str]:
 
 def test_a_take_is_identical_to_its_golden(golden: MotionGolden, take: Take) -> None:
     verdict = compare(golden, take)
-    assert verdict.outcome is Outcome.IDENTICAL
+    assert verdict.outcome is MotionOutcome.IDENTICAL
     assert verdict.passed
     assert "exact" in verdict.rule
     assert verdict.first is None
 
 
-def test_what_was_written_is_read_again(take: Take, golden: MotionGolden) -> None:
+def test_a_written_golden_is_read_back(take: Take, golden: MotionGolden) -> None:
     made = golden_of(take, "tiny")
     assert encoded(golden) == encoded(made)
     for name, series in made.series.items():
@@ -132,7 +132,7 @@ def test_the_digest_is_of_the_motion_alone(take: Take) -> None:
     assert len(digests) == 1 + len(others)
 
 
-def test_twice_the_tolerance_is_named_and_nothing_else(golden: MotionGolden, take: Take) -> None:
+def test_only_twice_the_tolerance_is_reported(golden: MotionGolden, take: Take) -> None:
     verdict = compare(golden, _moved(take, 2 * motion_tolerance.POSITION))
     assert _only(verdict) == (ROW, "position", NODE)
     assert verdict.differences[0].excess == pytest.approx(2, abs=0.3)
@@ -159,7 +159,7 @@ def test_half_the_tolerance_passes_and_is_noted(
         _turned(take, share * motion_tolerance.ROTATION),
     ):
         verdict = compare(golden, spoilt)
-        assert verdict.outcome is Outcome.WITHIN
+        assert verdict.outcome is MotionOutcome.WITHIN
         assert verdict.passed
         assert "same class of processor" in verdict.rule
         assert f"bits differ from step {ROW} on" in verdict.bits
@@ -186,7 +186,7 @@ def test_a_channel_is_named(golden: MotionGolden, take: Take) -> None:
     assert _only(compare(golden, replace(take, values=values))) == (16, "channel", name)
 
 
-def test_phases_and_angles_come_round(golden: MotionGolden, take: Take) -> None:
+def test_phases_and_angles_are_periodic(golden: MotionGolden, take: Take) -> None:
     values = take.values.copy()
     for c, channel in enumerate(take.channels):
         if channel.name == "bug.gait_phase":
@@ -194,19 +194,19 @@ def test_phases_and_angles_come_round(golden: MotionGolden, take: Take) -> None:
         if channel.unit == "rad":
             values[16, c] -= 2.0 * np.pi
     verdict = compare(golden, replace(take, values=values))
-    assert verdict.outcome is Outcome.WITHIN
+    assert verdict.outcome is MotionOutcome.WITHIN
 
 
-def test_a_number_that_is_none_is_a_difference(golden: MotionGolden, take: Take) -> None:
+def test_nan_is_a_difference(golden: MotionGolden, take: Take) -> None:
     values = take.values.copy()
     values[16, 1] = np.nan
     spoilt = replace(take, values=values)
     assert _only(compare(golden, spoilt)) == (16, "channel", take.channels[1].name)
-    assert compare(golden_of(spoilt, "tiny"), spoilt).outcome is Outcome.IDENTICAL
-    assert compare(golden_of(spoilt, "tiny"), _moved(spoilt, 1e-9)).outcome is Outcome.WITHIN
+    assert compare(golden_of(spoilt, "tiny"), spoilt).outcome is MotionOutcome.IDENTICAL
+    assert compare(golden_of(spoilt, "tiny"), _moved(spoilt, 1e-9)).outcome is MotionOutcome.WITHIN
 
 
-def test_a_node_that_is_not_there_is_named(golden: MotionGolden, take: Take) -> None:
+def test_a_node_that_is_not_alive_is_named(golden: MotionGolden, take: Take) -> None:
     alive = take.alive.copy()
     alive[ROW:, _node(take)] = False
     assert _only(compare(golden, replace(take, alive=alive))) == (ROW, "alive", NODE)
@@ -220,7 +220,7 @@ def test_a_scale_is_named(take: Take) -> None:
 
 
 @pytest.mark.parametrize("field", ["contacts", "events"])
-def test_what_is_missing_or_new_is_named(golden: MotionGolden, take: Take, field: str) -> None:
+def test_missing_and_new_marks_are_named(golden: MotionGolden, take: Take, field: str) -> None:
     marks = list(getattr(take, field))
     mark = marks[2]
     fewer = replace(take, **{field: tuple(marks[:2] + marks[3:])})
@@ -249,7 +249,7 @@ def test_an_event_within_a_step_may_cross_into_the_next_frame(take: Take) -> Non
     event = replace(take.events[0], step=7, fraction=0.98, frame=3)
     late = replace(event, step=8, fraction=0.01, frame=4)
     golden = golden_of(replace(take, events=(event,)), "tiny")
-    assert compare(golden, replace(take, events=(late,))).outcome is Outcome.WITHIN
+    assert compare(golden, replace(take, events=(late,))).outcome is MotionOutcome.WITHIN
     # Nothing explains this one: both moments belong to frame 3.
     wrong = replace(late, step=7, fraction=0.99)
     assert not compare(golden, replace(take, events=(wrong,))).passed
@@ -288,7 +288,7 @@ def test_a_renamed_node_is_one_gone_and_one_new(golden: MotionGolden, take: Take
     ]
 
 
-def test_another_order_of_nodes_is_no_other_motion(golden: MotionGolden, take: Take) -> None:
+def test_the_order_of_nodes_is_irrelevant(golden: MotionGolden, take: Take) -> None:
     last = [*range(1, len(take.nodes)), 0]
     turned = replace(
         take,
@@ -297,7 +297,7 @@ def test_another_order_of_nodes_is_no_other_motion(golden: MotionGolden, take: T
         rotations=take.rotations[:, last],
         alive=take.alive[:, last],
     )
-    assert compare(golden, turned).outcome is Outcome.WITHIN
+    assert compare(golden, turned).outcome is MotionOutcome.WITHIN
     assert _only(compare(golden, _moved(turned, 0.1))) == (ROW, "position", NODE)
 
 
@@ -342,9 +342,9 @@ def test_on_another_machine_the_tolerant_rule_is_used(
     golden: MotionGolden, take: Take, name: str
 ) -> None:
     there = _elsewhere(take, **{name: "another"})
-    assert compare(golden, there).outcome is Outcome.IDENTICAL
+    assert compare(golden, there).outcome is MotionOutcome.IDENTICAL
     near = compare(golden, _moved(there, 1e-9))
-    assert near.outcome is Outcome.WITHIN
+    assert near.outcome is MotionOutcome.WITHIN
     assert f"tolerant: {name} another, the golden's" in near.rule
     assert not near.bits
     far = compare(golden, _moved(there, 2 * motion_tolerance.POSITION))
@@ -354,12 +354,12 @@ def test_on_another_machine_the_tolerant_rule_is_used(
 
 def test_other_code_is_held_to_the_same_golden(golden: MotionGolden, take: Take) -> None:
     newer = _elsewhere(take, pronk="9", simulation="0123", language="2", python="3.99")
-    assert compare(golden, newer).outcome is Outcome.IDENTICAL
+    assert compare(golden, newer).outcome is MotionOutcome.IDENTICAL
     assert compare(golden, newer).elsewhere == ""
 
 
 def test_a_long_take_keeps_fewer_rows(take: Take, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(motion_sampling, "NUMBERS", 2_200)
+    monkeypatch.setattr(motion_golden, "MAX_NUMBERS", 2_200)
     golden = golden_of(take, "tiny")
     assert golden.stride == 4
     assert len(golden.series["positions"].multiples) == 9
@@ -367,13 +367,13 @@ def test_a_long_take_keeps_fewer_rows(take: Take, monkeypatch: pytest.MonkeyPatc
     assert _only(compare(golden, _moved(take, 1e-3, row=16))) == (16, "position", NODE)
     # Between the rows that are kept, bits tell where, and only on the same class.
     between = compare(golden, _moved(take, 1e-3, row=ROW))
-    assert between.outcome is Outcome.WITHIN
+    assert between.outcome is MotionOutcome.WITHIN
     assert f"bits differ from step {ROW} on" in between.bits
 
 
 def _every_row(take: Take) -> dict[str, Series]:
     nodes, channels = [n.name for n in take.nodes], [c.name for c in take.channels]
-    kept = motion_sampling.kept(take, 1, nodes, channels)
+    kept = motion_golden.sampled(take, 1, nodes, channels)
     return {name: Series.of(v, np.full(v.shape[1], 1e-4)) for name, v in kept.items()}
 
 
@@ -391,7 +391,7 @@ BROKEN: dict[str, Callable[[str], str]] = {
 
 
 @pytest.mark.parametrize("how", BROKEN)
-def test_a_golden_that_is_broken_is_one_clear_error(
+def test_a_damaged_golden_is_one_clear_error(
     golden: MotionGolden, tmp_path: Path, how: str
 ) -> None:
     path = tmp_path / "tiny.json"
@@ -404,7 +404,7 @@ def test_a_golden_that_is_broken_is_one_clear_error(
         assert "format 7, where 1 can be read" in str(error.value)
 
 
-def test_a_golden_that_is_not_there_or_cannot_be_written(
+def test_a_missing_or_unwritable_golden_is_one_clear_error(
     golden: MotionGolden, tmp_path: Path
 ) -> None:
     with pytest.raises(GoldenMissing, match="no such golden"):
@@ -436,7 +436,7 @@ def _default_bounciness() -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["bounciness", "cycle", "speed"])
-def test_a_slightly_other_walk_is_noticed_where_it_first_leaves(
+def test_a_slightly_different_walk_is_detected_at_its_first_difference(
     first_steps: Take, word: str
 ) -> None:
     bounciness = _default_bounciness() + 0.001
@@ -467,4 +467,4 @@ def test_a_slightly_other_walk_is_noticed_where_it_first_leaves(
 def test_the_same_walk_written_out_is_identical(first_steps: Take) -> None:
     golden = golden_of(first_steps, "first_steps")
     same = _first_steps(f"bounciness={_default_bounciness()!r}", "cycle=0.72")
-    assert compare(golden, same).outcome is Outcome.IDENTICAL
+    assert compare(golden, same).outcome is MotionOutcome.IDENTICAL

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.production.goldens.golden_case import Lab, cases_of, found_in
+from pipeline.production.goldens.golden_case import GoldenRenderer, cases_of, goldens_in
 from pipeline.production.goldens.golden_check import check
 from pipeline.production.goldens.verdict import Outcome
 from pipeline.production.run.progress import Reporter
@@ -24,12 +24,12 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def lab() -> Lab:
-    return Lab()
+def lab() -> GoldenRenderer:
+    return GoldenRenderer()
 
 
-@pytest.mark.parametrize("name", [golden.path.name for golden in found_in(FILMS)])
-def test_a_shipped_scene_still_is_its_golden(name: str, lab: Lab, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", [golden.path.name for golden in goldens_in(FILMS)])
+def test_a_shipped_scene_matches_its_golden(name: str, lab: GoldenRenderer, tmp_path: Path) -> None:
     (case,) = cases_of([name], FILMS, tmp_path)
     (tmp_path / "golden").mkdir()
     verdict = check(case, lab, Reporter())

@@ -1,10 +1,10 @@
-"""Goldens: a film's regression tests, in three layers that each cost more than the one before.
+"""Goldens: regression tests of films in three layers of rising cost.
 
-- motion: poses, contacts, sound events, the notes of the score, the camera's way; no rendering;
+- motion: poses, contacts, sound events, notes of the score, camera poses; no rendering;
 - frames: a few small pictures of fixed samples, before the denoiser;
-- film: the container, the pictures decoded from it, and when its sound begins.
+- film: the container, its decoded pictures, and the onsets of its sound.
 
-A golden is a folder beside the scene. What is equal to the last bit passes; what is not is
-judged by limits that stand in the golden. Nothing but `record`, `approve` and
-`calibrate --write` writes one, and none of them where `CI` is set.
+A golden is a folder beside the scene. Equal bits pass; other bits are judged by the limits of the
+golden. Only `record`, `approve` and `calibrate --write` write goldens, and none of them where `CI`
+is set.
 """

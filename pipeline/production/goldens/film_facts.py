@@ -1,9 +1,9 @@
-"""Film facts: what a film is, decoded again: its container, its pictures, when it sounds."""
+"""Film facts: container, decoded pictures and sound onsets of a film."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -14,21 +14,128 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import FilmingError, StoreError
-from pipeline.production.goldens.frame_slates import number_on
-from pipeline.production.goldens.golden_card import AGAIN
-from pipeline.production.goldens.onsets import Onset, best_shift, onsets_of, unmatched
+from pipeline.production.goldens.golden_card import RESTORE_HINT
+
+_BITS: Final = 20
+"""Bits of the frame numbers of the longest film."""
+
+_WIDTH: Final = 8
+"""Of a stripe, wide enough for any encoder [pixels]."""
+
+_HEIGHT: Final = 32
+
+
+def slate(number: int) -> NDArray[np.uint8]:
+    """Return a picture (H, W, 3) whose stripes are the bits of a frame number, the lowest first."""
+    bits = (number >> np.arange(_BITS)) & 1
+    row = np.repeat(bits * 255, _WIDTH).astype(np.uint8)
+    return np.broadcast_to(row[None, :, None], (_HEIGHT, row.size, 3)).copy()
+
+
+def slate_number(grey: NDArray[Any]) -> int:
+    """Return the frame number of a decoded slate (H, W)."""
+    bits = grey.reshape(len(grey), _BITS, _WIDTH).mean(axis=(0, 2)) > 128
+    return int((bits * (1 << np.arange(_BITS))).sum())
+
+
+_HOP: Final = 0.005
+"""Time step of the envelope [s]."""
+
+_RISE_HOPS: Final = 4
+"""Hops over which a rise is measured."""
+
+_SILENCE: Final = -70.0
+"""Level of silence [dBFS]."""
+
+MIN_RISE: Final = 4.0
+"""Least rise of an onset [dB]."""
+
+CLEAR_RISE: Final = 9.0
+"""Least rise of an onset that must be found again [dB]."""
+
+_MAX_LISTED: Final = 6
+"""Onsets that are listed one by one."""
+
+_MAX_SHIFT: Final = 6
+"""Largest shift of a whole track that is detected [frames]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Onset:
+    """The start of a sound: its time [s] and its rise in level [dB]."""
+
+    time: float
+    rise: float
+
+
+def onsets_of(heard: NDArray[np.float64], rate: int) -> tuple[Onset, ...]:
+    """Return the onsets in a sound (N,) of `rate` samples a second."""
+    hop = round(_HOP * rate)
+    count = len(heard) // hop
+    power = np.mean(heard[: count * hop].reshape(count, hop) ** 2, axis=1)
+    level = np.maximum(10.0 * np.log10(np.maximum(power, 1e-12)), _SILENCE)
+    before = np.concatenate([np.full(_RISE_HOPS, _SILENCE), level])
+    # The loudest of the hops before, because the tremolo of a lasting sound is no onset.
+    quiet = np.max([before[k : k + count] for k in range(_RISE_HOPS)], axis=0)
+    rise = level - quiet
+    found = []
+    for k in np.flatnonzero(rise >= MIN_RISE).tolist():
+        if k and rise[k - 1] >= MIN_RISE:
+            continue  # Still the same onset.
+        top = float(level[k : k + 3].max() - quiet[k])
+        found.append(Onset(round(k * _HOP, 3), round(top, 1)))
+    return tuple(found)
+
+
+def unmatched_onsets(
+    then: Sequence[Onset], now: Sequence[Onset], tolerance: float
+) -> tuple[list[Onset], list[Onset]]:
+    """Return the clear onsets that are gone, and those that are new.
+
+    Args:
+        then: of the golden.
+        now: of the film.
+        tolerance: of the time of an onset [s].
+    """
+    return _without_match(then, now, tolerance), _without_match(now, then, tolerance)
+
+
+def _without_match(
+    onsets: Sequence[Onset], others: Sequence[Onset], tolerance: float
+) -> list[Onset]:
+    times = np.array([onset.time for onset in others])
+    # Times are multiples of a hop.
+    bound = max(tolerance, _HOP) + 1e-9
+    return [
+        onset
+        for onset in onsets
+        if onset.rise >= CLEAR_RISE and not (np.abs(times - onset.time) < bound).any()
+    ]
+
+
+def best_shift(then: Sequence[Onset], now: Sequence[Onset], frame: float) -> int:
+    """Return the delay of the sound in frames if it explains nearly all differences, else 0."""
+
+    def mismatches(late: int) -> int:
+        moved = [Onset(onset.time + late * frame, onset.rise) for onset in then]
+        gone, new = unmatched_onsets(moved, now, 2 * _HOP)
+        return len(gone) + len(new)
+
+    best = min(range(-_MAX_SHIFT, _MAX_SHIFT + 1), key=lambda late: (mismatches(late), abs(late)))
+    return best if mismatches(best) < mismatches(0) / 4 else 0
+
 
 RATE: Final = 48_000
 
 
 @dataclass(frozen=True, slots=True)
 class FilmFacts:
-    """What a film is.
+    """Facts of a decoded film.
 
     Attributes:
-        container: its fields, and those of its streams, as words.
-        shown: of each decoded picture, which frame it shows and when [s], as a fraction in words.
-        onsets: when sounds begin.
+        container: fields of the container and its streams, as text.
+        shown: number of the frame on each decoded picture, and its time [s] as a fraction.
+        onsets: of the sound.
     """
 
     container: dict[str, str]
@@ -36,7 +143,7 @@ class FilmFacts:
     onsets: tuple[Onset, ...]
 
     def encoded(self) -> str:
-        """Return them as JSON."""
+        """Return the facts as JSON."""
         shown = ", ".join(json.dumps(pair) for pair in self.shown)
         onsets = ",\n".join(f"  {json.dumps([o.time, o.rise])}" for o in self.onsets)
         container = json.dumps(self.container, indent=1)
@@ -54,13 +161,13 @@ def facts_of_film(path: Path) -> FilmFacts:
             facts = _container(container)
             shown = tuple(
                 (
-                    number_on(frame.to_ndarray(format="gray")),
+                    slate_number(frame.to_ndarray(format="gray")),
                     str(Fraction(frame.pts or 0) * (frame.time_base or 0)),
                 )
                 for frame in container.decode(video=0)
             )
         facts["pictures decoded"] = str(len(shown))
-        heard = _heard(path) if "sound" in facts else np.zeros(0)
+        heard = _decoded_sound(path) if "sound" in facts else np.zeros(0)
         return FilmFacts(facts, shown, onsets_of(heard, RATE))
     except (OSError, ValueError, av.FFmpegError) as error:
         raise FilmingError(f"{path.name}: could not be decoded: {error}") from error
@@ -90,8 +197,8 @@ def _container(container: Any) -> dict[str, str]:
     return facts
 
 
-def _heard(path: Path) -> NDArray[np.float64]:
-    """Return the sound of a film (N,) from time 0 on, all channels together."""
+def _decoded_sound(path: Path) -> NDArray[np.float64]:
+    """Return the sound of a film (N,) from time 0 on, the mean of all channels."""
     blocks = []
     with av.open(str(path)) as container:
         to_float = av.AudioResampler(format="fltp", rate=RATE)
@@ -101,36 +208,36 @@ def _heard(path: Path) -> NDArray[np.float64]:
                 blocks.append((first, piece.to_ndarray().mean(axis=0)))
     heard = np.zeros(max((first + values.size for first, values in blocks), default=0))
     for first, values in blocks:
-        # What comes before time 0 is not played.
+        # Players drop samples before time 0.
         cut = max(-first, 0)
         heard[first + cut : first + values.size] = values[cut:]
     return heard
 
 
-def read_facts(path: Path) -> FilmFacts:
+def read_film_facts(path: Path) -> FilmFacts:
     """Read the facts of a golden.
 
     Raises:
-        StoreError: they are damaged.
+        StoreError: the file is damaged.
     """
     try:
-        words: Any = json.loads(path.read_text(encoding="utf-8"))
+        members: Any = json.loads(path.read_text(encoding="utf-8"))
         return FilmFacts(
-            {str(name): str(fact) for name, fact in words["container"].items()},
-            tuple((int(number), str(time)) for number, time in words["shown"]),
-            tuple(Onset(float(time), float(rise)) for time, rise in words["onsets"]),
+            {str(name): str(fact) for name, fact in members["container"].items()},
+            tuple((int(number), str(time)) for number, time in members["shown"]),
+            tuple(Onset(float(time), float(rise)) for time, rise in members["onsets"]),
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise StoreError(f"{path}: the golden is damaged ({error}); {AGAIN}") from None
+        raise StoreError(f"{path}: the golden is damaged ({error}); {RESTORE_HINT}") from None
 
 
-def differences(golden: FilmFacts, new: FilmFacts, frame: float) -> Iterator[str]:
-    """Give what differs, in words.
+def film_differences(golden: FilmFacts, new: FilmFacts, frame: float) -> Iterator[str]:
+    """Yield the differences of a film from its golden as text.
 
     Args:
-        golden: what is to be.
-        new: what is.
-        frame: how long one is [s].
+        golden: expected facts.
+        new: present facts.
+        frame: duration of a frame [s].
     """
     for name in golden.container | new.container:
         then, now = (facts.container.get(name, "nothing") for facts in (golden, new))
@@ -143,14 +250,14 @@ def differences(golden: FilmFacts, new: FilmFacts, frame: float) -> Iterator[str
                 f"at {old[1]} s"
             )
             break
-    gone, added = unmatched(golden.onsets, new.onsets, frame / 2)
+    gone, added = unmatched_onsets(golden.onsets, new.onsets, frame / 2)
     if gone or added:
         late = best_shift(golden.onsets, new.onsets, frame)
         if late:
             frames = "a frame" if abs(late) == 1 else f"{abs(late)} frames"
             yield f"the sound is {frames} too {'late' if late > 0 else 'early'}"
-        for fate, some in (("no longer", gone), ("newly", added)):
-            if some:
-                times = ", ".join(f"{onset.time:.3f}" for onset in some[:6])
-                more = f" and {len(some) - 6} more" if len(some) > 6 else ""
+        for fate, onsets in (("no longer", gone), ("newly", added)):
+            if onsets:
+                times = ", ".join(f"{onset.time:.3f}" for onset in onsets[:_MAX_LISTED])
+                more = f" and {len(onsets) - _MAX_LISTED} more" if len(onsets) > _MAX_LISTED else ""
                 yield f"{fate} heard at {times} s{more}"

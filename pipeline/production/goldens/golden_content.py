@@ -1,4 +1,4 @@
-"""Content: all that a golden holds, and its files."""
+"""Golden content: the layers of a golden and their files."""
 
 from __future__ import annotations
 
@@ -14,45 +14,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.errors import StoreError
-from pipeline.production.goldens.cue_files import Cues, read_cues
-from pipeline.production.goldens.film_facts import FilmFacts, read_facts
-from pipeline.production.goldens.frame_limits import Limits
+from pipeline.production.goldens.cue_facts import Cues, read_cues
+from pipeline.production.goldens.film_facts import FilmFacts, read_film_facts
 from pipeline.production.goldens.golden_card import (
-    AGAIN,
+    RESTORE_HINT,
     Card,
     Framing,
+    Limits,
     file_digest,
     verify,
 )
-from pipeline.production.goldens.golden_files import GoldenFolder
+from pipeline.production.goldens.golden_case import GoldenFolder
 from pipeline.production.goldens.motion_file import read_golden, write_golden
 from pipeline.production.goldens.motion_golden import MotionGolden
 from pipeline.production.goldens.verdict import LAYERS, Layer
 from pipeline.production.run.outputs import PARTIAL, replace_folder
-from render.comparison import Spread
+from render.comparison.image_statistics import SeedSpread
 from render.errors import RenderError
 from render.image_files import read_png, write_png
 
 Picture = NDArray[np.uint8]
-SMALLEST = 9
+COMPRESSION = 9
 """Level of deflate: goldens are written seldom and kept for ever."""
 
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a golden holds.
+    """Layers of a golden.
 
     Attributes:
-        scene: its name.
-        motion: how everything moves, with `cues`: the layer of motion.
-        cues: the camera's way and the notes of the score.
+        scene: name of the scene.
+        motion: of the take; with `cues`, the layer of motion.
+        cues: camera poses and notes of the score.
         film: the layer of the film.
         framing: of the layer of frames.
         frames: number -> picture.
-        environment: what their pixels depend on.
-        spreads: number -> how far other seeds differ; may be empty.
+        environment: `Backend.key`, which their pixels depend on.
+        spreads: number -> differences between seeds; may be empty.
         limits: of the frames.
-        calibrated: how many seeds the limits come from.
+        calibrated: number of seeds that the limits come from.
     """
 
     scene: str
@@ -62,22 +62,22 @@ class Content:
     framing: Framing | None = None
     frames: Mapping[int, Picture] = field(default_factory=dict)
     environment: str = ""
-    spreads: Mapping[int, Spread] = field(default_factory=dict)
+    spreads: Mapping[int, SeedSpread] = field(default_factory=dict)
     limits: Limits = Limits()  # noqa: RUF009 (a frozen value)
     calibrated: int = 0
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """The layers that it has."""
-        there = {"motion": self.motion, "frames": self.framing, "film": self.film}
-        return tuple(layer for layer in LAYERS if there[layer] is not None)
+        """The layers that are present."""
+        found = {"motion": self.motion, "frames": self.framing, "film": self.film}
+        return tuple(layer for layer in LAYERS if found[layer] is not None)
 
 
 def write_content(content: Content, place: GoldenFolder) -> Card:
-    """Write a golden, the whole folder or nothing.
+    """Write the folder of a golden atomically.
 
     Raises:
-        StoreError: it could not be written.
+        StoreError: it cannot be written.
     """
     new = GoldenFolder(place.path.with_name(f".{place.path.name}{PARTIAL}"))
     try:
@@ -111,10 +111,10 @@ def _write_files(content: Content, new: GoldenFolder) -> None:
     if content.film is not None:
         new.film.write_text(content.film.encoded(), encoding="utf-8", newline="\n")
     for number, picture in content.frames.items():
-        write_png(new.frame(number), picture, "golden", SMALLEST)
+        write_png(new.frame(number), picture, "golden", COMPRESSION)
     if content.spreads:
-        words = {str(number): _packed(spread) for number, spread in content.spreads.items()}
-        new.spreads.write_text(json.dumps(words, indent=1) + "\n", encoding="utf-8", newline="\n")
+        packed = {str(number): _packed(spread) for number, spread in content.spreads.items()}
+        new.spreads.write_text(json.dumps(packed, indent=1) + "\n", encoding="utf-8", newline="\n")
 
 
 def files_of(layer: Layer, place: GoldenFolder, card: Card) -> list[str]:
@@ -129,46 +129,46 @@ def files_of(layer: Layer, place: GoldenFolder, card: Card) -> list[str]:
 
 
 def read_content(place: GoldenFolder, card: Card, layers: tuple[Layer, ...] = LAYERS) -> Content:
-    """Read layers of a golden, those that it has.
+    """Return those of `layers` that a golden has.
 
     Raises:
         StoreError: a file is missing, damaged or changed.
     """
-    has = [layer for layer in layers if layer in card.layers]
-    for layer in has:
+    present = [layer for layer in layers if layer in card.layers]
+    for layer in present:
         verify(card, place.path, files_of(layer, place, card))
-    framing = card.frames if "frames" in has else None
+    framing = card.frames if "frames" in present else None
     numbers = framing.numbers if framing else ()
-    there = bool(framing) and place.spreads.name in card.files
+    has_spreads = bool(framing) and place.spreads.name in card.files
     return Content(
         scene=card.scene,
-        motion=read_golden(place.motion) if "motion" in has else None,
-        cues=read_cues(place.cues) if "motion" in has else None,
-        film=read_facts(place.film) if "film" in has else None,
+        motion=read_golden(place.motion) if "motion" in present else None,
+        cues=read_cues(place.cues) if "motion" in present else None,
+        film=read_film_facts(place.film) if "film" in present else None,
         framing=framing,
         frames={number: read_png(place.frame(number)) for number in numbers},
         environment=card.environment if framing else "",
-        spreads=_read_spreads(place.spreads) if there else {},
+        spreads=_read_spreads(place.spreads) if has_spreads else {},
         limits=card.limits,
         calibrated=card.calibrated if framing else 0,
     )
 
 
-def _packed(spread: Spread) -> dict[str, Any]:
+def _packed(spread: SeedSpread) -> dict[str, Any]:
     values = np.stack([spread.means, np.sqrt(spread.variances)]).astype("<f4")
     packed = base64.b85encode(zlib.compress(values.tobytes(), 9)).decode("ascii")
     return {"count": spread.count, "tiles": list(values.shape[1:3]), "packed": packed}
 
 
-def _read_spreads(path: Path) -> dict[int, Spread]:
+def _read_spreads(path: Path) -> dict[int, SeedSpread]:
     try:
-        words: Any = json.loads(path.read_text(encoding="utf-8"))
-        return {int(number): _unpacked(one) for number, one in words.items()}
+        members: Any = json.loads(path.read_text(encoding="utf-8"))
+        return {int(number): _unpacked(packed) for number, packed in members.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, zlib.error) as error:
-        raise StoreError(f"{path}: the golden is damaged ({error}); {AGAIN}") from None
+        raise StoreError(f"{path}: the golden is damaged ({error}); {RESTORE_HINT}") from None
 
 
-def _unpacked(words: dict[str, Any]) -> Spread:
-    data = zlib.decompress(base64.b85decode(words["packed"]))
-    values = np.frombuffer(data, "<f4").reshape(2, *words["tiles"], 3).astype(np.float64)
-    return Spread(int(words["count"]), values[0], values[1] ** 2)
+def _unpacked(members: dict[str, Any]) -> SeedSpread:
+    data = zlib.decompress(base64.b85decode(members["packed"]))
+    values = np.frombuffer(data, "<f4").reshape(2, *members["tiles"], 3).astype(np.float64)
+    return SeedSpread(int(members["count"]), values[0], values[1] ** 2)

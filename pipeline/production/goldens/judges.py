@@ -1,4 +1,4 @@
-"""Judging: golden against new, one function a layer, nothing rendered and nothing written."""
+"""Judges: verdicts on layers, one function each, without rendering or writing."""
 
 from __future__ import annotations
 
@@ -7,32 +7,39 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.goldens import cue_files, film_facts
-from pipeline.production.goldens.frame_limits import Limits
+from pipeline.production.goldens import cue_facts, film_facts
+from pipeline.production.goldens.golden_card import Limits
 from pipeline.production.goldens.golden_content import Content, Picture
 from pipeline.production.goldens.motion_comparison import compare
-from pipeline.production.goldens.motion_verdict import Outcome as MotionOutcome
+from pipeline.production.goldens.motion_verdict import MotionOutcome
 from pipeline.production.goldens.verdict import (
     Box,
     FrameVerdict,
     LayerVerdict,
     Outcome,
-    gravest,
+    gravest_outcome,
 )
 from pipeline.simulation.take import Take
-from render.comparison import Spread, distances, flip, judge, psnr, tile_box, tile_means
+from render.comparison.flip_metric import flip, judge
+from render.comparison.image_statistics import (
+    SeedSpread,
+    psnr,
+    tile_box,
+    tile_deviations,
+    tile_means,
+)
 
-BOXES: Final = 5
-"""Tiles that are shown as the worst."""
+MAX_BOXES: Final = 5
+"""Number of worst tiles shown."""
 
 
-def judge_motion(golden: Content, take: Take, new: cue_files.Cues) -> LayerVerdict:
-    """Judge poses, contacts, sound events, notes and the camera's way."""
+def judge_motion(golden: Content, take: Take, new: cue_facts.Cues) -> LayerVerdict:
+    """Return the verdict on poses, contacts, sound events, notes and the camera."""
     assert golden.motion is not None
     assert golden.cues is not None
     verdict = compare(golden.motion, take)
     same = verdict.outcome is MotionOutcome.IDENTICAL
-    other = tuple(cue_files.differences(golden.cues, new, exact=same))
+    other = tuple(cue_facts.cue_differences(golden.cues, new, exact=same))
     details = (*str(verdict).splitlines()[1:], *other)
     if verdict.passed and not other:
         outcome = Outcome.IDENTICAL if same else Outcome.WITHIN
@@ -47,9 +54,9 @@ def judge_motion(golden: Content, take: Take, new: cue_files.Cues) -> LayerVerdi
 
 
 def judge_film(golden: Content, new: film_facts.FilmFacts, frame: float) -> LayerVerdict:
-    """Judge a film whose frames last `frame` seconds by what was decoded of it."""
+    """Return the verdict on a decoded film whose frames last `frame` seconds."""
     assert golden.film is not None
-    found = tuple(film_facts.differences(golden.film, new, frame))
+    found = tuple(film_facts.film_differences(golden.film, new, frame))
     if found:
         return LayerVerdict("film", Outcome.CHANGED, found[0], found[1:])
     counts = f"{len(new.shown)} pictures, {len(new.onsets)} onsets of sound"
@@ -59,29 +66,36 @@ def judge_film(golden: Content, new: film_facts.FilmFacts, frame: float) -> Laye
 
 
 def judge_frames(golden: Content, new: dict[int, Picture], environment: str) -> LayerVerdict:
-    """Judge all frames of a golden.
+    """Return the verdict on all frames of a golden.
 
     Args:
-        golden: what is to be.
+        golden: expected frames.
         new: number -> picture, of the same framing.
-        environment: what the pixels of `new` depend on.
+        environment: `Backend.key` of `new`.
     """
-    at_home = golden.environment == environment
+    same_environment = golden.environment == environment
     verdicts = tuple(
         judge_frame(
-            number, picture, new[number], golden.limits, at_home, golden.spreads.get(number)
+            number,
+            picture,
+            new[number],
+            golden.limits,
+            same_environment,
+            golden.spreads.get(number),
         )
         for number, picture in golden.frames.items()
     )
-    outcome = gravest(verdict.outcome for verdict in verdicts)
+    outcome = gravest_outcome(verdict.outcome for verdict in verdicts)
     worst = [verdict for verdict in verdicts if verdict.outcome is outcome]
     if outcome is Outcome.IDENTICAL:
         return LayerVerdict("frames", outcome, f"{len(verdicts)} pictures to the bit", (), verdicts)
     most = max(worst, key=lambda verdict: (verdict.tile, verdict.z or 0.0))
-    elsewhere = () if at_home else (f"here {environment}, the golden's {golden.environment}",)
-    of = f"{len(worst)} of {len(verdicts)} frames, the worst {most.frame}: {most.text}"
+    elsewhere = (
+        () if same_environment else (f"here {environment}, the golden's {golden.environment}",)
+    )
+    text = f"{len(worst)} of {len(verdicts)} frames, the worst {most.frame}: {most.text}"
     rest = tuple(f"frame {v.frame}: {v.text}" for v in worst if v is not most)
-    return LayerVerdict("frames", outcome, of, (*rest, *elsewhere), verdicts)
+    return LayerVerdict("frames", outcome, text, (*rest, *elsewhere), verdicts)
 
 
 def judge_frame(
@@ -89,16 +103,16 @@ def judge_frame(
     golden: Picture,
     new: Picture,
     limits: Limits,
-    at_home: bool,
-    spread: Spread | None,
+    same_environment: bool,
+    spread: SeedSpread | None,
 ) -> FrameVerdict:
-    """Judge one frame.
+    """Return the verdict on one frame.
 
-    Equal pixels pass. In the environment of the golden FLIP decides, its mean and that of its
-    worst tile; it sees edges that moved by a pixel. Elsewhere the noise is another one, and
-    what decides is how far the means of tiles lie from those of the golden's seeds, without
-    which nobody can tell. Where they are known they decide at home too: they see a light that
-    is a little weaker, which in FLIP is less than noise.
+    Equal pixels pass. In the environment of the golden the FLIP error decides, by its mean and its
+    worst tile; it detects edges that moved by a pixel. Elsewhere the noise differs, and a z-test of
+    the tiles' means against those of the golden's seeds decides; without seeds there is no verdict.
+    Where seeds are known the z-test decides in the golden's environment too: it detects slightly
+    weaker lights, whose FLIP error is below the noise.
     """
     if golden.shape != new.shape:
         text = f"is {new.shape[1]}x{new.shape[0]}, the golden {golden.shape[1]}x{golden.shape[0]}"
@@ -107,30 +121,31 @@ def judge_frame(
         return FrameVerdict(number, Outcome.IDENTICAL, "digest", "equal to the bit")
     errors = flip(golden, new)
     tiles = tile_means(errors)
-    zs = None if spread is None else distances(spread, new)
+    zs = None if spread is None else tile_deviations(spread, new)
     mean, tile, ratio = float(errors.mean()), float(tiles.max()), psnr(golden, new)
     z = None if zs is None else float(zs.max())
-    told = [f"FLIP {mean:.4f} (limit {limits.mean:g}), worst tile {tile:.4f}"]
-    told[0] += f" (limit {limits.tile:g})"
-    told += [] if z is None else [f"z {z:.1f} (limit {limits.z:g}) in the worst tile"]
-    told.append(f"PSNR {ratio:.1f} dB")
-    seen = mean > limits.mean or tile > limits.tile
-    far = z is not None and z > limits.z
-    outcome = Outcome.CHANGED if (at_home and seen) or far else Outcome.WITHIN
+    texts = [f"FLIP {mean:.4f} (limit {limits.mean:g}), worst tile {tile:.4f}"]
+    texts[0] += f" (limit {limits.tile:g})"
+    texts += [] if z is None else [f"z {z:.1f} (limit {limits.z:g}) in the worst tile"]
+    texts.append(f"PSNR {ratio:.1f} dB")
+    flip_exceeds = mean > limits.mean or tile > limits.tile
+    z_exceeds = z is not None and z > limits.z
+    changed = (same_environment and flip_exceeds) or z_exceeds
+    outcome = Outcome.CHANGED if changed else Outcome.WITHIN
     rule = f"FLIP by {judge()}" + (" and z-test" if zs is not None else "")
-    if not at_home:
+    if not same_environment:
         rule = "z-test, for the environment is another one"
         if zs is None:
             outcome, rule = Outcome.UNJUDGED, "none"
-            told.insert(0, "other environment, and no variances are known: calibrate the golden")
-    by_z = zs is not None and not (at_home and seen)
-    boxes = _boxes(zs if by_z and zs is not None else tiles, golden.shape)
-    text = ", ".join(told)
+            texts.insert(0, "other environment, and no variances are known: calibrate the golden")
+    by_flip = zs is None or (same_environment and flip_exceeds)
+    boxes = _boxes(tiles if by_flip or zs is None else zs, golden.shape)
+    text = ", ".join(texts)
     return FrameVerdict(number, outcome, rule, text, mean, tile, ratio, z, boxes)
 
 
 def _boxes(tiles: NDArray[np.float64], shape: tuple[int, ...]) -> tuple[Box, ...]:
-    order = np.argsort(tiles, axis=None, kind="stable")[::-1][:BOXES]
+    order = np.argsort(tiles, axis=None, kind="stable")[::-1][:MAX_BOXES]
     places = [divmod(int(k), tiles.shape[1]) for k in order]
     return tuple(
         Box(*tile_box(row, column, shape), round(float(tiles[row, column]), 4))

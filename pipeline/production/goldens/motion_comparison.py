@@ -1,4 +1,4 @@
-"""Comparison: whether a take still moves like its golden, and where it first does not."""
+"""Motion comparison: a take against its golden, by an exact and a tolerant rule."""
 
 from __future__ import annotations
 
@@ -6,47 +6,57 @@ from collections.abc import Iterable, Iterator
 from itertools import chain
 
 from pipeline.production.goldens import motion_tolerance
-from pipeline.production.goldens.motion_deviations import deviations, ground
-from pipeline.production.goldens.motion_digest import facts_of, motion_digest
-from pipeline.production.goldens.motion_fingerprints import Fingerprints
-from pipeline.production.goldens.motion_golden import Land, MotionGolden, land_of
+from pipeline.production.goldens.motion_deviations import deviations, ground_differences
+from pipeline.production.goldens.motion_digest import (
+    Fingerprints,
+    header_facts,
+    motion_digest,
+)
+from pipeline.production.goldens.motion_golden import (
+    GroundSummary,
+    MotionGolden,
+    ground_summary,
+)
 from pipeline.production.goldens.motion_invariants import broken_invariants
-from pipeline.production.goldens.motion_marks import marks_of
-from pipeline.production.goldens.motion_matching import unmatched
-from pipeline.production.goldens.motion_verdict import WHOLE, Difference, Outcome, Verdict
+from pipeline.production.goldens.motion_marks import mark_differences, marks_of
+from pipeline.production.goldens.motion_verdict import (
+    WHOLE_TAKE,
+    Difference,
+    MotionOutcome,
+    MotionVerdict,
+)
 from pipeline.simulation.clock import Clock
 from pipeline.simulation.take import Take
 
-OUR_OWN = frozenset({"pronk", "simulation", "language", "python"})
-"""Versions that may change without another golden: the point is to see that motion does not."""
+IGNORED_VERSIONS = frozenset({"pronk", "simulation", "language", "python"})
+"""Versions that may change without another golden."""
 
 RANK = ("take", "ground", "position", "rotation", "scale", "alive")
-"""What is named first of differences at one step; the rest comes after all nodes."""
+"""Order of differences at one step; other kinds come after all nodes."""
 
 
-def compare(golden: MotionGolden, take: Take) -> Verdict:
-    """Say whether `take` moves like its golden.
+def compare(golden: MotionGolden, take: Take) -> MotionVerdict:
+    """Return the verdict on the motion of `take`.
 
-    Exact rule: on the class of processor and with the libraries of the golden, equal code
-    gives equal bits, so the digest of the motion agrees and the take is identical.
+    Exact rule: on the golden's class of processor and with its libraries, equal code gives equal
+    bits, so the digests agree and the take is identical.
 
-    Tolerant rule: elsewhere, or where code was written otherwise and rounds otherwise, a
-    take passes as equal within tolerance: poses and channels within `motion_tolerance` at the
-    rows that the golden keeps, contacts and sound events within a step. On the same
-    class the verdict then says where the first bits differ. Rows between those that are
-    kept are not judged by it, nor are words without numbers (materials, notes' texts).
+    Tolerant rule: elsewhere, or for code that rounds otherwise, poses and channels must lie within
+    `motion_tolerance` at the rows that the golden keeps, contacts and sound events within a step.
+    On the same class the verdict also locates the first bits that differ. Other rows, materials
+    and the texts of notes are not compared.
 
     A chaotic motion is compared elsewhere up to the golden's `predictable` step, and from there on
     by its invariants: energy, extent, rest and counts.
 
-    Anything else is changed. Of differences at one step the node named first is the one
-    nearest to the root, for nodes stand after their parents.
+    Anything else is changed. Of differences at one step, that of the node nearest to the root comes
+    first, because nodes stand after their parents.
     """
-    elsewhere = _elsewhere(golden.versions, take.header.versions)
+    elsewhere = _environment_difference(golden.versions, take.header.versions)
     if golden.digest == motion_digest(take):
-        return Verdict(golden.scene, Outcome.IDENTICAL, elsewhere)
-    other = list(_structure(golden, take))
-    found = other or list(_motion(golden, take))
+        return MotionVerdict(golden.scene, MotionOutcome.IDENTICAL, elsewhere)
+    other = list(_structure_differences(golden, take))
+    found = other or list(_motion_differences(golden, take))
     horizon = golden.predictable if elsewhere and not other else None
     if horizon is not None:
         found = [difference for difference in found if difference.step < horizon]
@@ -54,20 +64,20 @@ def compare(golden: MotionGolden, take: Take) -> Verdict:
         elsewhere += f"; chaotic, so poses up to step {horizon}, then energy, rest and counts"
     order = {who: n for n, who in enumerate(golden.nodes)}
     found.sort(key=lambda d: (d.step, order.get(d.who, len(order)), _rank(d.kind)))
-    return Verdict(
+    return MotionVerdict(
         golden.scene,
-        Outcome.CHANGED if found else Outcome.WITHIN,
+        MotionOutcome.CHANGED if found else MotionOutcome.WITHIN,
         elsewhere,
         tuple(found),
-        _moment(found[0].step, take) if found else "",
+        _moment_text(found[0].step, take) if found else "",
         _totals(golden),
         "" if elsewhere or other else _first_bits(golden, take),
     )
 
 
-def _elsewhere(then: dict[str, str], now: dict[str, str]) -> str:
-    """Return how the processor and the libraries differ, in words; empty if they do not."""
-    names = sorted((then.keys() | now.keys()) - OUR_OWN)
+def _environment_difference(then: dict[str, str], now: dict[str, str]) -> str:
+    """Return the differences of processor and libraries as text, empty if there are none."""
+    names = sorted((then.keys() | now.keys()) - IGNORED_VERSIONS)
     return ", ".join(
         f"{name} {now.get(name, 'missing')}, the golden's {then.get(name, 'missing')}"
         for name in names
@@ -75,61 +85,63 @@ def _elsewhere(then: dict[str, str], now: dict[str, str]) -> str:
     )
 
 
-def _structure(golden: MotionGolden, take: Take) -> Iterator[Difference]:
-    """Yield what keeps the numbers from being compared."""
-    for name, fact in facts_of(take.header).items():
+def _structure_differences(golden: MotionGolden, take: Take) -> Iterator[Difference]:
+    """Yield differences that make the numbers incomparable."""
+    for name, fact in header_facts(take.header).items():
         if fact != golden.facts.get(name):
-            told = f"is {fact}, the golden's {golden.facts.get(name)}"
-            yield Difference(WHOLE, "take", name, told)
+            text = f"is {fact}, the golden's {golden.facts.get(name)}"
+            yield Difference(WHOLE_TAKE, "take", name, text)
     units = {channel.name: channel.unit for channel in take.channels}
-    yield from _names("node", golden.nodes, [node.name for node in take.nodes])
-    yield from _names("channel", golden.channels, units)
+    yield from _name_differences("node", golden.nodes, [node.name for node in take.nodes])
+    yield from _name_differences("channel", golden.channels, units)
     for name in golden.channels.keys() & units.keys():
         if units[name] != golden.channels[name]:
-            told = f"is in {units[name]}, the golden's in {golden.channels[name]}"
-            yield Difference(WHOLE, "take", name, told)
-    yield from _land(golden.land, land_of(take))
+            text = f"is in {units[name]}, the golden's in {golden.channels[name]}"
+            yield Difference(WHOLE_TAKE, "take", name, text)
+    yield from _ground_structure(golden.land, ground_summary(take))
 
 
-def _names(what: str, then: Iterable[str], now: Iterable[str]) -> Iterator[Difference]:
+def _name_differences(kind: str, then: Iterable[str], now: Iterable[str]) -> Iterator[Difference]:
     old, new = list(then), list(now)
     for fate, names in (
         ("is gone", [name for name in old if name not in new]),
         ("is new", [name for name in new if name not in old]),
     ):
         for name in names:
-            yield Difference(WHOLE, "take", name, f"{fate}: this {what}")
+            yield Difference(WHOLE_TAKE, "take", name, f"{fate}: this {kind}")
 
 
-def _land(then: Land, now: Land) -> Iterator[Difference]:
+def _ground_structure(then: GroundSummary, now: GroundSummary) -> Iterator[Difference]:
     if (now.cells, now.vertices) != (then.cells, then.vertices):
-        told = f"has {now.cells} cells, the golden's {then.cells}"
-        yield Difference(WHOLE, "ground", "the ground", told)
+        text = f"has {now.cells} cells, the golden's {then.cells}"
+        yield Difference(WHOLE_TAKE, "ground", "the ground", text)
     if now.material != then.material:
-        told = f"is of {now.material}, the golden's of {then.material}"
-        yield Difference(WHOLE, "ground", "the ground", told)
+        text = f"is of {now.material}, the golden's of {then.material}"
+        yield Difference(WHOLE_TAKE, "ground", "the ground", text)
 
 
-def _motion(golden: MotionGolden, take: Take) -> Iterator[Difference]:
-    yield from _forbidden(golden.land, land_of(take), take.terrain.forbidden.size)
-    yield from ground(golden, take)
+def _motion_differences(golden: MotionGolden, take: Take) -> Iterator[Difference]:
+    yield from _forbidden_difference(golden.land, ground_summary(take), take.terrain.forbidden.size)
+    yield from ground_differences(golden, take)
     yield from chain.from_iterable(d.differences() for d in deviations(golden, take))
-    yield from unmatched(golden.marks, marks_of(take), take.header.steps)
+    yield from mark_differences(golden.marks, marks_of(take), take.header.steps)
 
 
-def _forbidden(then: Land, now: Land, cells: int) -> Iterator[Difference]:
+def _forbidden_difference(
+    then: GroundSummary, now: GroundSummary, cells: int
+) -> Iterator[Difference]:
     if abs(now.forbidden - then.forbidden) > motion_tolerance.FORBIDDEN * cells:
-        told = f"forbids {now.forbidden} cells, the golden's {then.forbidden}"
-        yield Difference(WHOLE, "ground", "the ground", told)
+        text = f"forbids {now.forbidden} cells, the golden's {then.forbidden}"
+        yield Difference(WHOLE_TAKE, "ground", "the ground", text)
 
 
 def _rank(kind: str) -> int:
     return RANK.index(kind) if kind in RANK else len(RANK)
 
 
-def _moment(step: int, take: Take) -> str:
-    """Return a step in words, with the time and the first frame that shows it."""
-    if step == WHOLE:
+def _moment_text(step: int, take: Take) -> str:
+    """Return a step as text, with its time and the first frame that shows it."""
+    if step == WHOLE_TAKE:
         return "of all"
     header = take.header
     clock = Clock(header.rate, header.frames, header.steps, header.samples)
@@ -149,7 +161,7 @@ def _totals(golden: MotionGolden) -> tuple[tuple[str, int], ...]:
 
 
 def _first_bits(golden: MotionGolden, take: Take) -> str:
-    """Return in words where the bits of a take of the same class first differ."""
+    """Return the place of the first bits that differ, as text."""
     then, now = golden.fingerprints, Fingerprints.of(take)
     place = [node.name for node in take.nodes] + [channel.name for channel in take.channels]
     rows = [k for k, (one, two) in enumerate(zip(then.rows, now.rows, strict=True)) if one != two]

@@ -1,7 +1,7 @@
-"""File of a motion golden: JSON, a line for everything that a reader may want to see change.
+"""Motion golden file: JSON whose diffs in version control can be read.
 
-Rounded numbers and fingerprints are packed; contacts, sound events and notes stand in
-plain words, so that a diff in version control tells what became of them.
+Rounded numbers and fingerprints are packed; contacts, sound events and notes are plain, one per
+line.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import GoldenMissing, StoreError
-from pipeline.production.goldens.motion_fingerprints import Fingerprints
-from pipeline.production.goldens.motion_golden import Land, MotionGolden
+from pipeline.production.goldens.motion_digest import Fingerprints
+from pipeline.production.goldens.motion_golden import GroundSummary, MotionGolden
 from pipeline.production.goldens.motion_marks import Mark
 from pipeline.production.goldens.packed_series import Series
 from pipeline.production.run.outputs import PARTIAL
@@ -27,10 +27,10 @@ UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, lzma.LZMAError, E
 
 
 def write_golden(golden: MotionGolden, path: Path) -> None:
-    """Write `golden` to `path`, whole or not at all.
+    """Write `golden` to `path` atomically.
 
     Raises:
-        StoreError: if it cannot be written.
+        StoreError: it cannot be written.
     """
     partial = path.with_name(f".{path.name}{PARTIAL}")
     try:
@@ -45,18 +45,18 @@ def read_golden(path: Path) -> MotionGolden:
     """Read the golden in `path`.
 
     Raises:
-        GoldenMissing: if there is none.
-        StoreError: if it cannot be read, is damaged, or of a format that is not known.
+        GoldenMissing: it does not exist.
+        StoreError: it cannot be read, is damaged, or has an unknown format.
     """
     try:
-        words = json.loads(path.read_text(encoding="utf-8"))
+        members = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise GoldenMissing(f"{path}: there is no such golden") from None
     except OSError as error:
         raise StoreError(f"{path}: the golden could not be read: {error.strerror}") from error
     except ValueError as error:
         raise StoreError(f"{path}: is no golden, or cut short ({error}); write it anew") from None
-    kind = words.get("motion golden") if isinstance(words, dict) else None
+    kind = members.get("motion golden") if isinstance(members, dict) else None
     if kind is None:
         raise StoreError(f"{path}: is no golden of a motion")
     if kind != FORMAT:
@@ -64,14 +64,14 @@ def read_golden(path: Path) -> MotionGolden:
             f"{path}: is a golden of format {kind!r}, where {FORMAT} can be read; write it anew"
         )
     try:
-        return _decoded(words)
+        return _decoded(members)
     except UNREADABLE as error:
         raise StoreError(f"{path}: the golden is damaged ({error}); write it anew") from None
 
 
 def encoded(golden: MotionGolden) -> str:
     """Return the text of `golden`'s file."""
-    words: dict[str, Any] = {
+    members: dict[str, Any] = {
         "motion golden": FORMAT,
         **{f.name: getattr(golden, f.name) for f in fields(golden)},
         "series": {name: series.packed() for name, series in golden.series.items()},
@@ -80,13 +80,13 @@ def encoded(golden: MotionGolden) -> str:
         "land": asdict(golden.land),
     }
     if golden.predictable is None:
-        del words["predictable"]
-    body = ",\n".join(f"{_line(key)}: {_block(value)}" for key, value in words.items())
+        del members["predictable"]
+    body = ",\n".join(f"{_line(key)}: {_block(value)}" for key, value in members.items())
     return f"{{\n{body}\n}}\n"
 
 
 def _block(value: Any) -> str:
-    """Return a long list or a nested mapping with one item a line."""
+    """Return a list or a nested mapping with one item per line."""
     if isinstance(value, list) and value:
         return "[\n" + ",\n".join(f"  {_line(item)}" for item in value) + "\n]"
     if isinstance(value, dict) and any(isinstance(item, dict) for item in value.values()):
@@ -99,16 +99,16 @@ def _line(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
-def _decoded(words: dict[str, Any]) -> MotionGolden:
+def _decoded(members: dict[str, Any]) -> MotionGolden:
     golden = MotionGolden(
         **{
-            **{f.name: words[f.name] for f in fields(MotionGolden) if f.name != "predictable"},
-            "nodes": tuple(words["nodes"]),
-            "series": {name: Series.unpacked(s) for name, s in words["series"].items()},
-            "fingerprints": Fingerprints.unpacked(words["fingerprints"]),
-            "marks": tuple(_mark(*values) for values in words["marks"]),
-            "land": Land(**{**words["land"], "cells": tuple(words["land"]["cells"])}),
-            "predictable": words.get("predictable"),
+            **{f.name: members[f.name] for f in fields(MotionGolden) if f.name != "predictable"},
+            "nodes": tuple(members["nodes"]),
+            "series": {name: Series.unpacked(s) for name, s in members["series"].items()},
+            "fingerprints": Fingerprints.unpacked(members["fingerprints"]),
+            "marks": tuple(_mark(*values) for values in members["marks"]),
+            "land": GroundSummary(**{**members["land"], "cells": tuple(members["land"]["cells"])}),
+            "predictable": members.get("predictable"),
         }
     )
     _check(golden)
@@ -121,7 +121,7 @@ def _mark(kind: str, who: str, what: str, moment: float, frame: int, *rest: Any)
 
 
 def _check(golden: MotionGolden) -> None:
-    """Refuse numbers that do not fit the names beside them."""
+    """Refuse numbers that do not fit the names."""
     J, C = len(golden.nodes), len(golden.channels)
     widths = {"positions": 3 * J, "rotations": 4 * J, "alive": J, "scales": 3 * J}
     for name, width in {**widths, "values": C, "terrain": 3}.items():

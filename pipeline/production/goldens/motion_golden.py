@@ -1,34 +1,107 @@
-"""MotionGolden: how a take moved, small enough to be kept in version control."""
+"""Motion golden: the motion of a take, small enough for version control."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.production.goldens import motion_tolerance
-from pipeline.production.goldens.motion_digest import facts_of, motion_digest
-from pipeline.production.goldens.motion_fingerprints import Fingerprints
+from pipeline.production.goldens.motion_digest import (
+    Fingerprints,
+    header_facts,
+    motion_digest,
+)
 from pipeline.production.goldens.motion_marks import Mark, marks_of
-from pipeline.production.goldens.motion_sampling import kept, stride_of
 from pipeline.production.goldens.packed_series import Series
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
 
-MOST_TEXT = 100_000
-"""Characters of all series: where they are more, half as many rows are kept."""
+MAX_NUMBERS = 125_000
+"""Numbers of a golden, about 60 kB of text; longer scenes keep every second, third, ... row."""
+
+GROUND_POINTS = 400
+"""Vertices of the ground that are kept, about."""
+
+
+def stride_of(take: Take) -> int:
+    """Return the stride of the rows of `take` that are kept."""
+    rows, nodes, channels = len(take.positions), len(take.nodes), len(take.channels)
+    numbers = rows * (7 * nodes + channels / take.header.samples)
+    return max(1, math.ceil(numbers / MAX_NUMBERS))
+
+
+def sampled_rows(rows: int, stride: int) -> NDArray[np.int64]:
+    """Return the numbers of every `stride`-th of `rows` rows, and of the last."""
+    picked = np.arange(0, rows, max(stride, 1), dtype=np.int64)
+    return np.union1d(picked, [rows - 1]).astype(np.int64) if rows else picked
+
+
+def channel_stride(stride: int, samples: int) -> int:
+    """Return the stride of channels, which are compared only at frames."""
+    return stride * samples
+
+
+def sampled(
+    take: Take, stride: int, nodes: Sequence[str], channels: Sequence[str]
+) -> dict[str, Array]:
+    """Return the arrays of a take at the kept rows, (rows, numbers) each, unrounded.
+
+    Args:
+        take: any take.
+        stride: of the rows of poses.
+        nodes: names of its nodes, in order.
+        channels: names of its channels, in order.
+    """
+    j = _indices(nodes, [node.name for node in take.nodes])
+    c = _indices(channels, [channel.name for channel in take.channels])
+    rows = sampled_rows(len(take.positions), stride)
+    frames = sampled_rows(len(take.values), channel_stride(stride, take.header.samples))
+    ground = take.terrain.vertices
+    points = sampled_rows(len(ground), math.ceil(len(ground) / GROUND_POINTS))
+    return {
+        "positions": _flat(take.positions[rows][:, j]),
+        "rotations": _flat(take.rotations[rows][:, j]),
+        "alive": _flat(take.alive[rows][:, j]),
+        "scales": _flat(_scales(take)[rows][:, j]),
+        "values": _flat(take.values[frames][:, c]),
+        "terrain": _flat(ground[points]),
+    }
+
+
+def _indices(wanted: Sequence[str], names: Sequence[str]) -> NDArray[np.int64]:
+    place = {name: k for k, name in enumerate(names)}
+    return np.array([place[name] for name in wanted], dtype=np.int64)
+
+
+def _scales(take: Take) -> Array:
+    """Return the scales (K, J, 3) of all nodes, by default 1."""
+    scales = np.ones_like(take.positions)
+    scales[:, list(take.scaled)] = take.scales
+    return scales
+
+
+def _flat(values: NDArray[Any]) -> Array:
+    return values.reshape(len(values), math.prod(values.shape[1:])).astype(np.float64)
+
+
+MAX_TEXT = 100_000
+"""Characters of all series; above, the number of rows is halved."""
 
 
 @dataclass(frozen=True, slots=True)
-class Land:
-    """The ground in short.
+class GroundSummary:
+    """Summary of the ground.
 
     Attributes:
         cells: along x and z.
         material: by name.
-        vertices: how many it has.
-        forbidden: how many of its cells are.
+        vertices: number of vertices.
+        forbidden: number of forbidden cells.
     """
 
     cells: tuple[int, ...]
@@ -39,18 +112,18 @@ class Land:
 
 @dataclass(frozen=True, eq=False)
 class MotionGolden:
-    """How a take moved.
+    """The motion of a take.
 
     Attributes:
         scene: its name.
         title: of the scene.
-        facts: rate, frames, samples, steps and seed, which must be the same.
-        versions: of what it was made with, as in the take's header.
+        facts: rate, frames, samples, steps and seed, which comparable takes share.
+        versions: as in the take's header.
         digest: of the motion, exact.
         nodes: their names.
         channels: name -> unit.
-        stride: each how many rows poses are kept.
-        series: name -> what `sampling.kept` keeps, rounded.
+        stride: of the rows of poses.
+        series: name -> rounded arrays of `sampled`.
         fingerprints: of the exact bits.
         marks: contacts, sound events and notes.
         land: the ground.
@@ -69,7 +142,7 @@ class MotionGolden:
     series: dict[str, Series]
     fingerprints: Fingerprints
     marks: tuple[Mark, ...]
-    land: Land
+    land: GroundSummary
     predictable: int | None = None
 
 
@@ -79,14 +152,14 @@ def golden_of(take: Take, scene: str, predictable: int | None = None) -> MotionG
     channels = {channel.name: channel.unit for channel in take.channels}
     stride = stride_of(take)
     series = _series(take, stride, nodes, channels)
-    while stride < len(take.positions) and _length(series) > MOST_TEXT:
-        # Particles that are born and wings that beat are hard to pack.
+    while stride < len(take.positions) and _length(series) > MAX_TEXT:
+        # Particles and wing beats are hard to pack.
         stride *= 2
         series = _series(take, stride, nodes, channels)
     return MotionGolden(
         scene=scene,
         title=take.header.title,
-        facts=facts_of(take.header),
+        facts=header_facts(take.header),
         versions=dict(take.header.versions),
         digest=motion_digest(take),
         nodes=nodes,
@@ -95,7 +168,7 @@ def golden_of(take: Take, scene: str, predictable: int | None = None) -> MotionG
         series=series,
         fingerprints=Fingerprints.of(take),
         marks=marks_of(take),
-        land=land_of(take),
+        land=ground_summary(take),
         predictable=predictable,
     )
 
@@ -105,7 +178,7 @@ def _series(
 ) -> dict[str, Series]:
     return {
         name: Series.of(values, _quanta(name, values, channels))
-        for name, values in kept(take, stride, nodes, list(channels)).items()
+        for name, values in sampled(take, stride, nodes, list(channels)).items()
     }
 
 
@@ -113,15 +186,15 @@ def _length(series: dict[str, Series]) -> int:
     return sum(len(one.packed()["packed"]) for one in series.values())
 
 
-def land_of(take: Take) -> Land:
-    """Return the ground of a take in short."""
+def ground_summary(take: Take) -> GroundSummary:
+    """Return the summary of a take's ground."""
     ground = take.terrain
     forbidden = int(np.count_nonzero(ground.forbidden))
-    return Land(tuple(ground.cells), ground.material, len(ground.vertices), forbidden)
+    return GroundSummary(tuple(ground.cells), ground.material, len(ground.vertices), forbidden)
 
 
 def _bounds(channels: dict[str, str]) -> Array:
-    return np.array([motion_tolerance.of_unit(unit) for unit in channels.values()])
+    return np.array([motion_tolerance.channel_tolerance(unit) for unit in channels.values()])
 
 
 def _quanta(name: str, values: Array, channels: dict[str, str]) -> Array:

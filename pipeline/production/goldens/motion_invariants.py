@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.production.goldens.motion_golden import MotionGolden
+from pipeline.production.goldens.motion_golden import MotionGolden, sampled, sampled_rows
 from pipeline.production.goldens.motion_marks import Mark, marks_of
-from pipeline.production.goldens.motion_sampling import kept, kept_rows
 from pipeline.production.goldens.motion_verdict import Difference
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Take
@@ -83,10 +82,10 @@ def broken_invariants(golden: MotionGolden, take: Take, start: int) -> Iterator[
         take: with the golden's nodes and rows.
         start: first step that is not predictable.
     """
-    steps = kept_rows(len(take.positions), golden.stride)
+    steps = sampled_rows(len(take.positions), golden.stride)
     steps = steps * take.header.steps // take.header.samples
     seconds = steps / (take.header.steps * float(take.header.rate))
-    now = kept(take, golden.stride, golden.nodes, ())
+    now = sampled(take, golden.stride, golden.nodes, ())
     then = {name: series.values for name, series in golden.series.items()}
     before = _summary(then, golden.marks, seconds, steps, start)
     after = _summary(now, marks_of(take), seconds, steps, start)

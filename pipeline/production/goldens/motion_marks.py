@@ -1,12 +1,18 @@
-"""Marks: what happened at a moment, as a golden keeps it."""
+"""Motion marks: contacts, sound events and notes of a motion, and those that differ in another."""
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import zip_longest
+from math import dist
 
+from pipeline.production.goldens import motion_tolerance
+from pipeline.production.goldens.motion_verdict import Difference, millimetres
 from pipeline.simulation.take import Contact, Note, SoundEvent, Take
 
-DOES = {
+CONTACT_VERBS = {
     "touch": "touches",
     "lift": "leaves",
     "scuff": "scuffs",
@@ -14,7 +20,7 @@ DOES = {
     "roll": "rolls",
     "slide": "slides",
 }
-"""What a part does in each kind of contact."""
+"""Verb of a part for each kind of contact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +29,11 @@ class Mark:
 
     Attributes:
         kind: "contact", "event" or "note".
-        who: who or what it happened to, such as "bug.l1".
-        what: what happened, such as "touches terrain".
+        who: performer or part, such as "bug.l1".
+        what: event, such as "touches terrain".
         moment: in steps, rounded.
-        frame: that shows it, 0 where that is not kept.
-        place: where [m], rounded; empty if it has none.
+        frame: first that shows it, 0 where it is not kept.
+        place: [m], rounded; may be empty.
         strength: speed [m/s], rounded.
     """
 
@@ -41,7 +47,7 @@ class Mark:
 
 
 def marks_of(take: Take) -> tuple[Mark, ...]:
-    """Return all marks of a take: contacts, sound events, notes, each in order of time."""
+    """Return the contacts, sound events and notes of a take, each in order of time."""
     return (
         *(_contact(contact) for contact in take.contacts),
         *(_event(event) for event in take.events),
@@ -53,7 +59,7 @@ def _contact(contact: Contact) -> Mark:
     return Mark(
         "contact",
         _part(contact.performer, contact.part),
-        f"{DOES[contact.kind]} {contact.other}",
+        f"{CONTACT_VERBS[contact.kind]} {contact.other}",
         round(contact.step + contact.fraction, 4),
         place=tuple(round(x, 4) for x in contact.place),
         strength=round(contact.speed, 3),
@@ -78,3 +84,83 @@ def _note(note: Note) -> Mark:
 
 def _part(performer: str, part: str) -> str:
     return part if part.startswith(performer) else f"{performer}.{part}"
+
+
+ROUNDING = 1e-3
+"""Bound of the rounding of moments [steps] and speeds [m/s]."""
+
+
+def mark_differences(then: Iterable[Mark], now: Iterable[Mark], steps: int) -> Iterator[Difference]:
+    """Yield marks that are missing, new, or beyond tolerance.
+
+    Marks of one kind, part and event are matched in the order of time.
+
+    Args:
+        then: marks of the golden.
+        now: marks of the take.
+        steps: world steps per frame.
+    """
+    groups: dict[tuple[str, str, str], tuple[list[Mark], list[Mark]]]
+    groups = defaultdict(lambda: ([], []))
+    for side, marks in enumerate((then, now)):
+        for mark in marks:
+            groups[mark.kind, mark.who, mark.what][side].append(mark)
+    for old, new in groups.values():
+        for one, two in _pairs(old, new):
+            text = _mark_difference(one, two, steps)
+            if text:
+                moment = min(mark.moment for mark in (one, two) if mark)
+                kind, who = (one or two or new[0]).kind, (one or two or new[0]).who
+                yield Difference(int(moment), kind, who, text)
+
+
+def _pairs(old: list[Mark], new: list[Mark]) -> Iterator[tuple[Mark | None, Mark | None]]:
+    """Yield pairs in the order of time; equal numbers are matched one by one."""
+    old, new = (sorted(marks, key=lambda mark: mark.moment) for marks in (old, new))
+    if len(old) == len(new):
+        yield from zip_longest(old, new)
+        return
+    n = 0
+    for one in old:
+        while n < len(new) and new[n].moment < one.moment - motion_tolerance.MOMENT:
+            yield None, new[n]
+            n += 1
+        if n < len(new) and new[n].moment <= one.moment + motion_tolerance.MOMENT:
+            yield one, new[n]
+            n += 1
+        else:
+            yield one, None
+    yield from ((None, two) for two in new[n:])
+
+
+def _mark_difference(one: Mark | None, two: Mark | None, steps: int) -> str:
+    """Return the difference of a mark from its golden as text, empty if within tolerance."""
+    if one is None or two is None:
+        mark = one or two
+        fate = "is missing" if one else "is new"
+        return f"{mark.what} at step {mark.moment:g}: this {mark.kind} {fate}" if mark else ""
+    late = two.moment - one.moment
+    what = f"{one.what} at step {one.moment:g}"
+    if abs(late) > motion_tolerance.MOMENT + ROUNDING:
+        return f"{what}: {one.kind} moved to step {two.moment:g}, frame {_frame_text(one, two)}"
+    if one.frame != two.frame and not _boundary_between(one, two, steps):
+        return f"{what}: {one.kind} moved from frame {one.frame} to {two.frame}"
+    if one.place and (apart := dist(one.place, two.place)) > motion_tolerance.PLACE:
+        return f"{what}: {one.kind} lies {millimetres(apart)} off"
+    bound = motion_tolerance.STRENGTH * (1.0 + abs(one.strength)) + ROUNDING
+    if abs(two.strength - one.strength) > bound:
+        return f"{what}: {one.kind} of {two.strength:g} m/s instead of {one.strength:g} m/s"
+    return ""
+
+
+def _frame_text(one: Mark, two: Mark) -> str:
+    return f"{two.frame} instead of {one.frame}"
+
+
+def _boundary_between(one: Mark, two: Mark, steps: int) -> bool:
+    """Return whether a frame boundary between the moments explains different frames."""
+    if abs(one.frame - two.frame) != 1:
+        return False
+    edge = (min(one.frame, two.frame) - 1) * steps
+    early, late = sorted((one.moment, two.moment))
+    return early - ROUNDING <= edge <= late + ROUNDING

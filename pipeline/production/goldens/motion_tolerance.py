@@ -1,9 +1,9 @@
-"""Tolerance: how far from its golden a take may lie, and how finely goldens are rounded.
+"""Motion tolerance: allowed differences of a take from its golden, and the rounding of goldens.
 
-The tolerances lie well below what a film can show (at 1280 pixels a scene of four metres
-has three millimetres a pixel) and far above what other processors do to the last bits.
-A golden holds multiples of a quantum of each. Its own rounding is at most 0.3 of the
-tolerance, so what is within 0.7 of it passes and what is beyond 1.3 of it fails.
+Tolerances are well below what a film shows (at 1280 pixels a scene of four metres has three
+millimetres per pixel) and far above the rounding of other processors. A golden holds multiples of
+a quantum; its rounding is at most 0.3 of the tolerance, so differences below 0.7 of it pass and
+those above 1.3 of it fail.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SCALE: Final = 1e-3
 """Of a node."""
 
 CHANNEL: Final = 5e-3
-"""Of channels in any unit that has no line of its own."""
+"""Of channels in other units."""
 
 BY_UNIT: Final = {"m": POSITION, "rad": ROTATION}
 """Of channels: slides of joints, and their angles."""
@@ -32,10 +32,10 @@ PLACE: Final = 5e-3
 """Of contacts and sound events, which move while their moment does [m]."""
 
 STRENGTH: Final = 0.02
-"""Of the speed of contacts and sound events [m/s], and of its size beside itself."""
+"""Of the speed of contacts and sound events [m/s], plus this fraction of it."""
 
 FORBIDDEN: Final = 1e-3
-"""Of the share of the ground's cells that is forbidden."""
+"""Of the fraction of forbidden cells."""
 
 QUANTA: Final = {
     # Half a quantum in each of three components is √3/2 of it.
@@ -49,9 +49,9 @@ QUANTA: Final = {
 
 
 CHANNEL_QUANTUM: Final = 0.3
-"""Quantum of a channel beside its tolerance."""
+"""Quantum of a channel, as a fraction of its tolerance."""
 
 
-def of_unit(unit: str) -> float:
-    """Return the tolerance of a channel of this unit."""
+def channel_tolerance(unit: str) -> float:
+    """Return the tolerance of a channel with this unit."""
     return BY_UNIT.get(unit, CHANNEL)

@@ -1,4 +1,4 @@
-"""Verdict: what came of comparing a take with its golden."""
+"""Motion verdict: result of comparing a take with its golden."""
 
 from __future__ import annotations
 
@@ -6,30 +6,30 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Outcome(Enum):
-    """Whether a take moves like its golden."""
+class MotionOutcome(Enum):
+    """Result of the comparison."""
 
     IDENTICAL = "identical"
     WITHIN = "equal within tolerance"
     CHANGED = "changed"
 
 
-WHOLE = -1
-"""Step of a difference that concerns the whole take."""
+WHOLE_TAKE = -1
+"""Step of a difference of the whole take."""
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Something beyond tolerance.
+    """A difference beyond tolerance.
 
     Attributes:
-        step: the first at which it is, -1 for the whole take.
+        step: the first beyond tolerance, -1 for the whole take.
         kind: "position", "rotation", "alive", "scale", "channel", "contact", "event",
-            "note", "ground", or "take" for what keeps all the rest from being compared.
+            "note", "ground", or "take" for what makes the rest incomparable.
         who: node, channel or part, such as "bug.l1.2".
-        text: what differs at that step, such as "lies 3.1 mm off".
-        excess: how often the largest difference of this kind and part holds its tolerance.
-        worst: what that largest difference is, and where; empty for a single one.
+        text: of the difference at that step, such as "lies 3.1 mm off".
+        excess: ratio of the largest difference of this kind and part to its tolerance.
+        worst: text of that largest difference; empty for a single one.
     """
 
     step: int
@@ -41,22 +41,23 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
-    """What came of comparing a take with its golden.
+class MotionVerdict:
+    """Verdict on the motion of a take.
 
     Attributes:
         scene: its name.
-        outcome: whether it moves alike.
-        elsewhere: how this machine and its libraries differ from those that the golden was
-            made with; empty if the exact rule applies.
-        differences: all beyond tolerance, the first first.
-        moment: of the first difference, in words.
-        totals: kind -> how many things of the kind could differ.
-        bits: where the first bits differ, in words; empty if none do, or it is no wonder.
+        outcome: of the comparison.
+        elsewhere: differences of machine and libraries from those of the golden; empty if the
+            exact rule applies.
+        differences: all beyond tolerance, in order of time.
+        moment: of the first difference, as text.
+        totals: kind -> number of things that could differ.
+        bits: place of the first bits that differ, as text; empty if none do or other machines
+            explain it.
     """
 
     scene: str
-    outcome: Outcome
+    outcome: MotionOutcome
     elsewhere: str
     differences: tuple[Difference, ...] = ()
     moment: str = ""
@@ -66,7 +67,7 @@ class Verdict:
     @property
     def passed(self) -> bool:
         """Whether the golden still holds."""
-        return self.outcome is not Outcome.CHANGED
+        return self.outcome is not MotionOutcome.CHANGED
 
     @property
     def first(self) -> Difference | None:
@@ -75,8 +76,8 @@ class Verdict:
 
     @property
     def rule(self) -> str:
-        """Which rule decided, in words."""
-        if self.outcome is Outcome.IDENTICAL:
+        """The rule that decided, as text."""
+        if self.outcome is MotionOutcome.IDENTICAL:
             return "exact: the digests of the motion agree"
         if self.elsewhere:
             return f"tolerant: {self.elsewhere}"
@@ -96,3 +97,8 @@ class Verdict:
         if self.bits:
             lines.append(f"  {self.bits}")
         return "\n".join(lines)
+
+
+def millimetres(metres: float) -> str:
+    """Return a length as text."""
+    return f"{metres * 1000:.3g} mm"

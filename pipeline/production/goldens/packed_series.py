@@ -1,9 +1,8 @@
-"""Series: numbers that change over rows, rounded and packed into a word of text.
+"""Packed series: numbers over rows, rounded and compressed to text.
 
-Motion is smooth, so third differences over the rows are small whole numbers; their high
-bytes are nearly all zero and stand together before they are compressed. Of the orders 1,
-2, 3 and of zlib, bz2 and LZMA this was the smallest on walking figures: 0.6 bytes a number
-where floats take eight.
+Motion is smooth, so third differences over the rows are small integers; their high bytes, nearly
+all zero, stand together before compression. Of the orders 1, 2, 3 and of zlib, bz2 and LZMA this
+was the smallest on walking figures: 0.6 bytes per number.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ ORDER = 3
 """Of the differences."""
 
 NOT_FINITE = np.int64(2**62)
-"""Stands for a number that is none."""
+"""Multiple that stands for a number that is not finite."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +50,7 @@ class Series:
         return result
 
     def packed(self) -> dict[str, Any]:
-        """Return it as plain values."""
+        """Return the series as plain values."""
         changes = self.multiples
         for _ in range(ORDER):
             changes = np.diff(changes, axis=0, prepend=np.zeros_like(changes[:1]))
@@ -66,15 +65,15 @@ class Series:
         }
 
     @staticmethod
-    def unpacked(words: dict[str, Any]) -> Series:
-        """Return what `packed` wrote.
+    def unpacked(members: dict[str, Any]) -> Series:
+        """Return the series that `packed` wrote.
 
         Raises:
-            ValueError, KeyError, TypeError, lzma.LZMAError: it did not write this.
+            ValueError, KeyError, TypeError, lzma.LZMAError: the values are damaged.
         """
-        quanta = np.array([q for q, times in words["quanta"] for _ in range(times)], float)
-        shape = (len(quanta), words["rows"])
-        planes = np.frombuffer(lzma.decompress(base64.b85decode(words["packed"])), np.uint8)
+        quanta = np.array([q for q, times in members["quanta"] for _ in range(times)], float)
+        shape = (len(quanta), members["rows"])
+        planes = np.frombuffer(lzma.decompress(base64.b85decode(members["packed"])), np.uint8)
         folded = np.frombuffer(planes.reshape(8, -1).T.tobytes(), "<i8").reshape(shape).T
         unsigned = folded.astype(np.uint64)
         changes = (unsigned >> np.uint64(1)).astype(np.int64) ^ -(folded & 1).astype(np.int64)
@@ -84,7 +83,7 @@ class Series:
 
 
 def _runs(quanta: Array) -> list[tuple[float, int]]:
-    """Return equal neighbours as (quantum, how many)."""
+    """Return the run-length encoding of quanta, as (quantum, count)."""
     runs: list[tuple[float, int]] = []
     for quantum in quanta.tolist():
         if runs and runs[-1][0] == quantum:

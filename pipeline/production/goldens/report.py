@@ -1,23 +1,23 @@
-"""Report: one page that says what differs and shows it, without asking any network."""
+"""Reports of a check: a page that needs no network, plain values, and JUnit for build servers."""
 
 from __future__ import annotations
 
 import base64
 import html
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.resources import files
 from io import BytesIO
-from typing import Any
+from typing import Any, Final
+from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from pipeline.production.goldens.flip_palette import painted
 from pipeline.production.goldens.golden_case import Case
-from pipeline.production.goldens.metric_plot import metric_plot
 from pipeline.production.goldens.verdict import (
     FrameVerdict,
     LayerVerdict,
@@ -25,23 +25,85 @@ from pipeline.production.goldens.verdict import (
     SceneVerdict,
     exit_code,
 )
-from render.comparison import flip
+from render.comparison.flip_metric import flip
 from render.errors import RenderError
 from render.image_files import read_png
 
-SHOWN = (Outcome.CHANGED, Outcome.UNJUDGED, Outcome.WITHIN)
-"""Outcomes of frames that are shown."""
+_STOPS: Final = (
+    (0.0, (0, 0, 4)),
+    (0.15, (42, 17, 92)),
+    (0.35, (130, 36, 128)),
+    (0.55, (213, 70, 107)),
+    (0.75, (250, 137, 96)),
+    (1.0, (252, 253, 191)),
+)
+"""Lightness rises evenly, so that the map is readable in grey."""
+
+
+def heat_map(errors: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Return a picture (H, W, 3) of errors (H, W) from 0 to 1."""
+    at = [place for place, _ in _STOPS]
+    channels = [np.interp(errors, at, [color[c] for _, color in _STOPS]) for c in range(3)]
+    return np.stack(channels, axis=-1).round().astype(np.uint8)
+
+
+_WIDTH: Final = 640
+_HEIGHT: Final = 120
+_LEFT: Final = 48
+_BOTTOM: Final = 22
+
+
+def metric_plot(frames: Sequence[FrameVerdict]) -> str:
+    """Return FLIP of the worst tile and of the whole picture over the frames, as SVG."""
+    first, last = frames[0].frame, frames[-1].frame
+    top = max([0.05, *(frame.tile for frame in frames)])
+
+    def place(frame: int, value: float) -> tuple[float, float]:
+        x = _LEFT + (frame - first) / max(last - first, 1) * (_WIDTH - _LEFT - 12)
+        return round(x, 1), round(8 + (1 - value / top) * (_HEIGHT - _BOTTOM - 8), 1)
+
+    lines = []
+    for name, values in (
+        ("tile", [(f.frame, f.tile) for f in frames]),
+        ("mean", [(f.frame, f.mean) for f in frames]),
+    ):
+        points = " ".join(f"{x},{y}" for x, y in (place(*value) for value in values))
+        lines.append(f'<polyline class="{name}" points="{points}"/>')
+    for frame in frames:
+        x, y = place(frame.frame, frame.tile)
+        fate = "fails" if frame.outcome is Outcome.CHANGED else "holds"
+        lines.append(
+            f'<circle class="{fate}" cx="{x}" cy="{y}" r="4"><title>frame {frame.frame}: '
+            f"tile {frame.tile:.4f}, mean {frame.mean:.4f}</title></circle>"
+            f'<text x="{x}" y="{_HEIGHT - 6}" text-anchor="middle">{frame.frame}</text>'
+        )
+    base = _HEIGHT - _BOTTOM
+    return (
+        f'<svg class="plot" viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" '
+        f'aria-label="FLIP over the frames">'
+        f'<path class="axis" d="M{_LEFT} 8V{base}H{_WIDTH - 8}"/>'
+        f'<text x="{_LEFT - 6}" y="14" text-anchor="end">{top:.2f}</text>'
+        f'<text x="{_LEFT - 6}" y="{base}" text-anchor="end">0</text>'
+        f"{''.join(lines)}"
+        f'<text class="key" x="{_WIDTH - 8}" y="14" text-anchor="end">'
+        f'<tspan class="tile">worst tile</tspan> <tspan class="mean">mean</tspan></text></svg>'
+    )
+
+
+SHOWN_OUTCOMES = (Outcome.CHANGED, Outcome.UNJUDGED, Outcome.WITHIN)
+"""Outcomes of frames whose pictures are shown."""
 
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 
 
-def facts_of(cases: Sequence[Case], verdicts: Sequence[SceneVerdict]) -> dict[str, Any]:
-    """Return the verdicts as plain values."""
+def verdict_facts(cases: Sequence[Case], verdicts: Sequence[SceneVerdict]) -> dict[str, Any]:
+    """Return verdicts as plain values."""
     scenes = []
     for case, verdict in zip(cases, verdicts, strict=True):
-        words = asdict(verdict, dict_factory=_plain)
-        told = {"passed": verdict.passed, "outcome": verdict.outcome.value}
-        scenes.append({**words, **told, "golden": str(case.golden.path), "approve": command(case)})
+        facts = asdict(verdict, dict_factory=_plain)
+        facts |= {"passed": verdict.passed, "outcome": verdict.outcome.value}
+        facts |= {"golden": str(case.golden.path), "approve": approve_command(case)}
+        scenes.append(facts)
     return {"report": 1, "exit_code": exit_code(verdicts), "scenes": scenes}
 
 
@@ -58,13 +120,13 @@ def _plain(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return plain
 
 
-def command(case: Case) -> str:
-    """Return the command that makes what was found the golden."""
-    return f"pronk golden approve {case.words}"
+def approve_command(case: Case) -> str:
+    """Return the command that approves the results of a check."""
+    return f"pronk golden approve {case.arguments}"
 
 
-def html_of(cases: Sequence[Case], verdicts: Sequence[SceneVerdict]) -> str:
-    """Return the page; what failed stands first."""
+def html_report(cases: Sequence[Case], verdicts: Sequence[SceneVerdict]) -> str:
+    """Return the page, failures first."""
     pairs = sorted(zip(cases, verdicts, strict=True), key=lambda pair: pair[1].passed)
     failed = sum(not verdict.passed for verdict in verdicts)
     head = f"{failed} of {len(verdicts)} do not hold" if failed else f"all {len(verdicts)} hold"
@@ -96,10 +158,10 @@ def _scene(case: Case, verdict: SceneVerdict) -> str:
     layers = "\n".join(_layer(case, layer) for layer in verdict.layers)
     approve = ""
     if any(layer.outcome in (Outcome.CHANGED, Outcome.UNJUDGED) for layer in verdict.layers):
-        words = html.escape(command(case))
+        approve_text = html.escape(approve_command(case))
         approve = (
-            f'<p class="approve">If that is meant: <code>{words}</code> '
-            f'<button type="button" class="copy" data-words="{words}">copy</button></p>'
+            f'<p class="approve">If that is meant: <code>{approve_text}</code> '
+            f'<button type="button" class="copy" data-words="{approve_text}">copy</button></p>'
         )
     opened = "" if verdict.passed else " open"
     return f"""<details class="scene {fate}"{opened}>
@@ -114,7 +176,7 @@ def _layer(case: Case, layer: LayerVerdict) -> str:
     details = "".join(f"<li>{html.escape(detail)}</li>" for detail in layer.details)
     fate = "holds" if layer.passed else "fails"
     plot = metric_plot(layer.frames) if len(layer.frames) > 1 else ""
-    views = "\n".join(_view(case, one) for one in layer.frames if one.outcome in SHOWN)
+    views = "\n".join(_view(case, one) for one in layer.frames if one.outcome in SHOWN_OUTCOMES)
     return f"""<section class="layer {fate}"><h2>{layer.layer}
 <span class="fate">{layer.outcome.value}</span> <small>{layer.seconds:.1f} s</small></h2>
 <p>{html.escape(layer.text)}</p>
@@ -130,7 +192,7 @@ def _view(case: Case, frame: FrameVerdict) -> str:
         new = read_png(case.made.frame(frame.frame))
     except RenderError as error:
         return f"<p>frame {frame.frame}: {html.escape(str(error))}</p>"
-    heat = painted(flip(golden, new)) if golden.shape == new.shape else np.zeros_like(golden)
+    heat = heat_map(flip(golden, new)) if golden.shape == new.shape else np.zeros_like(golden)
     height, width = golden.shape[:2]
     boxes = "".join(
         f'<rect x="{b.left}" y="{b.top}" width="{b.width}" height="{b.height}">'
@@ -166,3 +228,51 @@ def _data(picture: NDArray[np.uint8]) -> str:
     out = BytesIO()
     Image.fromarray(picture).save(out, "PNG", compress_level=9)
     return "data:image/png;base64," + base64.b64encode(out.getvalue()).decode("ascii")
+
+
+_ERROR_OUTCOMES = (Outcome.MISSING, Outcome.DAMAGED, Outcome.FAILED)
+# XML 1.0 knows no other control characters than tab and ends of lines.
+_INVALID_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def junit_report(verdicts: Sequence[SceneVerdict]) -> bytes:
+    """Return JUnit XML with a suite per scene and a case per layer.
+
+    Changes are failures; missing or damaged goldens and failed runs are errors; layers that cannot
+    be judged here are skipped.
+    """
+    root = ElementTree.Element("testsuites", name="pronk golden check")
+    for verdict in verdicts:
+        layers = verdict.layers
+        suite = ElementTree.SubElement(
+            root,
+            "testsuite",
+            name=_clean(verdict.scene),
+            tests=str(len(layers)),
+            failures=str(sum(one.outcome is Outcome.CHANGED for one in layers)),
+            errors=str(sum(one.outcome in _ERROR_OUTCOMES for one in layers)),
+            skipped=str(sum(one.outcome is Outcome.UNJUDGED for one in layers)),
+            time=f"{sum(one.seconds for one in layers):.3f}",
+        )
+        for one in layers:
+            case = ElementTree.SubElement(
+                suite,
+                "testcase",
+                classname=f"golden.{_clean(verdict.scene)}",
+                name=one.layer,
+                time=f"{one.seconds:.3f}",
+            )
+            if one.passed:
+                continue
+            kind = {Outcome.CHANGED: "failure", Outcome.UNJUDGED: "skipped"}
+            mark = ElementTree.SubElement(
+                case, kind.get(one.outcome, "error"), message=_clean(one.text)
+            )
+            mark.text = _clean("\n".join(one.details))
+    ElementTree.indent(root)
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text + b"\n"
+
+
+def _clean(text: str) -> str:
+    return _INVALID_XML.sub("\ufffd", text)

@@ -1,4 +1,4 @@
-"""Verdict: what came of comparing a scene with its golden, layer by layer."""
+"""Verdicts on a scene and the layers of its golden."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LAYERS: Final[tuple[Layer, ...]] = ("motion", "frames", "film")
 
 
 class Outcome(Enum):
-    """Whether a layer still is what its golden says."""
+    """Result of comparing a layer with its golden."""
 
     IDENTICAL = "identical"
     WITHIN = "within its limits"
@@ -25,7 +25,7 @@ class Outcome(Enum):
     CHANGED = "changed"
 
 
-PASSING: Final = (Outcome.IDENTICAL, Outcome.WITHIN)
+PASSING_OUTCOMES: Final = (Outcome.IDENTICAL, Outcome.WITHIN)
 
 _CODES: Final = {
     Outcome.CHANGED: PronkError.exit_code,
@@ -34,12 +34,12 @@ _CODES: Final = {
     Outcome.MISSING: GoldenMissing.exit_code,
     Outcome.UNJUDGED: CannotJudge.exit_code,
 }
-"""Exit codes, the gravest first."""
+"""Exit codes, the most severe first."""
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A tile that differs: left, top, width, height [pixels], and by how much."""
+    """A tile that differs: left, top, width, height [pixels], and its error."""
 
     left: int
     top: int
@@ -50,18 +50,18 @@ class Box:
 
 @dataclass(frozen=True, slots=True)
 class FrameVerdict:
-    """What came of comparing one frame.
+    """Verdict on one frame.
 
     Attributes:
         frame: its number.
-        outcome: of it.
-        rule: what decided: "digest", "FLIP" or "z-test".
-        text: the numbers in words.
+        outcome: of the comparison.
+        rule: that decided: "digest", "FLIP" or "z-test".
+        text: the numbers as text.
         mean: FLIP over the picture.
         tile: FLIP over its worst tile.
         psnr: [dB], infinite if no pixel differs.
-        z: of the worst tile, None where it was not asked for.
-        boxes: the worst tiles, the worst first.
+        z: of the worst tile, None where it is not needed.
+        boxes: the worst tiles, in descending order.
     """
 
     frame: int
@@ -77,15 +77,15 @@ class FrameVerdict:
 
 @dataclass(frozen=True, slots=True)
 class LayerVerdict:
-    """What came of one layer of a scene.
+    """Verdict on one layer of a scene.
 
     Attributes:
-        layer: which.
-        outcome: of it.
-        text: in one line, what decided.
+        layer: its name.
+        outcome: of the comparison.
+        text: reason in one line.
         details: more lines.
-        frames: of the layer of frames.
-        seconds: that it took.
+        frames: verdicts of the layer of frames.
+        seconds: time of the check [s].
     """
 
     layer: Layer
@@ -98,12 +98,12 @@ class LayerVerdict:
     @property
     def passed(self) -> bool:
         """Whether the golden still holds."""
-        return self.outcome in PASSING
+        return self.outcome in PASSING_OUTCOMES
 
 
 @dataclass(frozen=True, slots=True)
 class SceneVerdict:
-    """What came of all layers of a scene."""
+    """Verdict on all layers of a scene."""
 
     scene: str
     layers: tuple[LayerVerdict, ...]
@@ -115,8 +115,8 @@ class SceneVerdict:
 
     @property
     def outcome(self) -> Outcome:
-        """The gravest outcome of its layers."""
-        return gravest(layer.outcome for layer in self.layers)
+        """The most severe outcome of its layers."""
+        return gravest_outcome(layer.outcome for layer in self.layers)
 
     def __str__(self) -> str:
         lines = [f"{self.scene}: {self.outcome.value}"]
@@ -126,12 +126,12 @@ class SceneVerdict:
         return "\n".join(lines)
 
 
-def gravest(outcomes: Iterable[Outcome]) -> Outcome:
-    """Return the outcome that decides over several; identical if there is none."""
+def gravest_outcome(outcomes: Iterable[Outcome]) -> Outcome:
+    """Return the most severe of several outcomes; identical if there are none."""
     order = [*_CODES, Outcome.WITHIN, Outcome.IDENTICAL]
     return min(outcomes, key=order.index, default=Outcome.IDENTICAL)
 
 
 def exit_code(verdicts: Iterable[SceneVerdict]) -> int:
-    """Return the code that a check with these verdicts ends in."""
-    return _CODES.get(gravest(verdict.outcome for verdict in verdicts), 0)
+    """Return the exit code of a check with these verdicts."""
+    return _CODES.get(gravest_outcome(verdict.outcome for verdict in verdicts), 0)

@@ -9,7 +9,7 @@ from math import ceil, floor
 
 import drawsvg
 
-from audio.controller_curves import BEND_RANGE, ControllerPoint, controller_curve
+from audio.controller_curves import ControllerPoint, controller_curve
 from audio.notes import Note
 from audio.score import Marker
 from audio.time_grid import TickGrid
@@ -40,9 +40,6 @@ PALEST_LEVEL, FULL_LEVEL = -40.0, 0.0
 MIN_NOTE_WIDTH = 3.0
 """Width of the shortest note [pixels]."""
 
-_PITCH_WHEEL = 8192
-"""Full deflection of the pitch wheel in MIDI."""
-
 
 @dataclass(frozen=True, slots=True)
 class DrawnNote:
@@ -61,12 +58,7 @@ class DrawnNote:
     @property
     def pitches(self) -> list[float]:
         """Its pitches, bends included."""
-        return [self.note.pitch + bend_of(moment) for moment in self.moments] or [self.note.pitch]
-
-
-def bend_of(moment: ControllerPoint) -> float:
-    """Return the bend of a moment [semitones]."""
-    return BEND_RANGE * moment.bend / _PITCH_WHEEL
+        return [self.note.pitch + moment.semitones for moment in self.moments] or [self.note.pitch]
 
 
 def drawn_notes(notes: Sequence[Note], grid: TickGrid, duration: float) -> tuple[DrawnNote, ...]:
@@ -153,7 +145,7 @@ class Roll:
         line = drawsvg.Path(fill="none", stroke_width=2.5, stroke_linejoin="round", **style)
         for k, moment in enumerate(drawn.moments):
             x = axis.at(float(grid.seconds(moment.tick)))
-            y = self._y(panel, note.pitch + bend_of(moment)) + 0.5 * self._row
+            y = self._y(panel, note.pitch + moment.semitones) + 0.5 * self._row
             line.M(x, y) if k == 0 else line.L(x, y)
         line.H(max(axis.at(drawn.end), axis.at(float(note.onset)) + MIN_NOTE_WIDTH))
         canvas.draw(line)

@@ -1,142 +1,132 @@
-"""Box contacts."""
+"""Box contacts: links that come into a box are moved out of it, through the nearest face.
+
+A box is its eight corners; between them it is solid, its edges rounded. A place in it is a mean of
+the corners with the weights of trilinear interpolation, and so are the moves of the corners.
+"""
 
 from __future__ import annotations
 
 from pipeline.simulation.characters.contact_response import (
-    ABOVE,
-    PAUSE,
+    TINY,
+    SubStep,
     TouchLog,
-    borne,
-    log_touch,
+    ball_count,
+    damp_resting,
+    friction_move,
+    link_overlaps,
+    move_between,
     move_node,
-    rub,
-    rubbed,
-    sense,
+    place_between,
+    support_factor,
+    touch_links,
 )
 from pipeline.simulation.characters.sleep_states import WAKE_SPEED, wake_touching
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.vectors import Vector, dot, length, minus, plus, times, triple
 
-APART = 0.08
-"""Distance of the balls along a link, about [m]."""
-
-MOST = 8
-"""Of them along a link."""
-
-GOLDEN, HALVINGS = 0.6180339887498949, 10
-"""The golden section, and how often a link is cut by it: to one part in 120."""
-
-DEEP = 0.02
-"""How deep two boxes are in one another that are moved apart as wholes [m]."""
-
-TINY = 1e-9
+MAX_BALLS = 8  # along a link
+GOLDEN_RATIO, SEARCH_STEPS = 0.6180339887498949, 10  # of a search to one part in 120
+MAX_OVERLAP = 0.02  # of two boxes, beyond which they are moved apart as wholes [m]
+MIN_DAMPED_WEIGHT = 0.1  # of a corner that is damped by a touch
 
 Box = tuple[Vector, Vector, Vector, Vector, Vector]
-"""Its middle, its axes of length one, and half its extents between the corners [m]."""
+"""Middle, three unit axes, and half the extents between the corners [m]."""
 
-Corners = tuple[float, float, float, float, float, float, float, float]
+CornerWeights = tuple[float, float, float, float, float, float, float, float]
 
 
 @compiled
 def meet_box(
-    nodes: Records,
-    links: Records,
-    one: Record,
-    other: Record,
-    h: float,
-    slack: float,
-    moment: float,
-    log: TouchLog,
+    nodes: Records, links: Records, one: Record, other: Record, sub_step: SubStep, log: TouchLog
 ) -> None:
     """Move the links of one character out of a box, the other."""
-    box, whose = box_of(nodes, other), nodes[other.nodes[0]].owner
+    box, box_owner = box_of(nodes, other), nodes[other.nodes[0]].owner
     for n in range(one.links[0], one.links[0] + one.links[1]):
         link = links[n]
-        if link.radius == 0.0 or not _may_touch(nodes, link, other):
+        if link.radius == 0.0 or not link_overlaps(nodes, link, link.radius, other):
             continue
-        # A hand that holds it does not push it off.
-        if nodes[link.ends[0]].grip_partner == whose or nodes[link.ends[1]].grip_partner == whose:
+        first, last = nodes[link.ends[0]], nodes[link.ends[1]]
+        # A hand that holds the box does not push it off.
+        if first.grip_partner == box_owner or last.grip_partner == box_owner:
             continue
-        # Of another box its corners: edges meet edges as links do.
-        parts = 1 if one.edge_radius > 0.0 else min(int(link.length_limits[0] / APART) + 1, MOST)
         if link.ends[0] == link.ends[1]:
-            _meet(nodes, links, one, other, box, (n, 0.0), h, slack, moment, log)
+            _meet_ball(nodes, links, one, other, box, (n, 0.0), sub_step, log)
             continue
+        # Of another box only the corners: edges meet edges as links do.
+        parts = 1 if one.edge_radius > 0.0 else ball_count(link, MAX_BALLS)
         for k in range(parts + 1):
-            _meet(nodes, links, one, other, box, (n, k / parts), h, slack, moment, log)
+            _meet_ball(nodes, links, one, other, box, (n, k / parts), sub_step, log)
         if one.edge_radius == 0.0:
             # An edge between two balls is met where the link is nearest to it.
-            t = _nearest(nodes, link, box)
-            _meet(nodes, links, one, other, box, (n, t), h, slack, moment, log)
+            t = _nearest_on_link(nodes, link, box)
+            _meet_ball(nodes, links, one, other, box, (n, t), sub_step, log)
 
 
 @compiled
-def _nearest(nodes: Records, link: Record, box: Box) -> float:
-    """Return where on a link, from 0 to 1, it is nearest to a box, or deepest in it.
+def _nearest_on_link(nodes: Records, link: Record, box: Box) -> float:
+    """Return the fraction along a link at which it is nearest to a box, or deepest in it.
 
-    The gap to what is convex is convex along a line: its least is between any two places of
-    which that between them is nearer.
+    The gap to a convex solid is convex along a line, so it has one minimum.
 
     Source: Kiefer 1953 (search by the golden section).
     """
     p, q = triple(nodes[link.ends[0]].p), triple(nodes[link.ends[1]].p)
     low, high = 0.0, 1.0
-    a, b = 1.0 - GOLDEN, GOLDEN
+    a, b = 1.0 - GOLDEN_RATIO, GOLDEN_RATIO
     gap_a, gap_b = _gap(box, p, q, a), _gap(box, p, q, b)
-    for _ in range(HALVINGS):
+    for _ in range(SEARCH_STEPS):
         if gap_a < gap_b:
             high, b, gap_b = b, a, gap_a
-            a = high - GOLDEN * (high - low)
+            a = high - GOLDEN_RATIO * (high - low)
             gap_a = _gap(box, p, q, a)
         else:
             low, a, gap_a = a, b, gap_b
-            b = low + GOLDEN * (high - low)
+            b = low + GOLDEN_RATIO * (high - low)
             gap_b = _gap(box, p, q, b)
     return 0.5 * (low + high)
 
 
 @inlined
 def _gap(box: Box, p: Vector, q: Vector, t: float) -> float:
-    """Return how far a place between p and q is from a box [m]."""
-    _, _, gap = nearest_of_box(box, plus(times(1.0 - t, p), times(t, q)))
+    _, _, gap = nearest_on_box(box, plus(times(1.0 - t, p), times(t, q)))
     return gap
 
 
 @compiled
-def part(nodes: Records, one: Record, other: Record, slack: float) -> None:
-    """Move two boxes apart that are deep in one another, as wholes, the shortest way.
+def separate_boxes(nodes: Records, one: Record, other: Record, slack: float) -> None:
+    """Move two deeply overlapping boxes apart as wholes, the shortest way.
 
     Balls on their edges would be pushed out through different faces, and hold one another.
 
     Source: Ericson 2005, 4.4.1 (separating axes; here those of the faces).
     """
     a, b = box_of(nodes, one), box_of(nodes, other)
-    off = minus(a[0], b[0])
-    least, way = 1e300, (0.0, 1.0, 0.0)
+    offset = minus(a[0], b[0])
+    least, normal = 1e300, (0.0, 1.0, 0.0)
     for k in range(6):
         axis = a[1] if k == 0 else a[2] if k == 1 else a[3]
         if k >= 3:
             axis = b[1] if k == 3 else b[2] if k == 4 else b[3]
-        along = dot(off, axis)
-        overlap = _half(a, axis) + _half(b, axis) + one.edge_radius + other.edge_radius - abs(along)
+        along = dot(offset, axis)
+        reach = _half_extent(a, axis) + _half_extent(b, axis) + one.edge_radius + other.edge_radius
+        overlap = reach - abs(along)
         if overlap < least:
-            least, way = overlap, axis if along >= 0.0 else times(-1.0, axis)
-    if least < DEEP:
+            least, normal = overlap, axis if along >= 0.0 else times(-1.0, axis)
+    if least < MAX_OVERLAP:
         return
     w_a = 0.0 if one.asleep else 1.0 / one.mass
     w_b = 0.0 if other.asleep else 1.0 / other.mass
     if w_a + w_b == 0.0:
         return
-    share = min(least - 0.5 * DEEP, slack) / (w_a + w_b)
-    still = (0.0, 0.0, 0.0)
+    share = min(least - 0.5 * MAX_OVERLAP, slack) / (w_a + w_b)
+    zero = (0.0, 0.0, 0.0)
     for k in range(8):
-        move_node(nodes[one.nodes[0] + k], share * w_a, still, way, still)
-        move_node(nodes[other.nodes[0] + k], -share * w_b, still, way, still)
+        move_node(nodes[one.nodes[0] + k], share * w_a, zero, normal, zero)
+        move_node(nodes[other.nodes[0] + k], -share * w_b, zero, normal, zero)
 
 
 @inlined
-def _half(box: Box, axis: Vector) -> float:
-    """Return half of the extent of a box along an axis [m]."""
+def _half_extent(box: Box, axis: Vector) -> float:
     half = box[4]
     return (
         half[0] * abs(dot(box[1], axis))
@@ -147,7 +137,7 @@ def _half(box: Box, axis: Vector) -> float:
 
 @inlined
 def box_of(nodes: Records, owner: Record) -> Box:
-    """Return where a box is, see `things.CORNERS`."""
+    """Return the pose and the extents of a box; see `playthings.CORNERS`."""
     first = owner.nodes[0]
     middle = x = y = z = (0.0, 0.0, 0.0)
     for k in range(8):
@@ -162,48 +152,38 @@ def box_of(nodes: Records, owner: Record) -> Box:
 
 
 @inlined
-def _may_touch(nodes: Records, link: Record, owner: Record) -> bool:
-    p, q = nodes[link.ends[0]].p, nodes[link.ends[1]].p
-    for k in range(3):
-        if min(p[k], q[k]) - link.radius > owner.high[k]:
-            return False
-        if max(p[k], q[k]) + link.radius < owner.low[k]:
-            return False
-    return True
-
-
-@inlined
-def nearest_of_box(box: Box, at: Vector) -> tuple[Vector, Vector, float]:
-    """Return a place on a box between its corners, along its axes from -1 to 1, that is nearest.
+def nearest_on_box(box: Box, at: Vector) -> tuple[Vector, Vector, float]:
+    """Return the nearest place on a box between its corners.
 
     Returns:
-        The place, the outward normal there in the world, and the gap, negative inside [m].
+        The place along its axes, from -1 to 1; the outward normal there in the world; the gap,
+        negative inside [m].
     """
     middle, x, y, z, half = box
-    off = minus(at, middle)
-    u, v, w = dot(off, x), dot(off, y), dot(off, z)
+    offset = minus(at, middle)
+    u, v, w = dot(offset, x), dot(offset, y), dot(offset, z)
     a, b, c = (
         min(max(u, -half[0]), half[0]),
         min(max(v, -half[1]), half[1]),
         min(max(w, -half[2]), half[2]),
     )
-    away = plus(plus(times(u - a, x), times(v - b, y)), times(w - c, z))
-    gap = length(away)
+    outside = plus(plus(times(u - a, x), times(v - b, y)), times(w - c, z))
+    gap = length(outside)
     if gap > TINY:
-        return (a / half[0], b / half[1], c / half[2]), times(1.0 / gap, away), gap
-    deep = (half[0] - abs(u), half[1] - abs(v), half[2] - abs(w))
-    if deep[0] <= deep[1] and deep[0] <= deep[2]:
+        return (a / half[0], b / half[1], c / half[2]), times(1.0 / gap, outside), gap
+    depth = (half[0] - abs(u), half[1] - abs(v), half[2] - abs(w))
+    if depth[0] <= depth[1] and depth[0] <= depth[2]:
         s = 1.0 if u >= 0.0 else -1.0
-        return (s, b / half[1], c / half[2]), times(s, x), -deep[0]
-    if deep[1] <= deep[2]:
+        return (s, b / half[1], c / half[2]), times(s, x), -depth[0]
+    if depth[1] <= depth[2]:
         s = 1.0 if v >= 0.0 else -1.0
-        return (a / half[0], s, c / half[2]), times(s, y), -deep[1]
+        return (a / half[0], s, c / half[2]), times(s, y), -depth[1]
     s = 1.0 if w >= 0.0 else -1.0
-    return (a / half[0], b / half[1], s), times(s, z), -deep[2]
+    return (a / half[0], b / half[1], s), times(s, z), -depth[2]
 
 
 @inlined
-def weights_of(at: Vector) -> Corners:
+def corner_weights(at: Vector) -> CornerWeights:
     """Return the weights of the corners at a place along the axes from -1 to 1."""
     a, b, c = 0.5 * (1.0 + at[0]), 0.5 * (1.0 + at[1]), 0.5 * (1.0 + at[2])
     return (
@@ -219,8 +199,8 @@ def weights_of(at: Vector) -> Corners:
 
 
 @inlined
-def heaviest(weights: Corners) -> int:
-    """Return the nearest corner."""
+def nearest_corner(weights: CornerWeights) -> int:
+    """Return the corner of the greatest weight."""
     best = 0
     for k in range(1, 8):
         if weights[k] > weights[best]:
@@ -229,94 +209,69 @@ def heaviest(weights: Corners) -> int:
 
 
 @compiled
-def _meet(
+def _meet_ball(
     nodes: Records,
     links: Records,
     one: Record,
     other: Record,
     box: Box,
     ball: tuple[int, float],
-    h: float,
-    slack: float,
-    moment: float,
+    sub_step: SubStep,
     log: TouchLog,
 ) -> None:
-    """Move a ball, at a place from 0 to 1 on a link, out of a box.
+    """Move a ball, of a link at a fraction along it, out of a box.
 
-    The box that is asked is where it was when the link was first looked at: what other balls
-    have moved it by since is less than what a round leaves anyway.
+    The box is where it was at the first look: other balls move it by less than a round leaves.
     """
     n, t = ball
+    h, slack, moment = sub_step
     link = links[n]
     i, j = nodes[link.ends[0]], nodes[link.ends[1]]
-    at = plus(times(1.0 - t, triple(i.p)), times(t, triple(j.p)))
-    place, normal, gap = nearest_of_box(box, at)
+    at = place_between(i.p, j.p, t)
+    place, normal, gap = nearest_on_box(box, at)
     depth = link.radius + other.edge_radius - gap
     if depth <= 0.0 or (
-        one.edge_radius > 0.0 and depth > DEEP + one.edge_radius + other.edge_radius
+        one.edge_radius > 0.0 and depth > MAX_OVERLAP + one.edge_radius + other.edge_radius
     ):
         return
     one.penetration, other.penetration = max(one.penetration, depth), max(other.penetration, depth)
-    weights = weights_of(place)
-    first = other.nodes[0]
-    went = plus(
-        times(1.0 - t, minus(triple(i.p), triple(i.previous))),
-        times(t, minus(triple(j.p), triple(j.previous))),
-    )
+    weights, first = corner_weights(place), other.nodes[0]
+    moved = move_between(i, j, t)
     for k in range(8):
         corner = nodes[first + k]
-        went = minus(went, times(weights[k], minus(triple(corner.p), triple(corner.previous))))
-    nearer = -dot(went, normal)
-    wake_touching(nodes, one, other, depth, nearer / h)
-    rub(i, one, nearer / h)
-    rub(j, one, nearer / h)
+        moved = minus(moved, times(weights[k], minus(triple(corner.p), triple(corner.previous))))
+    approach = -dot(moved, normal)
+    wake_touching(nodes, one, other, depth, approach / h)
+    damp_resting(i, one, approach / h)
+    damp_resting(j, one, approach / h)
     near, far = (i, i) if t == 0.0 else (i, j)
     own = (1.0 - t) ** 2 * i.mobility + t * t * j.mobility if t > 0.0 else i.mobility
     others = 0.0
     for k in range(8):
         others += weights[k] ** 2 * nodes[first + k].mobility
-        if weights[k] > 0.1:
-            rub(nodes[first + k], other, nearer / h)
-    most = nodes[first + heaviest(weights)]
-    light = borne(near, far, normal[1], own, others)
-    firm = borne(most, most, -normal[1], others, own)
-    weight = light * own + firm * others
+        if weights[k] > MIN_DAMPED_WEIGHT:
+            damp_resting(nodes[first + k], other, approach / h)
+    corner = nodes[first + nearest_corner(weights)]
+    kept = support_factor(near, far, normal[1], own, others)
+    box_kept = support_factor(corner, corner, -normal[1], others, own)
+    weight = kept * own + box_kept * others
     if weight == 0.0:
         return
-    _feel(links, n, other, max(nearer, 0.0) / h, weight, (at, normal), moment, log)
-    stopped = min(depth, max(nearer, 0.0))
+    speed = max(approach, 0.0) / h
+    energy = 0.5 * speed * speed / weight
+    touch_links(links, (n, other.links[0]), (at, normal), speed, energy, moment, log)
+    stopped = min(depth, max(approach, 0.0))
     parted = min(depth - stopped, slack)
     friction = 0.5 * (one.friction + other.friction)
-    move = times(
-        1.0 / weight, plus(times(stopped, normal), rubbed(went, normal, friction * stopped))
-    )
+    sliding = friction_move(moved, normal, friction * stopped)
+    move = times(1.0 / weight, plus(times(stopped, normal), sliding))
     part = times(parted / weight, normal)
     back = (0.0, 0.0, 0.0)
-    if one.bounciness > 0.0 and nearer > 2.0 * WAKE_SPEED * h:
-        back = times((one.bounciness * nearer + nearer - stopped) / weight, normal)
-    move_node(i, light * i.mobility * (1.0 - t if t > 0.0 else 1.0), move, part, back)
+    if one.bounciness > 0.0 and approach > 2.0 * WAKE_SPEED * h:
+        back = times((one.bounciness * approach + approach - stopped) / weight, normal)
+    move_node(i, kept * i.mobility * (1.0 - t if t > 0.0 else 1.0), move, part, back)
     if t > 0.0:
-        move_node(j, light * j.mobility * t, move, part, back)
+        move_node(j, kept * j.mobility * t, move, part, back)
     for k in range(8):
         corner = nodes[first + k]
-        move_node(corner, -firm * corner.mobility * weights[k], move, part, back)
-
-
-@inlined
-def _feel(
-    links: Records,
-    n: int,
-    box: Record,
-    speed: float,
-    weight: float,
-    where: tuple[Vector, Vector],
-    moment: float,
-    log: TouchLog,
-) -> None:
-    """Let a link and the box's first edge know of one another."""
-    link, edge = links[n], links[box.links[0]]
-    energy = 0.5 * speed * speed / weight
-    if (link.touched_owner != edge.owner or link.age[0] > PAUSE) and speed > ABOVE:
-        log_touch(log, moment, (n, box.links[0]), where[0], where[1], (speed, energy))
-    sense(link, box.links[0], edge.owner, energy)
-    sense(edge, n, link.owner, energy)
+        move_node(corner, -box_kept * corner.mobility * weights[k], move, part, back)

@@ -1,4 +1,10 @@
-"""Broad phase."""
+"""Broad phase: pairs of characters and of links that may touch in a sub-step.
+
+Bounding boxes of characters are swept along x; where two overlap, boxes of their links are
+compared. Pairs come out in the order of the cast, whatever the order along x.
+
+Source: Ericson 2005, 7.5 (sweep and prune).
+"""
 
 from __future__ import annotations
 
@@ -8,21 +14,22 @@ import numpy as np
 
 from pipeline.simulation.characters.body_arrays import CharacterArrays, IntArray
 from pipeline.simulation.characters.constraint_projection import is_gripped
+from pipeline.simulation.characters.contact_response import link_overlaps
 from pipeline.simulation.characters.solid_arrays import Solids, no_solids
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 
-MARGIN = 0.005
-"""Gap at which two are looked at: what comes on within the sub-step [m]."""
+MARGIN = 0.005  # gap that is still a pair: motion within the sub-step [m]
+PAIRS_PER_CHARACTER, PAIRS_PER_LINK, SPARE_PAIRS = 20, 12, 64  # capacity of the buffers
 
 
 class Workspace(NamedTuple):
-    """Room for what is found.
+    """Buffers of the compiled step.
 
     Attributes:
-        order: (C,) characters by where their boxes begin along x.
-        near: (n, 2) characters whose boxes overlap.
+        order: (C,) characters in the order of their bounding boxes along x.
+        near: (n, 2) characters with overlapping boxes.
         pairs: (m, 2) links that may touch.
-        solids: of other rooms, and room for those who are near them.
+        solids: of other rooms.
     """
 
     order: IntArray
@@ -32,19 +39,19 @@ class Workspace(NamedTuple):
 
 
 def workspace_for(arrays: CharacterArrays, solids: Solids | None = None) -> Workspace:
-    """Return room: each character may be near twenty others, each link near twelve."""
+    """Return the buffers for characters, each with limited numbers of pairs."""
     count, links = len(arrays.owners), len(arrays.links)
     return Workspace(
         np.arange(count),
-        np.zeros((20 * count, 2), dtype=np.int64),
-        np.zeros((64 + 12 * links, 2), dtype=np.int64),
+        np.zeros((PAIRS_PER_CHARACTER * count, 2), dtype=np.int64),
+        np.zeros((SPARE_PAIRS + PAIRS_PER_LINK * links, 2), dtype=np.int64),
         no_solids() if solids is None else solids,
     )
 
 
 @inlined
-def enclose(nodes: Records, owners: Records) -> None:
-    """Put boxes around characters."""
+def update_bounds(nodes: Records, owners: Records) -> None:
+    """Update the bounding boxes of characters."""
     for c in range(len(owners)):
         owner = owners[c]
         first = owner.nodes[0]
@@ -58,8 +65,8 @@ def enclose(nodes: Records, owners: Records) -> None:
 
 
 @inlined
-def find_near(owners: Records, order: IntArray, near: IntArray) -> int:
-    """Find characters whose boxes overlap; return how many pairs there are."""
+def find_near_characters(owners: Records, order: IntArray, near: IntArray) -> int:
+    """Find characters with overlapping boxes; return the number of pairs."""
     for n in range(1, len(order)):
         c, x = order[n], owners[order[n]].low[0]
         m = n - 1
@@ -74,59 +81,61 @@ def find_near(owners: Records, order: IntArray, near: IntArray) -> int:
             other = owners[order[m]]
             if other.low[0] > one.high[0] + MARGIN:
                 break
-            if _overlap(one, other) and found < len(near):
+            if bounds_overlap(one, other) and found < len(near):
                 a, b = order[n], order[m]
                 near[found, 0], near[found, 1] = min(a, b), max(a, b)
                 found += 1
-    _sort(near, found)
+    _sort_pairs(near, found)
     return found
 
 
 @inlined
-def find_pairs(
+def find_link_pairs(
     nodes: Records, links: Records, owners: Records, own: IntArray, near: IntArray, pairs: IntArray
 ) -> int:
     """Find links that may touch, those of one character first; boxes are met as wholes.
 
-    Arms of who embraces somebody pass through that one's arms, for two pairs of them have no
-    room around two chests; and what a hand holds does not push it off.
+    Arms in an embrace pass through the arms of the embraced character, for two pairs of them have
+    no room around two chests; and a gripped link does not push the hand off.
 
     Args:
         nodes: of all characters.
         links: of all characters.
         owners: all characters.
-        own: (S, 2) links of one character that meet one another.
-        near: (n, 2) characters whose boxes overlap.
-        pairs: room for what is found.
+        own: (S, 2) links of one character that may touch one another.
+        near: (n, 2) characters with overlapping boxes.
+        pairs: buffer for the result.
 
     Returns:
-        How many pairs there are.
+        The number of pairs.
     """
     found = 0
     for n in range(len(own)):
         a, b = own[n, 0], own[n, 1]
         if not owners[links[a].owner].asleep:
-            found = _keep_if_near(nodes, links, (a, b), pairs, found)
+            found = _keep_pair(nodes, links, (a, b), pairs, found)
     for n in range(len(near)):
         one, other = owners[near[n, 0]], owners[near[n, 1]]
         if (one.asleep and other.asleep) or (one.edge_radius > 0.0) != (other.edge_radius > 0.0):
             continue
         hug = one.embraces == near[n, 1] or other.embraces == near[n, 0]
         for a in range(one.links[0], one.links[0] + one.links[1]):
-            if links[a].radius == 0.0 or not _in_box(nodes, links[a], other):
+            if links[a].radius == 0.0 or not link_overlaps(
+                nodes, links[a], links[a].radius + MARGIN, other
+            ):
                 continue
             for b in range(other.links[0], other.links[0] + other.links[1]):
                 if links[b].radius > 0.0 and not (hug and links[a].is_arm and links[b].is_arm):
-                    found = _keep_if_near(nodes, links, (a, b), pairs, found)
+                    found = _keep_pair(nodes, links, (a, b), pairs, found)
     return found
 
 
 @inlined
-def _keep_if_near(
+def _keep_pair(
     nodes: Records, links: Records, pair: tuple[int, int], pairs: IntArray, found: int
 ) -> int:
-    """Keep a pair of links if it may touch; return how many are kept now."""
-    if found == len(pairs) or not _side_by_side(nodes, links[pair[0]], links[pair[1]]):
+    """Keep a pair of links if it may touch; return the number of pairs."""
+    if found == len(pairs) or not _links_overlap(nodes, links[pair[0]], links[pair[1]]):
         return found
     if is_gripped(nodes, links[pair[0]], links[pair[1]]):
         return found
@@ -135,7 +144,8 @@ def _keep_if_near(
 
 
 @inlined
-def _overlap(one: Record, other: Record) -> bool:
+def bounds_overlap(one: Record, other: Record) -> bool:
+    """Tell whether the bounding boxes of two characters or solids overlap, with a margin."""
     for k in range(3):
         if one.low[k] > other.high[k] + MARGIN or other.low[k] > one.high[k] + MARGIN:
             return False
@@ -143,30 +153,21 @@ def _overlap(one: Record, other: Record) -> bool:
 
 
 @inlined
-def _in_box(nodes: Records, link: Record, box: Record) -> bool:
-    p, q, girth = nodes[link.ends[0]].p, nodes[link.ends[1]].p, link.radius + MARGIN
-    for k in range(3):
-        if min(p[k], q[k]) - girth > box.high[k] or max(p[k], q[k]) + girth < box.low[k]:
-            return False
-    return True
-
-
-@inlined
-def _side_by_side(nodes: Records, one: Record, other: Record) -> bool:
+def _links_overlap(nodes: Records, one: Record, other: Record) -> bool:
     p, q = nodes[one.ends[0]].p, nodes[one.ends[1]].p
     r, s = nodes[other.ends[0]].p, nodes[other.ends[1]].p
-    girth = one.radius + other.radius + MARGIN
+    radii = one.radius + other.radius + MARGIN
     for k in range(3):
-        if min(p[k], q[k]) - girth > max(r[k], s[k]):
+        if min(p[k], q[k]) - radii > max(r[k], s[k]):
             return False
-        if max(p[k], q[k]) + girth < min(r[k], s[k]):
+        if max(p[k], q[k]) + radii < min(r[k], s[k]):
             return False
     return True
 
 
 @inlined
-def _sort(near: IntArray, count: int) -> None:
-    """Sort pairs, of which most are in order already."""
+def _sort_pairs(near: IntArray, count: int) -> None:
+    """Sort pairs, most of which are in order already."""
     for n in range(1, count):
         a, b = near[n, 0], near[n, 1]
         m = n - 1

@@ -1,4 +1,7 @@
-"""Character plans."""
+"""Character plans: the nodes and links of each kind of character, and where they start.
+
+A person has sixteen nodes, thirteen links, and limits against unnatural bends.
+"""
 
 from __future__ import annotations
 
@@ -11,15 +14,15 @@ from pipeline.simulation.characters.body_arrays import LIMB, PERSON_NODES, Recor
 from pipeline.simulation.characters.body_plan import BodyPlan, Link
 from pipeline.simulation.characters.person_record import standing_nodes
 from pipeline.simulation.characters.playthings import (
-    BALL,
     BALL_MASS,
-    BOXES,
-    ROUND,
-    ROUND_MASS,
+    BALL_RADIUS,
+    BOX_SIZES,
+    DECK_RADIUS,
+    MERRY_GO_ROUND_MASS,
     ball_plan,
     box_plan,
+    box_size,
     merry_go_round_plan,
-    size_of,
 )
 from pipeline.simulation.keyframe_track import rotation_from_angles
 from pipeline.simulation.people.proportions import (
@@ -34,7 +37,7 @@ from pipeline.simulation.spatial import Array, heading, normalized
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.character import Character
 
-TRUNK = {
+TRUNK_SHARES = {
     "pelvis": 0.16,
     "hip_l": 0.15,
     "hip_r": 0.15,
@@ -43,9 +46,9 @@ TRUNK = {
     "shoulder_l": 0.08,
     "shoulder_r": 0.08,
 }
-"""How the mass of the trunk is spread over its nodes."""
+"""Shares of the trunk's mass by node."""
 
-GIRTHS = {
+LINK_RADII = {
     "belly": 0.068,
     "chest": 0.075,
     "head": 0.030,
@@ -56,61 +59,56 @@ GIRTHS = {
     "thigh": 0.046,
     "shin": 0.030,
 }
-"""Radii of what is touched, in heights."""
+"""Radii of links, in heights."""
 
-SKULL = 0.42
-"""Radius of the head, in its own height."""
+SKULL_RADIUS = 0.42  # in the head's own height
+JOINT_DAMPING = 3.0  # of limbs: a swing of a third of a second loses a tenth [1/s]
 
-JOINT_DAMPING = 3.0
-"""Of limbs that swing: a tenth of a second of a third [1/s]."""
+# Limits of joints.
+MAX_FOLD = math.radians(150.0)  # of elbows and knees
+MAX_SPINE_BEND = math.radians(60.0)
+MAX_PELVIS_TILT, MAX_SHOULDER_TILT = math.radians(22.0), math.radians(16.0)  # on the spine
+MAX_HEAD_TILT = math.radians(50.0)
 
-FOLDED = math.radians(150.0)
-"""How far elbows and knees bend."""
+LEG_CONE = (0.5, -0.85, 0.12), 88.0, (0.85, 0.5, 0.1), 35.0
+ARM_CONE = (0.6, -0.25, 0.75), 115.0, (-0.6, -0.7, 0.45), 100.0
+"""Axis of the cone of reach, its half angle, direction of the joint, its spread [degrees]; on
+the right side, in the frame of the trunk."""
 
-LEG = (0.5, -0.85, 0.12), 88.0, (0.85, 0.5, 0.1), 35.0
-
-ARM = (0.6, -0.25, 0.75), 115.0, (-0.6, -0.7, 0.45), 100.0
-"""Middle of the cone, half its angle, where the joint points, how far aside [degrees]; on the
-right, in the frame of the trunk."""
-
-BENT, TILTED, TURNED, NODDED = (math.radians(angle) for angle in (60.0, 22.0, 16.0, 50.0))
-"""How far the spine bends, the pelvis and the shoulders tilt on it, and the head."""
-
-MEETINGS = (
+TOUCHING_LINKS = (
     *(
-        (f"{arm}_{side}", what)
+        (f"{arm}_{side}", other)
         for side in "lr"
-        for arm, whats in (
+        for arm, others in (
             ("forearm", ("belly", "chest", "pelvis", "skull", "thigh_l", "thigh_r")),
             ("upper_arm", ("belly", "chest")),
         )
-        for what in whats
+        for other in others
     ),
     ("forearm_l", "forearm_r"),
 )
-"""Links of one person that meet one another."""
+"""Pairs of links of one person that touch one another."""
 
-LEGS_MEET = (
+TOUCHING_LEGS = (
     ("shin_l", "shin_r"),
     ("thigh_l", "thigh_r"),
     ("shin_l", "thigh_r"),
     ("shin_r", "thigh_l"),
 )
-"""Likewise of one who is limp. Legs that are led past one another are not held up by touches:
-a foot that stands is locked, and what strikes its leg would be thrown off."""
+"""Further pairs of a limp person. Legs under control are led past one another: a stance foot is
+locked, and touches of its leg would throw the other one off."""
 
-HURTS = 0.12
-"""Energy of a touch that hurts, by the mass of who is touched [J/kg]."""
+PAIN_ENERGY = 0.12  # of a touch that hurts, per mass of the person [J/kg]
 
 LINK_NAMES = (*SEGMENTS, "skull")
-"""Of a person's first links."""
+"""Names of a person's first links."""
 
 
-def person_plan(proportions: Proportions, led: bool = False) -> BodyPlan:
-    """Return a person of these measures, whose legs are led or limp.
+def person_plan(proportions: Proportions, controlled: bool = False) -> BodyPlan:
+    """Return a person, whose legs are under control or limp.
 
-    Source: Horswill 2008, "Geometric and kinematic modeling": 13 links and 16 nodes. The
-        links alone do not hold the middles of shoulders and pelvis.
+    Source: Horswill 2008, "Geometric and kinematic modeling": 13 links and 16 nodes. The links
+    alone do not hold the middles of shoulders and pelvis.
     """
     rest = proportions.rest()
     links = [
@@ -122,11 +120,11 @@ def person_plan(proportions: Proportions, led: bool = False) -> BodyPlan:
         )
         for name, ends in SEGMENTS.items()
     ]
-    skull = SKULL * proportions.head_size * proportions.height
+    skull = SKULL_RADIUS * proportions.head_size * proportions.height
     links.append(Link(_ends("head", "head"), skull))
     links += _limits(rest)
     numbers = {name: k for k, name in enumerate(LINK_NAMES)}
-    meetings = MEETINGS if led else MEETINGS + LEGS_MEET
+    touching = TOUCHING_LINKS if controlled else TOUCHING_LINKS + TOUCHING_LEGS
     return BodyPlan(
         rest=rest,
         mass=_masses(proportions.mass),
@@ -137,8 +135,8 @@ def person_plan(proportions: Proportions, led: bool = False) -> BodyPlan:
             for middle, end in (("pelvis", "hip"), ("shoulders", "shoulder"))
         ),
         limbs=_limbs(rest),
-        pairs=tuple((numbers[a], numbers[b]) for a, b in meetings),
-        pain_threshold=HURTS * proportions.mass,
+        pairs=tuple((numbers[a], numbers[b]) for a, b in touching),
+        pain_threshold=PAIN_ENERGY * proportions.mass,
         grips=3,
     )
 
@@ -148,7 +146,7 @@ def _ends(a: str, b: str) -> tuple[int, int]:
 
 
 def _girth(segment: str) -> float:
-    return GIRTHS[segment.removesuffix("_l").removesuffix("_r")]
+    return LINK_RADII[segment.removesuffix("_l").removesuffix("_r")]
 
 
 def _damping(segment: str) -> float:
@@ -156,48 +154,48 @@ def _damping(segment: str) -> float:
 
 
 def _masses(mass: float) -> Array:
-    """Return the masses of the nodes: limbs are spread evenly over their ends [kg]."""
-    of = dict.fromkeys(JOINTS, 0.0)
-    of["head"] = SEGMENT_MASSES["head"]
-    for name, share in TRUNK.items():
-        of[name] += share * SEGMENT_MASSES["trunk"]
+    """Return the masses of the nodes, limbs spread evenly over their ends [kg]."""
+    masses = dict.fromkeys(JOINTS, 0.0)
+    masses["head"] = SEGMENT_MASSES["head"]
+    for name, share in TRUNK_SHARES.items():
+        masses[name] += share * SEGMENT_MASSES["trunk"]
     for side in "lr":
         for limb in ("upper_arm", "forearm", "thigh", "shin"):
             for end in SEGMENTS[f"{limb}_{side}"]:
-                of[end] += 0.5 * SEGMENT_MASSES[limb]
-        of[f"hand_{side}"] += SEGMENT_MASSES["hand"]
-        of[f"foot_{side}"] += SEGMENT_MASSES["foot"]
-    return mass * np.array([of[name] for name in JOINTS])
+                masses[end] += 0.5 * SEGMENT_MASSES[limb]
+        masses[f"hand_{side}"] += SEGMENT_MASSES["hand"]
+        masses[f"foot_{side}"] += SEGMENT_MASSES["foot"]
+    return mass * np.array([masses[name] for name in JOINTS])
 
 
 def _radii(proportions: Proportions, skull: float) -> Array:
-    """Return how far from the ground nodes lie [m]; ankles stand on soles."""
-    of = dict.fromkeys(JOINTS, 0.0)
+    """Return the distances of nodes from the ground in contact [m]; ankles stand on soles."""
+    fractions = dict.fromkeys(JOINTS, 0.0)
     for name, ends in SEGMENTS.items():
         for end in ends:
-            of[end] = max(of[end], _girth(name))
+            fractions[end] = max(fractions[end], _girth(name))
     for side in "lr":
-        of[f"foot_{side}"] = proportions.ankle
-        of[f"hip_{side}"] = GIRTHS["pelvis"]
-        of[f"shoulder_{side}"] = GIRTHS["yoke"]
-    radii: Array = proportions.height * np.array([of[name] for name in JOINTS])
+        fractions[f"foot_{side}"] = proportions.ankle
+        fractions[f"hip_{side}"] = LINK_RADII["pelvis"]
+        fractions[f"shoulder_{side}"] = LINK_RADII["yoke"]
+    radii: Array = proportions.height * np.array([fractions[name] for name in JOINTS])
     radii[PERSON_NODES["head"]] = skull
     return radii
 
 
 def _limits(rest: Array) -> list[Link]:
-    """Return links that nothing touches and that only keep ends from coming too near or far."""
+    """Return untouchable links that limit the distances of nodes."""
     limits = [
-        _bent("pelvis", "spine", "shoulders", BENT, rest),
-        _bent("spine", "shoulders", "head", NODDED, rest),
+        _bend_limit("pelvis", "spine", "shoulders", MAX_SPINE_BEND, rest),
+        _bend_limit("spine", "shoulders", "head", MAX_HEAD_TILT, rest),
     ]
     for side in "lr":
         limits += [
-            _tilted("spine", "pelvis", f"hip_{side}", TILTED, rest),
-            _tilted("spine", "shoulders", f"shoulder_{side}", TURNED, rest),
-            _tilted("head", "shoulders", f"shoulder_{side}", NODDED, rest),
-            _folded(f"shoulder_{side}", f"elbow_{side}", f"hand_{side}", rest),
-            _folded(f"hip_{side}", f"knee_{side}", f"foot_{side}", rest),
+            _tilt_limit("spine", "pelvis", f"hip_{side}", MAX_PELVIS_TILT, rest),
+            _tilt_limit("spine", "shoulders", f"shoulder_{side}", MAX_SHOULDER_TILT, rest),
+            _tilt_limit("head", "shoulders", f"shoulder_{side}", MAX_HEAD_TILT, rest),
+            _fold_limit(f"shoulder_{side}", f"elbow_{side}", f"hand_{side}", rest),
+            _fold_limit(f"hip_{side}", f"knee_{side}", f"foot_{side}", rest),
         ]
     return limits
 
@@ -207,24 +205,24 @@ def _sides(a: str, b: str, c: str, rest: Array) -> tuple[float, float]:
     return float(math.dist(rest[i], rest[j])), float(math.dist(rest[j], rest[k]))
 
 
-def _bent(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
-    """Keep two links in a row from bending more than so far."""
+def _bend_limit(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
+    """Limit the bend of two links in a row."""
     x, y = _sides(a, b, c, rest)
     least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(angle))
     return Link(_ends(a, c), shortest=least, longest=math.inf)
 
 
-def _tilted(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
-    """Keep two links that stand on one another from tilting more than so far."""
+def _tilt_limit(a: str, b: str, c: str, angle: float, rest: Array) -> Link:
+    """Limit the tilt of two links that stand on one another."""
     x, y = _sides(a, b, c, rest)
     least, most = (math.sqrt(x * x + y * y + s * 2 * x * y * math.sin(angle)) for s in (-1, 1))
     return Link(_ends(a, c), shortest=least, longest=most)
 
 
-def _folded(a: str, b: str, c: str, rest: Array) -> Link:
-    """Keep a limb from folding too far, and from becoming quite straight."""
+def _fold_limit(a: str, b: str, c: str, rest: Array) -> Link:
+    """Limit the fold and the stretch of a limb."""
     x, y = _sides(a, b, c, rest)
-    least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(FOLDED))
+    least = math.sqrt(x * x + y * y + 2.0 * x * y * math.cos(MAX_FOLD))
     return Link(_ends(a, c), shortest=least, longest=x + y)
 
 
@@ -240,14 +238,14 @@ def _limbs(rest: Array) -> RecordArray:
         leg = stems[0] == "hip"
         trunk = ("pelvis", "spine") if leg else ("spine", "shoulders")
         across = [f"{stems[0]}_l", f"{stems[0]}_r"]
-        for word, name in zip(
+        for field, name in zip(
             ("root", "joint", "tip", "left", "right", "low", "high"),
             (*names, *across, *trunk),
             strict=True,
         ):
-            limbs[word][k] = PERSON_NODES[name]
+            limbs[field][k] = PERSON_NODES[name]
         limbs["upper"][k], limbs["lower"][k] = _sides(names[0], names[1], names[2], rest)
-        middle, cone, bend, spread = LEG if leg else ARM
+        middle, cone, bend, spread = LEG_CONE if leg else ARM_CONE
         mirror = np.array([1.0, 1.0, 1.0 if side == "r" else -1.0])
         m = normalized(mirror * middle)
         b = mirror * bend
@@ -259,38 +257,40 @@ def _limbs(rest: Array) -> RecordArray:
 
 
 RAGDOLL = replace(CHILD, height=0.55, mass=0.7)
-"""A doll has a child's proportions."""
+"""A doll with a child's proportions."""
 
 PEOPLE = {"child": CHILD, "adult": ADULT, "ragdoll": RAGDOLL}
-"""Whose bodies are people's."""
+"""Characters with the body of a person."""
 
-CLEAR = 2e-4
-"""Height over the ground at which what is put there begins [m]."""
+START_CLEARANCE = 2e-4
+"""Height above the ground at which things start [m]."""
 
 
 def proportions_of(member: Character) -> Proportions | None:
-    """Return the measures of a person or a doll, None of a thing."""
-    like = PEOPLE.get(member.character)
-    if like is None:
+    """Return the measures of a person or a doll, None for a thing."""
+    template = PEOPLE.get(member.character)
+    if template is None:
         return None
-    return replace(like, height=like.height * member.scale, mass=like.mass * member.scale**3)
+    return replace(
+        template, height=template.height * member.scale, mass=template.mass * member.scale**3
+    )
 
 
 def plan_of(member: Character) -> BodyPlan:
-    """Return what a character is made of."""
+    """Return the nodes and links of a character."""
     proportions = proportions_of(member)
     if proportions is not None:
-        return person_plan(proportions, led=member.acts)
+        return person_plan(proportions, controlled=member.acts)
     scale = member.scale
     if member.character == "ball":
-        return ball_plan(BALL * scale, BALL_MASS * scale**3)
+        return ball_plan(BALL_RADIUS * scale, BALL_MASS * scale**3)
     if member.character == "merry-go-round":
-        return merry_go_round_plan(ROUND * scale, ROUND_MASS * scale**3)
-    return box_plan(size_of(member), BOXES[member.character][1] * scale**3)
+        return merry_go_round_plan(DECK_RADIUS * scale, MERRY_GO_ROUND_MASS * scale**3)
+    return box_plan(box_size(member), BOX_SIZES[member.character][1] * scale**3)
 
 
-def start_of(member: Character, plan: BodyPlan, ground: Ground) -> Array:
-    """Return where the nodes (n, 3) of a character begin [m]."""
+def start_nodes(member: Character, plan: BodyPlan, ground: Ground) -> Array:
+    """Return the start places (n, 3) of the nodes of a character [m]."""
     x, z = member.at[0], member.at[-1]
     proportions = proportions_of(member)
     if proportions is not None and member.acts:
@@ -298,22 +298,22 @@ def start_of(member: Character, plan: BodyPlan, ground: Ground) -> Array:
         return standing_nodes(
             proportions, np.array([x, z]), math.radians(member.heading_deg), height
         )
-    p = _turned(member, plan)
+    p = _turned_rest(member, plan)
     p += [x, 0.0, z]
     floor = float((p[:, 1] - plan.radius).min())
-    over = float((p[:, 1] - plan.radius - ground.height(p[:, 0], p[:, 2])).min())
+    clearance = float((p[:, 1] - plan.radius - ground.height(p[:, 0], p[:, 2])).min())
     if plan.bearing_nodes:
-        # What runs on a bearing stands on a base of that height: it would drag over the ground.
-        floor, over = 0.0, min(over, -float(ground.height(np.array(x), np.array(z))))
+        # A bearing stands on a base of its height; nodes on it would drag over the ground.
+        floor, clearance = 0.0, min(clearance, -float(ground.height(np.array(x), np.array(z))))
     if len(member.at) == 3:
         p[:, 1] += member.at[1] - floor
     else:
-        p[:, 1] += CLEAR - over
+        p[:, 1] += START_CLEARANCE - clearance
     return p
 
 
-def before_of(member: Character, p: Array, mass: Array, h: float) -> Array:
-    """Return where nodes that begin at p (n, 3) were a sub-step `h` [s] before [m]."""
+def previous_nodes(member: Character, p: Array, mass: Array, h: float) -> Array:
+    """Return the places (n, 3) a sub-step `h` [s] before the start at p (n, 3) [m]."""
     free = np.isfinite(mass)
     weights = np.where(free, mass, 0.0)
     middle = (weights[:, None] * p).sum(axis=0) / weights.sum()
@@ -321,8 +321,8 @@ def before_of(member: Character, p: Array, mass: Array, h: float) -> Array:
     return np.where(free[:, None], p - h * v, p)
 
 
-def _turned(member: Character, plan: BodyPlan) -> Array:
-    """Return the nodes (n, 3) about the origin, turned as they begin [m]."""
+def _turned_rest(member: Character, plan: BodyPlan) -> Array:
+    """Return the nodes (n, 3) about the origin, turned as they start [m]."""
     R = heading(math.radians(member.heading_deg))
     if any(member.rotation_deg):
         R = R @ rotation_from_angles(np.radians(np.array([member.rotation_deg])))[0]

@@ -24,7 +24,11 @@ from pipeline.simulation.characters.gait_timing import ground_speed, leg_length
 from pipeline.simulation.characters.person_record import FOOT as FEET
 from pipeline.simulation.characters.person_record import SITTING, STANCE
 from pipeline.simulation.characters.solid_arrays import Solids
-from pipeline.simulation.characters.solid_kinematics import FAR, gap_of, velocity_at
+from pipeline.simulation.characters.solid_kinematics import (
+    OUT_OF_REACH,
+    signed_distance,
+    velocity_at,
+)
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.vectors import Vector, minus, times, triple
@@ -171,13 +175,13 @@ def _limit_approach(person: Record, mass: float, solids: Solids, s: int) -> None
     solid, obstruction = solids.bodies[s], _obstruction(solids.bodies[s], mass)
     if obstruction == 0.0:
         return
-    closest, normal, place = FAR, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
+    closest, normal, place = OUT_OF_REACH, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
     for probe in PROBE_LEVELS:
         at = (person.at[0], person.floor + probe * person.height, person.at[1])
-        gap, outward = gap_of(solids, s, at, 0.5 * person.height)
+        gap, outward = signed_distance(solids, s, at, 0.5 * person.height)
         if gap < closest and abs(outward[1]) < STEEP_COSINE:
             closest, normal, place = gap, outward, minus(at, times(gap, outward))
-    if closest == FAR:
+    if closest == OUT_OF_REACH:
         return
     size = math.hypot(normal[0], normal[2])
     x, z = normal[0] / size, normal[2] / size
@@ -210,7 +214,7 @@ def _clear_feet(person: Record, solids: Solids, s: int, h: float) -> None:
 @inlined
 def _way_out(solids: Solids, s: int, at: Vector, clearance: float) -> tuple[float, float, float]:
     """Return the level way out of a solid, and the distance along it [m]."""
-    gap, normal = gap_of(solids, s, at, clearance)
+    gap, normal = signed_distance(solids, s, at, clearance)
     size = math.hypot(normal[0], normal[2])
     if gap >= clearance or abs(normal[1]) >= STEEP_COSINE:
         return 0.0, 0.0, 0.0

@@ -1,4 +1,13 @@
-"""Contact response."""
+"""Contact response: the parts that contacts of links, boxes, solids and the terrain share.
+
+A contact moves its nodes apart by position. What two came nearer in the sub-step is taken out of
+the positions alone, and so out of the velocities; the overlap before that is taken out of both
+the present and the previous positions, so that nothing is shot off for having begun inside
+something. Shares go by mobility, so momentum is kept. Links are rows of balls where they meet
+boxes, solids and the terrain.
+
+Source: Horswill 2008, "Collision handling" and "Friction, drag and damping".
+"""
 
 from __future__ import annotations
 
@@ -9,47 +18,79 @@ import numpy as np
 from pipeline.simulation.characters.body_arrays import NOBODY, TERRAIN, IntArray, RecordArray
 from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
-from pipeline.simulation.dynamics.vectors import Vector, dot, length, minus, set_triple, times
+from pipeline.simulation.dynamics.vectors import (
+    Vector,
+    dot,
+    length,
+    minus,
+    plus,
+    set_triple,
+    times,
+    triple,
+)
+from pipeline.simulation.spatial import Array
 
-ROOM = 256
-"""Events of a step."""
+MAX_TOUCHES = 256  # logged in a step; further ones are dropped
+TOUCH_PAUSE = 0.08  # time apart after which two links touch anew [s]
+MIN_TOUCH_SPEED = 0.15  # of approach of a logged touch [m/s]
 
-PAUSE = 0.08
-"""How long two links have to be apart for a new touch [s]."""
+PARTING_SPEED = 0.4  # at which old overlap is resolved [m/s]
+MIN_BOUNCE_SPEED = 0.25  # of approach [m/s]
+RESTING_SPEED = 0.5  # of approach, below which a touch is one of resting on one another [m/s]
+BALL_SPACING = 0.08  # along a link, about [m]
+TINY = 1e-9
 
-ABOVE = 0.15
-"""Speed of approach of a touch that is told [m/s]."""
+# What lies on the ground keeps this share of its mobility, or of that of what presses it if that
+# is less, against moves into the ground at least this steep (cosine).
+SUPPORTED_MOBILITY, SUPPORT_COSINE = 0.02, 0.3
 
-EVENT = np.dtype(
+TOUCH = np.dtype(
     [
+        # Fraction of the step; the link; the other link, TERRAIN or SOLID - k.
         ("moment", "f8"),
         ("link", "i8"),
         ("other", "i8"),
+        # In the world, the normal towards the link [m].
         ("place", "f8", 3),
         ("normal", "f8", 3),
+        # Speed of approach [m/s], its kinetic energy [J].
         ("speed", "f8"),
         ("energy", "f8"),
     ],
     align=True,
 )
-"""A touch that begins: when, as a part of the step; who, and what; the normal points to who."""
+"""The onset of a touch."""
 
 
 class TouchLog(NamedTuple):
-    """Events of a step.
+    """Touches of a step.
 
     Attributes:
-        events: (ROOM,) `EVENT`.
-        filled: (1,) how many there are.
+        events: (MAX_TOUCHES,) `TOUCH`.
+        filled: (1,) number of touches.
     """
 
     events: RecordArray
     filled: IntArray
 
 
+class SubStep(NamedTuple):
+    """The sub-step of a contact.
+
+    Attributes:
+        h: its length [s].
+        slack: old overlap that may be resolved [m].
+        moment: fraction of the step that has gone.
+    """
+
+    h: float
+    slack: float
+    moment: float
+
+
 def new_touch_log() -> TouchLog:
     """Return an empty log."""
-    return TouchLog(zero_records(ROOM, EVENT), np.zeros(1, dtype=np.int64))
+    return TouchLog(zero_records(MAX_TOUCHES, TOUCH), np.zeros(1, dtype=np.int64))
 
 
 @inlined
@@ -57,103 +98,134 @@ def log_touch(
     log: TouchLog,
     moment: float,
     pair: tuple[int, int],
-    place: Vector,
-    normal: Vector,
-    hard: tuple[float, float],
+    where: tuple[Vector, Vector],
+    speed: float,
+    energy: float,
 ) -> None:
-    """Keep a touch of two links.
-
-    Args:
-        log: what is kept.
-        moment: when, as a part of the step.
-        pair: who, and what.
-        place: where [m].
-        normal: towards who.
-        hard: speed of approach [m/s] and energy [J].
-    """
+    """Log a touch, of a link and another number, at a place with a normal towards the link."""
     n = log.filled[0]
     if n < len(log.events):
         event = log.events[n]
         event.moment, event.link, event.other = moment, pair[0], pair[1]
-        event.speed, event.energy = hard[0], hard[1]
-        set_triple(event.place, place)
-        set_triple(event.normal, normal)
+        event.speed, event.energy = speed, energy
+        set_triple(event.place, where[0])
+        set_triple(event.normal, where[1])
         log.filled[0] = n + 1
 
 
-PARTING = 0.4
-"""Speed at which what was in one another parts [m/s]."""
-
-LEAST_BOUNCE = 0.25
-"""Speed of approach below which nothing bounces [m/s]."""
-
-BORNE, STEEP = 0.02, 0.3
-"""Part of its lightness, or of that of what presses, if that is less, which is left of what is
-pressed on the ground, and the cosine of the least angle to the level at which it is."""
-
-GENTLE = 0.5
-"""Speed of approach below which a touch is one of those that rest on one another [m/s]."""
-
-TINY = 1e-9
+@inlined
+def touch_links(
+    links: Records,
+    pair: tuple[int, int],
+    where: tuple[Vector, Vector],
+    speed: float,
+    energy: float,
+    moment: float,
+    log: TouchLog,
+) -> None:
+    """Let two links of different characters sense one another, and log the onset."""
+    a, b = links[pair[0]], links[pair[1]]
+    if (a.touched_owner != b.owner or a.age[0] > TOUCH_PAUSE) and speed > MIN_TOUCH_SPEED:
+        log_touch(log, moment, pair, where, speed, energy)
+    sense_touch(a, pair[1], b.owner, energy)
+    sense_touch(b, pair[0], a.owner, energy)
 
 
 @inlined
-def rub(node: Record, owner: Record, speed: float) -> None:
-    """Let a node that touches gently be damped as on the ground; who acts damps itself."""
-    if speed < GENTLE and not owner.acts and owner.bounciness == 0.0:
+def sense_touch(link: Record, other: int, other_owner: int, energy: float) -> None:
+    """Record a touch on a link; the hardest one counts."""
+    if link.age[0] > 0.0 or energy > link.energy:
+        link.touched, link.touched_owner = other, other_owner
+    link.energy = max(link.energy, energy)
+    link.age[0] = 0.0
+
+
+@inlined
+def age_touches(links: Records, h: float) -> None:
+    """Advance the ages of touches, and forget those that have ended."""
+    for n in range(len(links)):
+        link = links[n]
+        link.age[0] += h
+        link.age[1] += h
+        if link.age[0] > TOUCH_PAUSE and (link.touched != TERRAIN or link.age[1] > TOUCH_PAUSE):
+            link.touched, link.touched_owner = NOBODY, NOBODY
+
+
+@inlined
+def ball_count(link: Record, most: int) -> int:
+    """Return the number of balls along a link."""
+    return min(int(link.length_limits[0] / BALL_SPACING) + 1, most)
+
+
+@inlined
+def place_between(a: Array, b: Array, t: float) -> Vector:
+    """Return the place at a fraction t of the way from a to b."""
+    return plus(times(1.0 - t, triple(a)), times(t, triple(b)))
+
+
+@inlined
+def move_between(one: Record, other: Record, t: float) -> Vector:
+    """Return the motion in this sub-step at a fraction t of the way between two nodes [m]."""
+    return plus(
+        times(1.0 - t, minus(triple(one.p), triple(one.previous))),
+        times(t, minus(triple(other.p), triple(other.previous))),
+    )
+
+
+@inlined
+def link_overlaps(nodes: Records, link: Record, radius: float, bounds: Record) -> bool:
+    """Tell whether the bounding box of a link overlaps that of a character or a solid."""
+    p, q = nodes[link.ends[0]].p, nodes[link.ends[1]].p
+    for k in range(3):
+        if min(p[k], q[k]) - radius > bounds.high[k] or max(p[k], q[k]) + radius < bounds.low[k]:
+            return False
+    return True
+
+
+@inlined
+def damp_resting(node: Record, owner: Record, speed: float) -> None:
+    """Damp a node that touches gently as on the ground; acting people damp themselves."""
+    if speed < RESTING_SPEED and not owner.acts and owner.bounciness == 0.0:
         node.contact_damping = owner.ground_damping
 
 
 @inlined
-def rubbed(slip: Vector, n: Vector, most: float) -> Vector:
-    """Return what friction takes of a slip across n, so much at most."""
+def friction_move(slip: Vector, n: Vector, most: float) -> Vector:
+    """Return the move by friction against a slip across n, limited to a length [m]."""
     along = minus(slip, times(dot(slip, n), n))
     size = length(along)
     return times(-min(most / size, 1.0), along) if size > TINY else (0.0, 0.0, 0.0)
 
 
 @inlined
-def borne(one: Record, other: Record, up: float, own: float, against: float) -> float:
-    """Return how much is left of the lightness of what is pushed by a move so far up.
+def support_factor(one: Record, other: Record, up: float, own: float, against: float) -> float:
+    """Return the fraction of its mobility that a pushed link keeps where the ground bears it.
 
-    What lies on the ground is borne by it: something heavy would press it in, and it bear
-    nothing, however light it is.
+    Otherwise something heavy would press it in, and it would bear nothing however light it is.
 
     Args:
-        one: the node at the begin of what is pushed.
-        other: the node at its end.
-        up: how far up the move goes, of its length.
-        own: inverse mass of what is pushed [1/kg].
-        against: that of what pushes, 0 of what nothing moves [1/kg].
+        one: first node of the link.
+        other: its last node.
+        up: vertical component of the unit move.
+        own: mobility of the link [1/kg].
+        against: mobility of what pushes, 0 of what nothing moves [1/kg].
     """
-    if up >= -STEEP or one.ground_damping + other.ground_damping == 0.0:
+    if up >= -SUPPORT_COSINE or one.ground_damping + other.ground_damping == 0.0:
         return 1.0
-    return BORNE * against / own if 0.0 < against < own else BORNE
-
-
-@inlined
-def sense(link: Record, other: int, whose: int, energy: float) -> None:
-    """Let a link know of a touch; the hardest one counts."""
-    if link.age[0] > 0.0 or energy > link.energy:
-        link.touched, link.touched_owner = other, whose
-    link.energy = max(link.energy, energy)
-    link.age[0] = 0.0
-
-
-@inlined
-def grow_old(links: Records, h: float) -> None:
-    """Forget touches that have ended, a sub-step later."""
-    for n in range(len(links)):
-        link = links[n]
-        link.age[0] += h
-        link.age[1] += h
-        if link.age[0] > PAUSE and (link.touched != TERRAIN or link.age[1] > PAUSE):
-            link.touched, link.touched_owner = NOBODY, NOBODY
+    return SUPPORTED_MOBILITY * against / own if 0.0 < against < own else SUPPORTED_MOBILITY
 
 
 @inlined
 def move_node(node: Record, share: float, move: Vector, part: Vector, back: Vector) -> None:
-    """Move a node by its share of what changes position and velocity, position, velocity."""
+    """Move a node by its share of a contact.
+
+    Args:
+        node: changed.
+        share: its part of the moves.
+        move: changes position and velocity [m].
+        part: changes the position alone [m].
+        back: changes the velocity alone [m].
+    """
     for k in range(3):
         node.p[k] += share * (move[k] + part[k])
         node.previous[k] += share * (part[k] - back[k])

@@ -1,4 +1,7 @@
-"""Contact tasks."""
+"""Contact tasks: reaching, grabbing, hugging and grappling.
+
+Source: Horswill 2008, "Hugging" and "Grappling".
+"""
 
 from __future__ import annotations
 
@@ -11,37 +14,49 @@ from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import PELVIS, REACHING, SHOULDERS, SPINE
 from pipeline.simulation.spatial import Array
 
-CHEST = 0.075
-"""Radius of a chest, in heights."""
-
-LONGEST = 0.95
-"""Of a reach that arms are to go round somebody with."""
-
-FLAT = 0.055
-"""Depth of a back behind the spine, in heights: where hands lie that cannot meet behind it."""
-
-WAIST = 0.085
-"""Height of the narrowest place of a trunk above the pelvis, in heights."""
-
-CLOSES = 0.7
-"""How long arms take to close around somebody [s]."""
-
-JOINS = 0.06
-"""How near to one another hands are that join, in heights."""
-
 PATIENCE = 1.6
-"""How long a hand is waited for that cannot come quite where it should [s]."""
+"""Time after which a hand is near enough to a place that it cannot quite reach [s]."""
+
+HAND_AT_PLACE = 0.04  # distance at which a hand has reached a place, in heights
+GRAB_DISTANCE, PATIENT_GRAB_DISTANCE = 0.05, 0.09  # of a hand that closes, in heights
+
+
+@dataclass(frozen=True)
+class HugShape:
+    """Where arms go in a hug; lengths in heights of the partner or the person.
+
+    Attributes:
+        chest_radius: of either of the two.
+        back_depth: of a back behind the spine, where hands lie that cannot meet.
+        waist: height of the narrowest place of a trunk above the pelvis.
+        hands_joined: distance of hands that join.
+        reach: largest part of an arm's reach to go around with.
+        closing_time: of the arms [s].
+    """
+
+    chest_radius: float = 0.075
+    back_depth: float = 0.055
+    waist: float = 0.085
+    hands_joined: float = 0.06
+    reach: float = 0.95
+    closing_time: float = 0.7
+
+
+HUG = HugShape()
+
+OPEN_TIME = 0.7  # of the arms after a hug [s]
+EMBRACE_DESCENT = 0.8  # of the hands below the own shoulders at most, in arm lengths
 
 
 @dataclass
 class Reach:
-    """Hold hands out to a place or to somebody.
+    """Hold hands out to a place or to a character.
 
     Attributes:
-        hands: which.
-        place: where (3,) [m]; None for somebody.
-        owner: whom.
-        time: since it began [s].
+        hands: numbers of the hands.
+        place: (3,) [m]; None for a character.
+        owner: number of the character.
+        time: since the start [s].
     """
 
     hands: tuple[int, ...]
@@ -49,223 +64,181 @@ class Reach:
     owner: int = -1
     time: float = 0.0
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
-        """See `Errand`."""
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
         place = controller.view.middle(self.owner) if self.place is None else self.place
         self.time += dt
-        near = True
+        is_near = True
         for k in self.hands:
             controller.put_hand(k, place)
-            near = near and math.dist(controller.hand(k), place) < 0.04 * controller.record.height
-        return near or self.time > PATIENCE
+            distance = math.dist(controller.hand(k), place)
+            is_near = is_near and distance < HAND_AT_PLACE * controller.record.height
+        return is_near or self.time > PATIENCE
 
 
 @dataclass
 class Grab:
-    """Go to something and close hands around it.
+    """Go to a character and close hands around it.
 
     Attributes:
-        hands: which.
-        owner: what or whom.
-        part: the joint that is taken, None for what is nearest.
-        taken: node of each hand that is on its way or holds.
+        hands: numbers of the hands.
+        owner: number of the character.
+        part: the joint to take, None for the nearest node.
+        nodes: node of each hand that is on its way or grips.
         time: since it is near [s].
     """
 
     hands: tuple[int, ...]
     owner: int
     part: str | None = None
-    taken: dict[int, int] = field(default_factory=dict)
+    nodes: dict[int, int] = field(default_factory=dict)
     time: float = 0.0
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
-        """See `Errand`."""
-        me, arrays = controller.record, controller.view.arrays
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        person, p = controller.record, controller.view.p
         for k in self.hands:
-            self.taken.setdefault(k, controller.part(self.owner, self.part, k))
-        if all(controller.held(k) >= 0 for k in self.hands):
+            self.nodes.setdefault(k, controller.node_to_grip(self.owner, self.part, k))
+        if all(controller.held_node(k) >= 0 for k in self.hands):
             return True
-        first = arrays.p[self.taken[self.hands[0]]]
-        # Bowing and crouching bring shoulders forward over what is low.
-        near = (0.8 if first[1] > 0.4 * me.height else 0.62) * controller.arm
-        if controller.away(first) > near + 0.12 * controller.arm:
+        first = p[self.nodes[self.hands[0]]]
+        # Bowing and crouching bring shoulders forward over low places.
+        near = (0.8 if first[1] > 0.4 * person.height else 0.62) * controller.arm
+        if controller.ground_distance(first) > near + 0.12 * controller.arm:
             controller.go(first[0], first[2], near, self.owner)
             if self.part is None:
-                self.taken.clear()
+                self.nodes.clear()
             return False
-        if me.has_goal:
+        if person.has_goal:
             controller.face_to(first)
         self.time += dt
-        close = (0.05 if self.time < PATIENCE else 0.09) * me.height
+        closing = GRAB_DISTANCE if self.time < PATIENCE else PATIENT_GRAB_DISTANCE
         for k in self.hands:
-            node = self.taken[k]
-            controller.put_hand(k, arrays.p[node])
-            if math.dist(controller.hand(k), arrays.p[node]) < close:
-                controller.hold(k, node)
-                me.has_facing = False
+            node = self.nodes[k]
+            controller.put_hand(k, p[node])
+            if math.dist(controller.hand(k), p[node]) < closing * person.height:
+                controller.grip(k, node)
+                person.has_facing = False
         return False
 
 
 @dataclass
 class Hug:
-    """Go to somebody, put both arms around them, and join the hands.
-
-    Source: Horswill 2008, "Hugging".
+    """Go to a character, put both arms around it, and join the hands.
 
     Attributes:
-        owner: whom.
-        size: height of the other [m].
-        touched: how long they have touched [s], 0 before.
+        owner: number of the partner.
+        size: height of the partner [m].
+        touched: time since the two touch [s], 0 before.
     """
 
     owner: int
     size: float
     touched: float = 0.0
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
-        """See `Errand`."""
-        me = controller.record
-        other = controller.view.pelvis(self.owner)
-        close = CHEST * (me.height + self.size)
-        away = controller.away(other)
-        if self.touched == 0.0 and away > close + 0.06:
-            controller.go(other[0], other[2], close - 0.06, self.owner)
-            if away < close + 1.1 * controller.arm:
-                # Who bows only once the other is there knocks heads.
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        person = controller.record
+        partner = controller.view.pelvis(self.owner)
+        closeness = HUG.chest_radius * (person.height + self.size)
+        distance = controller.ground_distance(partner)
+        if self.touched == 0.0 and distance > closeness + 0.06:
+            controller.go(partner[0], partner[2], closeness - 0.06, self.owner)
+            if distance < closeness + 1.1 * controller.arm:
+                # Bowing only once the partner is there would knock heads.
                 self._bow(controller)
-                self._open(controller)
+                self._open_arms(controller)
             return False
         if self.touched == 0.0:
-            controller.face_to(other)
+            controller.face_to(partner)
         self.touched += dt
         self._bow(controller)
-        self._close(controller, other)
-        if (
-            self.touched > CLOSES
-            and math.dist(controller.hand(0), controller.hand(1)) < JOINS * me.height
-        ):
-            controller.join_hands()
+        self._close_arms(controller, partner)
+        if self.touched > HUG.closing_time:
+            gap = math.dist(controller.hand(0), controller.hand(1))
+            if gap < HUG.hands_joined * person.height:
+                controller.join_hands()
         return self.touched > PATIENCE
 
     def _bow(self, controller: PersonController) -> None:
-        """Come down to one who is smaller."""
-        me = controller.record
-        stands = float(me.floor + me.hip_height + me.belly + me.chest)
-        me.stoop_depth = max(stands - self._level(controller, 0) - 0.3 * controller.arm, 0.0)
+        """Come down to a smaller partner."""
+        level = self._arm_level(controller, 0)
+        controller.record.stoop_depth = max(
+            shoulder_height(controller) - level - 0.3 * controller.arm, 0.0
+        )
 
     def loosen(self, controller: PersonController, dt: float) -> bool:
-        """Open the arms again as they were closed; tell whether they are open."""
+        """Open the arms as they were closed; tell whether they are open."""
         controller.part_hands()
-        self.touched = max(min(self.touched, CLOSES) - dt, 1e-6)
-        self._close(controller, controller.view.pelvis(self.owner))
+        self.touched = max(min(self.touched, HUG.closing_time) - dt, 1e-6)
+        self._close_arms(controller, controller.view.pelvis(self.owner))
         return self.touched <= dt
 
-    def _level(self, controller: PersonController, k: int) -> float:
-        """Return the height at which an arm goes round: one under, one over the other's."""
+    def _arm_level(self, controller: PersonController, k: int) -> float:
+        """Return the height at which an arm goes around: one under, one over the partner's."""
         nodes = controller.view.nodes(self.owner)
         low, high = float(nodes[PELVIS, 1]), float(nodes[SHOULDERS, 1])
-        me = controller.record
-        own = float(me.floor + me.hip_height + me.belly + me.chest)
+        person = controller.record
+        own = shoulder_height(controller)
         # The taller one's arms go over, the smaller one's under.
-        taller = me.height > 1.05 * self.size
-        top = high + (0.02 if taller else -0.06) * self.size
+        is_taller = person.height > 1.05 * self.size
+        top = high + (0.02 if is_taller else -0.06) * self.size
         # Round the waist at the lowest: no arm is long enough for hips.
-        level = min(max(own - 0.1 * me.height, low + WAIST * self.size), top)
-        apart = (0.01 if taller else 0.03) * me.height
+        level = min(max(own - 0.1 * person.height, low + HUG.waist * self.size), top)
+        apart = (0.01 if is_taller else 0.03) * person.height
         return float(level + (apart if k == 0 else -apart))
 
-    def _open(self, controller: PersonController) -> None:
-        """Hold both arms out, wide enough for the other's shoulders."""
-        me = controller.record
+    def _open_arms(self, controller: PersonController) -> None:
+        """Hold both arms out, wide enough for the partner's shoulders."""
+        person = controller.record
         controller.embrace(self.owner)
-        other = controller.view.pelvis(self.owner)
-        ahead = _towards(controller, other)
+        ahead = controller.direction_to(controller.view.pelvis(self.owner))
         right = np.array([-ahead[2], 0.0, ahead[0]])
-        start = np.array([me.at[0], 0.0, me.at[1]])
+        start = np.array([person.at[0], 0.0, person.at[1]])
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * (0.15 * self.size + 0.03)
             place = start + 0.85 * controller.arm * ahead + side * right
-            place[1] = self._level(controller, k)
-            controller.put_round(k, place)
+            place[1] = self._arm_level(controller, k)
+            controller.put_hand_around(k, place)
 
-    def _close(self, controller: PersonController, other: Array) -> None:
-        """Bring the hands together behind the other's back."""
+    def _close_arms(self, controller: PersonController, partner: Array) -> None:
+        """Bring the hands together behind the partner's back."""
+        person = controller.record
         controller.embrace(self.owner)
-        ahead = _towards(controller, other)
+        ahead = controller.direction_to(partner)
         right = np.array([-ahead[2], 0.0, ahead[0]])
-        full = CHEST * self.size + 0.035 * controller.record.height
-        reach = math.sqrt(max(controller.arm**2 - float(controller.record.shoulders) ** 2, 0.0))
-        # First past the other's sides, then together.
-        shut = min(self.touched / CLOSES, 1.0)
-        wide = (1.0 - shut) * 0.13 * self.size + 0.02 * self.size
+        full = HUG.chest_radius * self.size + 0.035 * person.height
+        reach = math.sqrt(max(controller.arm**2 - float(person.shoulders) ** 2, 0.0))
+        # First past the partner's sides, then together.
+        closed = min(self.touched / HUG.closing_time, 1.0)
+        wide = (1.0 - closed) * 0.13 * self.size + 0.02 * self.size
         for k in range(2):
             side = (1.0 if k == 1 else -1.0) * wide
-            middle = self._middle(controller, self._level(controller, k))
-            behind = min(full, max(LONGEST * reach - controller.away(middle), FLAT * self.size))
-            controller.put_round(k, middle + behind * ahead + side * right)
+            middle = self._trunk_middle(controller, self._arm_level(controller, k))
+            beyond = HUG.reach * reach - controller.ground_distance(middle)
+            behind = min(full, max(beyond, HUG.back_depth * self.size))
+            controller.put_hand_around(k, middle + behind * ahead + side * right)
 
-    def _middle(self, controller: PersonController, level: float) -> Array:
-        """Return the middle (3,) of the other's trunk at a height, however it leans [m]."""
+    def _trunk_middle(self, controller: PersonController, level: float) -> Array:
+        """Return the middle (3,) of the partner's trunk at a height, however it leans [m]."""
         spine = controller.view.nodes(self.owner)[[PELVIS, SPINE, SHOULDERS]]
         x, z = (np.interp(level, spine[:, 1], spine[:, c]) for c in (0, 2))
         return np.array([x, level, z])
 
 
-def _towards(controller: PersonController, place: Array) -> Array:
-    """Return the level direction (3,) to a place."""
-    way = np.array([place[0] - controller.record.at[0], 0.0, place[2] - controller.record.at[1]])
-    size = math.hypot(way[0], way[2])
-    if size < 1e-9:
-        return np.array(
-            [math.cos(controller.record.heading), 0.0, -math.sin(controller.record.heading)]
-        )
-    result: Array = way / size
-    return result
+def shoulder_height(controller: PersonController) -> float:
+    """Return the height of the shoulders in standing upright [m]."""
+    person = controller.record
+    return float(person.floor + person.hip_height + person.belly + person.chest)
 
 
 @dataclass
-class Grapple:
-    """Go to somebody with both arms ahead.
-
-    Source: Horswill 2008, "Grappling".
-
-    Attributes:
-        owner: whom.
-        time: since the arms came up [s].
-    """
-
-    owner: int
-    time: float = 0.0
-
-    def go_on(self, controller: PersonController, dt: float) -> bool:
-        """See `Errand`."""
-        other = controller.view.pelvis(self.owner)
-        controller.go(other[0], other[2], 0.25 * controller.arm, self.owner)
-        if controller.away(other) < 1.3 * controller.arm:
-            for k in range(2):
-                controller.record.arm_mode[k] = REACHING
-            self.time += dt
-        done = self.time > PATIENCE
-        if done:
-            controller.stop()
-        return done
-
-
-OPEN, BACK = 0.7, 0.45
-"""How long arms stay open after a hug [s], and how far one steps back from it [m]."""
-
-CLOSE, UPRIGHT = 0.2, 0.8
-"""From this gap on somebody is embraced [m], no lower than this part of an arm under the own
-shoulders."""
-
-
-@dataclass
-class Loosen:
-    """Open the arms around somebody and step back, before anything else: no arm is torn out.
+class LoosenHug:
+    """Open the arms around a partner and step back, so that no arm is torn out.
 
     Attributes:
         hug: that ends.
-        back: how far to step back [m].
+        back: distance to step back [m].
         time: since the arms are open [s].
     """
 
@@ -273,30 +246,29 @@ class Loosen:
     back: float = 0.0
     time: float = 0.0
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
-        """See `Errand`."""
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
         if self.hug.loosen(controller, dt):
             if self.time == 0.0 and self.back > 0.0:
-                other = controller.view.pelvis(self.hug.owner)
-                x, z = controller.record.at[0] - other[0], controller.record.at[1] - other[2]
+                person = controller.record
+                partner = controller.view.pelvis(self.hug.owner)
+                x, z = person.at[0] - partner[0], person.at[1] - partner[2]
                 share = self.back / max(math.hypot(x, z), 0.1)
-                controller.go(
-                    controller.record.at[0] + share * x, controller.record.at[1] + share * z
-                )
-                controller.record.has_facing, controller.record.facing = True, math.atan2(z, -x)
+                controller.go(person.at[0] + share * x, person.at[1] + share * z)
+                person.has_facing, person.facing = True, math.atan2(z, -x)
             self.time += dt
-        return self.time > OPEN
+        return self.time > OPEN_TIME
 
 
 @dataclass
-class Embrace:
-    """Put both hands on the back of one who has come, without a step and without bowing.
+class ReturnHug:
+    """Put both hands on the back of a partner who has come, without a step and without bowing.
 
     Attributes:
-        owner: whom.
-        size: how high it stands [m].
-        opens: whether the hands come off again, after.
-        time: since they do, or since it began [s].
+        owner: number of the partner.
+        size: height of the partner [m].
+        opens: whether the hands come off again.
+        time: since they do, or since the start [s].
     """
 
     owner: int
@@ -304,24 +276,50 @@ class Embrace:
     opens: bool = False
     time: float = 0.0
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
-        """See `Errand`."""
-        me = controller.record
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        person = controller.record
         if self.time == 0.0:
             controller.stop()
-            me.has_facing = False
+            person.has_facing = False
         controller.embrace(self.owner)
         self.time += dt
-        other = controller.view.middle(self.owner)
-        ahead = np.array([other[0] - me.at[0], other[2] - me.at[1]])
+        partner = controller.view.middle(self.owner)
+        ahead = np.array([partner[0] - person.at[0], partner[2] - person.at[1]])
         ahead /= max(math.hypot(ahead[0], ahead[1]), 1e-6)
-        share = min(self.time / CLOSES, 1.0)
+        share = min(self.time / HUG.closing_time, 1.0)
         wide = self.size * (0.2 - 0.14 * (1.0 - share if self.opens else share))
-        standing = float(me.floor + me.hip_height + me.belly + me.chest)
-        high = max(float(other[1]) - 0.03 * self.size, standing - UPRIGHT * controller.arm)
+        lowest = shoulder_height(controller) - EMBRACE_DESCENT * controller.arm
+        level = max(float(partner[1]) - 0.03 * self.size, lowest)
         for k in range(2):
             side = wide if k == 1 else -wide
-            x = other[0] + 0.11 * self.size * ahead[0] - side * ahead[1]
-            z = other[2] + 0.11 * self.size * ahead[1] + side * ahead[0]
-            controller.put_hand(k, np.array([x, high, z]))
-        return self.time > CLOSES
+            x = partner[0] + 0.11 * self.size * ahead[0] - side * ahead[1]
+            z = partner[2] + 0.11 * self.size * ahead[1] + side * ahead[0]
+            controller.put_hand(k, np.array([x, level, z]))
+        return self.time > HUG.closing_time
+
+
+@dataclass
+class Grapple:
+    """Go to a character with both arms ahead.
+
+    Attributes:
+        owner: number of the character.
+        time: since the arms came up [s].
+    """
+
+    owner: int
+    time: float = 0.0
+
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """See `Task`."""
+        partner = controller.view.pelvis(self.owner)
+        controller.go(partner[0], partner[2], 0.25 * controller.arm, self.owner)
+        if controller.ground_distance(partner) < 1.3 * controller.arm:
+            for k in range(2):
+                controller.record.arm_mode[k] = REACHING
+            self.time += dt
+        is_done = self.time > PATIENCE
+        if is_done:
+            controller.stop()
+        return is_done

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from pipeline.simulation.characters.contact_response import BORNE
+from pipeline.simulation.characters.contact_response import SUPPORTED_MOBILITY
 from pipeline.simulation.dynamics.compiled import Record, Records, inlined
 from pipeline.simulation.dynamics.vectors import (
     Vector,
@@ -200,7 +200,7 @@ def _swing_joint(nodes: Records, limb: Record, move: Vector) -> None:
     lift_share = min(MAX_LIFT / size, 1.0) if move[1] < 0.0 and joint.ground_damping > 0.0 else 0.0
     for k in range(2):
         # What lies on the ground is borne by it: root and tip rise instead, but not at a jerk.
-        joint_mobility = joint.mobility * (BORNE if k == 1 else 1.0)
+        joint_mobility = joint.mobility * (SUPPORTED_MOBILITY if k == 1 else 1.0)
         mobility = joint_mobility + 0.25 * (root.mobility + tip.mobility)
         share = (lift_share if k == 1 else 1.0 - lift_share) / mobility if mobility > 0.0 else 0.0
         if share > 0.0:

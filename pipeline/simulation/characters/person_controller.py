@@ -1,4 +1,4 @@
-"""Person controller."""
+"""Person controller: where characters are, and the commands of one acting person."""
 
 from __future__ import annotations
 
@@ -20,41 +20,36 @@ from pipeline.simulation.characters.person_record import (
     STANDING,
     SWINGING,
 )
-from pipeline.simulation.characters.visibility_route import LIGHT, ObstacleCircles
+from pipeline.simulation.characters.visibility_route import LIGHT_MASS, ObstacleCircles
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
-SIDES: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0, 1)}
-"""Arms by name."""
+HANDS: Mapping[str, tuple[int, ...]] = {"left": (0,), "right": (1,), "both": (0, 1)}
+"""Numbers of hands by name."""
 
-BOTH = 2
-"""The grip of both hands on one another, behind those of each."""
+JOINED_GRIP = 2
+"""The grip of both hands on one another, behind that of each."""
 
-EMBRACES = 2.0
-"""How far off the other one is when arms are clear of one another again, in arms."""
+EMBRACE_RANGE = 2.0  # distance at which an embrace has ended, in arm lengths
+BODY_RADIUS = 0.17  # of a person on the ground, in heights
+CARRIED_MASS = 0.5  # up to which a gripped thing hangs from the hand, in the person's mass
+SIZE_FACTOR = 1.12  # from the height of the nodes of a standing person to its size
 
-SLIM = 0.17
-"""Half of the room that a person takes, in heights."""
-
-HEAVY = 0.5
-"""From which part of one's own mass on something is held, and does not hang from the hand."""
-
-NOTHING = np.zeros((0, 2)), np.zeros(0)
-"""No circles."""
+NO_CIRCLES = np.zeros((0, 2)), np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False)
 class CharacterView:
-    """Where controllers are.
+    """The places of all characters, by their number among the owners.
 
     Attributes:
-        names: of all characters, in the order of the arrays's owners.
+        names: of all characters, in the order of the owners.
         arrays: the characters.
         ground: the terrain.
-        people: numbers of those owners who have the joints of people.
-        obstacle_circles: what of other rooms they go round.
+        people: numbers of the owners with the joints of people.
+        obstacle_circles: obstacles of other rooms.
     """
 
     names: Sequence[str]
@@ -65,21 +60,30 @@ class CharacterView:
 
     @cached_property
     def p(self) -> Array:
-        """(N, 3) all nodes, as they are at any time [m]."""
+        """(N, 3) all nodes, always up to date [m]."""
         return self.arrays.p
 
     @cached_property
     def edges(self) -> tuple[Array, Array]:
-        """Least and greatest x and z (2,) of the terrain, of a turned one within it [m]."""
+        """Least and greatest x and z (2,) of a square within the terrain [m]."""
         field = self.ground.field
         half = np.array(field.size) / (2.0 if field.heading == 0.0 else 2.0 * math.sqrt(2.0))
         return np.array(field.at) - half, np.array(field.at) + half
 
     @cached_property
     def _spans(self) -> list[list[int]]:
-        """First node of each character, and how many it has."""
+        """First node and number of nodes of each character."""
         spans: list[list[int]] = self.arrays.owners["nodes"].tolist()
         return spans
+
+    @cached_property
+    def heavy_things(self) -> tuple[int, ...]:
+        """Numbers of things too heavy to be kicked away, balls excepted."""
+        owners = self.arrays.owners
+        things = (k for k in range(len(owners)) if k not in self.people)
+        return tuple(
+            k for k in things if owners["nodes"][k, 1] > 1 and owners["mass"][k] > LIGHT_MASS
+        )
 
     def number(self, name: str) -> int:
         """Return the number of a character."""
@@ -91,57 +95,49 @@ class CharacterView:
         nodes: Array = self.p[first : first + count]
         return nodes
 
-    def middle(self, owner: int) -> Array:
-        """Return (3,) about where a character is: its chest, if it has one [m]."""
+    def _joint(self, owner: int, joint: int) -> Array:
+        """Return (3,) a joint of a person, or the middle of a thing [m]."""
         nodes = self.nodes(owner)
-        middle: Array = nodes[SHOULDERS] if owner in self.people else nodes.mean(axis=0)
-        return middle
+        place: Array = nodes[joint] if owner in self.people else nodes.mean(axis=0)
+        return place
+
+    def middle(self, owner: int) -> Array:
+        """Return (3,) the chest of a person, or the middle of a thing [m]."""
+        return self._joint(owner, SHOULDERS)
 
     def face(self, owner: int) -> Array:
-        """Return (3,) what one looks at in a character [m]."""
-        nodes = self.nodes(owner)
-        face: Array = nodes[HEAD] if owner in self.people else nodes.mean(axis=0)
-        return face
+        """Return (3,) the place to look at in a character [m]."""
+        return self._joint(owner, HEAD)
 
-    @cached_property
-    def things(self) -> tuple[int, ...]:
-        """IntArray of what stands on the ground and is too heavy to be kicked away."""
-        owners = self.arrays.owners
-        count = range(len(owners))
-        stand = (k for k in count if k not in self.people and owners["nodes"][k, 1] > 1)
-        return tuple(k for k in stand if owners["mass"][k] > LIGHT)
+    def pelvis(self, owner: int) -> Array:
+        """Return (3,) the place to walk up to in a character [m]."""
+        return self._joint(owner, PELVIS)
 
     def circle(self, owner: int) -> tuple[Array, float]:
         """Return the middle (2,) and the radius of a circle around a character [m]."""
         flat = self.nodes(owner)[:, [0, 2]]
         middle = flat.mean(axis=0)
-        girth = float(self.arrays.nodes["radius"][self._spans[owner][0]])
-        off = flat - middle
-        return middle, float(np.sqrt((off * off).sum(axis=1)).max()) + girth
-
-    def pelvis(self, owner: int) -> Array:
-        """Return (3,) the middle of a character that others come up to [m]."""
-        nodes = self.nodes(owner)
-        pelvis: Array = nodes[PELVIS] if owner in self.people else nodes.mean(axis=0)
-        return pelvis
+        node_radius = float(self.arrays.nodes["radius"][self._spans[owner][0]])
+        offset = flat - middle
+        return middle, float(np.sqrt((offset * offset).sum(axis=1)).max()) + node_radius
 
     def size(self, owner: int) -> float:
-        """Return about how high a character stands [m]."""
-        return float(np.ptp(self.nodes(owner)[:, 1])) * 1.12
+        """Return the approximate height of a standing character [m]."""
+        return float(np.ptp(self.nodes(owner)[:, 1])) * SIZE_FACTOR
 
-    def height(self, x: float, z: float) -> float:
+    def ground_height(self, x: float, z: float) -> float:
         """Return the height of the ground [m]."""
         return float(self.ground.height(np.asarray(x), np.asarray(z)))
 
 
 @dataclass(frozen=True, eq=False)
 class PersonController:
-    """One person.
+    """The state and the commands of one acting person.
 
     Attributes:
-        name: of it.
-        me: its record.
-        view: where it is.
+        name: of the person.
+        record: `PERSON`; changed by commands.
+        view: all characters.
     """
 
     name: str
@@ -154,61 +150,71 @@ class PersonController:
         return float(self.record.upper_arm + self.record.forearm)
 
     @property
-    def stands(self) -> bool:
-        """Whether it neither steps nor sits."""
+    def is_standing(self) -> bool:
+        """Whether the person neither steps nor sits."""
         return not self.record.stepping and float(self.record.sit_blend) == 0.0
 
     def hand(self, k: int) -> Array:
-        """Return (3,) where a hand is [m]."""
+        """Return (3,) the place of a hand [m]."""
         place: Array = self.view.p[self.record.node + HAND + k]
         return place
 
-    def away(self, place: Array) -> float:
-        """Return how far over the ground a place is [m]."""
+    def ground_distance(self, place: Array) -> float:
+        """Return the horizontal distance to a place [m]."""
         return math.hypot(place[0] - self.record.at[0], place[2] - self.record.at[1])
 
-    def in_the_way(self) -> tuple[Array, Array]:
-        """Return circles that it goes round: middles (n, 2) and radii (n,) [m].
+    def direction_to(self, place: Array) -> Array:
+        """Return the level unit vector (3,) to a place."""
+        record = self.record
+        offset = np.array([place[0] - record.at[0], 0.0, place[2] - record.at[1]])
+        size = math.hypot(offset[0], offset[2])
+        if size < 1e-9:
+            return np.array([math.cos(record.heading), 0.0, -math.sin(record.heading)])
+        result: Array = offset / size
+        return result
 
-        They are what stands there of other rooms, and things too heavy to be kicked away.
+    def obstacles(self) -> tuple[Array, Array]:
+        """Return the middles (n, 2) and radii (n,) of circles to walk around [m].
+
+        They are obstacles of other rooms, and things too heavy to be kicked away.
         """
-        barriers = self.view.obstacle_circles
-        found = (barriers.middles, barriers.radii) if barriers.look() else NOTHING
+        circles = self.view.obstacle_circles
+        found = (circles.middles, circles.radii) if circles.update() else NO_CIRCLES
         owners = self.view.arrays.nodes["owner"]
-        held = {int(owners[node]) for k in range(2) if (node := self.held(k)) >= 0}
-        things = [one for one in self.view.things if one not in held]
+        held = {int(owners[node]) for k in range(2) if (node := self.held_node(k)) >= 0}
+        things = [self.view.circle(k) for k in self.view.heavy_things if k not in held]
         if not things:
             return found
-        around = [self.view.circle(one) for one in things]
-        middles = np.concatenate([found[0], [middle for middle, _ in around]])
-        return middles, np.concatenate([found[1], [radius for _, radius in around]])
+        middles = np.concatenate([found[0], [middle for middle, _ in things]])
+        return middles, np.concatenate([found[1], [radius for _, radius in things]])
 
-    def go(self, x: float, z: float, near: float = 0.0, whom: int = NOBODY) -> None:
-        """Walk somewhere, up to so near."""
-        me = self.record
-        me.posture, me.has_goal, me.has_facing = STANDING, True, False
-        me.goal[0], me.goal[1] = x, z
-        me.stop_distance, me.partner = near, whom
+    def go(self, x: float, z: float, stop_distance: float = 0.0, partner: int = NOBODY) -> None:
+        """Walk to x and z, up to a distance [m]; a partner is not stepped aside for."""
+        record = self.record
+        record.posture, record.has_goal, record.has_facing = STANDING, True, False
+        record.goal[0], record.goal[1] = x, z
+        record.stop_distance, record.partner = stop_distance, partner
 
     def stop(self) -> None:
-        """Stop and stand there."""
+        """Stop and stand."""
         self.record.has_goal = False
 
     def turn_to(self, heading: float) -> None:
         """Turn on the spot."""
-        self.record.has_goal, self.record.has_facing, self.record.facing = False, True, heading
+        self.record.has_goal, self.record.has_facing = False, True
+        self.record.facing = heading
 
     def face_to(self, place: Array) -> None:
         """Turn to a place."""
         x, z = place[0] - self.record.at[0], place[2] - self.record.at[1]
         self.turn_to(math.atan2(-z, x))
 
-    def faces(self, tolerance: float) -> bool:
-        """Tell whether it has turned to where it was to."""
-        off = math.remainder(float(self.record.facing - self.record.heading), 2.0 * math.pi)
-        return abs(off) < tolerance
+    def is_facing(self, tolerance: float) -> bool:
+        """Tell whether the person has turned to the facing asked for [rad]."""
+        error = math.remainder(float(self.record.facing - self.record.heading), 2.0 * math.pi)
+        return abs(error) < tolerance
 
-    def look(self, place: Array) -> None:
+    def look_at(self, place: Array) -> None:
         """Look at a place."""
         self.record.has_look_target = True
         self.record.look_at[:] = place
@@ -218,28 +224,26 @@ class PersonController:
         self.record.arm_mode[k] = PLACED
         self.record.arm_target[k] = place
 
-    def put_round(self, k: int, place: Array) -> None:
-        """Send a hand to a place behind somebody."""
+    def put_hand_around(self, k: int, place: Array) -> None:
+        """Send a hand to a place behind a partner, with the elbow aside."""
         self.record.arm_mode[k] = HUGGING
         self.record.arm_target[k] = place
 
-    def hold(self, k: int, node: int) -> None:
-        """Close a hand around a node; the left one for both."""
-        hand, nodes = int(self.record.node) + HAND + k % BOTH, self.view.arrays.nodes
+    def grip(self, k: int, node: int) -> None:
+        """Close a hand around a node; for JOINED_GRIP the left hand."""
+        hand, nodes = int(self.record.node) + HAND + k % JOINED_GRIP, self.view.arrays.nodes
         self.view.arrays.grips[self.record.grip + k] = hand, node
-        nodes["grip_partner"][hand], nodes["grip_partner"][node] = (
-            nodes["owner"][node],
-            self.record.owner,
-        )
+        nodes["grip_partner"][hand] = nodes["owner"][node]
+        nodes["grip_partner"][node] = self.record.owner
         nodes["grip_gap"][hand] = math.dist(nodes["p"][hand], nodes["p"][node])
 
     @cached_property
-    def _grip(self) -> int:
+    def _first_grip(self) -> int:
         return int(self.record.grip)
 
-    def held(self, k: int) -> int:
-        """Return the node that a hand holds, -1 for none."""
-        return int(self.view.arrays.grips[self._grip + k, 1])
+    def held_node(self, k: int) -> int:
+        """Return the node that a hand grips, -1 for none."""
+        return int(self.view.arrays.grips[self._first_grip + k, 1])
 
     def let_go(self, k: int) -> None:
         """Open a hand, and let the arm hang."""
@@ -250,20 +254,22 @@ class PersonController:
         """Put the arms around a character: they pass through its arms until both are apart."""
         self.view.arrays.owners["embraces"][self.record.owner] = owner
 
-    def forget_embrace(self) -> None:
-        """Have nobody in the arms any more who is out of their reach."""
-        whom = int(self.view.arrays.owners["embraces"][self.record.owner])
-        if whom >= 0 and self.away(self.view.pelvis(whom)) > EMBRACES * self.arm:
-            self.embrace(NOBODY)
+    def end_distant_embrace(self) -> None:
+        """End an embrace when the partner is out of reach."""
+        partner = int(self.view.arrays.owners["embraces"][self.record.owner])
+        if partner >= 0:
+            distance = self.ground_distance(self.view.pelvis(partner))
+            if distance > EMBRACE_RANGE * self.arm:
+                self.embrace(NOBODY)
 
     def join_hands(self) -> None:
-        """Hold one hand with the other, unless one holds something else."""
-        if self.held(0) < 0 and self.held(1) < 0:
-            self.hold(BOTH, int(self.record.node) + HAND + 1)
+        """Grip one hand with the other, unless one grips something else."""
+        if self.held_node(0) < 0 and self.held_node(1) < 0:
+            self.grip(JOINED_GRIP, int(self.record.node) + HAND + 1)
 
     def part_hands(self) -> None:
-        """Let the hands go of one another."""
-        self._open(BOTH)
+        """Let the hands release one another."""
+        self._open(JOINED_GRIP)
 
     def _open(self, k: int) -> None:
         grip = self.view.arrays.grips[self.record.grip + k]
@@ -271,19 +277,23 @@ class PersonController:
             self.view.arrays.nodes["grip_partner"][grip] = NOBODY
         grip[:] = NOBODY
 
-    def nearest(self, owner: int, place: Array) -> int:
-        """Return the node of a character that is nearest to a place."""
-        apart = self.view.nodes(owner) - place
-        return int(self.view.arrays.owners[owner].nodes[0] + np.argmin((apart * apart).sum(axis=1)))
-
-    def part(self, owner: int, part: str | None, k: int) -> int:
+    def node_to_grip(self, owner: int, part: str | None, k: int) -> int:
         """Return the node of a character that a hand takes: by name, or the nearest one."""
-        if part is None:
-            return self.nearest(owner, self.hand(k))
-        return int(self.view.arrays.owners[owner].nodes[0]) + JOINTS.index(part)
+        first = int(self.view.arrays.owners[owner].nodes[0])
+        if part is not None:
+            return first + JOINTS.index(part)
+        offset = self.view.nodes(owner) - self.hand(k)
+        return int(first + np.argmin((offset * offset).sum(axis=1)))
 
-
-def is_heavy(controller: PersonController, owner: int) -> bool:
-    """Tell whether a character is too heavy to hang from a hand."""
-    owners = controller.view.arrays.owners
-    return bool(owners[owner].mass > HEAVY * owners[controller.record.owner].mass)
+    def hold_gripped_things(self) -> None:
+        """Let light things hang from the hand, and the hand follow heavy ones."""
+        arrays = self.view.arrays
+        for k in range(2):
+            node = self.held_node(k)
+            if node < 0:
+                continue
+            mass = arrays.owners[int(arrays.nodes["owner"][node])].mass
+            if mass > CARRIED_MASS * arrays.owners[self.record.owner].mass:
+                self.put_hand(k, arrays.nodes["p"][node])
+            else:
+                self.record.arm_mode[k] = SWINGING

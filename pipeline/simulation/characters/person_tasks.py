@@ -1,4 +1,8 @@
-"""Person tasks."""
+"""Person tasks: walking, turning and sitting until they are done, and hands posed key by key.
+
+A task is asked once a step, before control acts, and says whether it is done. It goes on being
+asked after that for what lasts, such as a hug or a hand held out.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pipeline.simulation.characters.person_controller import SLIM, PersonController
+from pipeline.simulation.characters.person_controller import BODY_RADIUS, PersonController
 from pipeline.simulation.characters.person_record import PELVIS, SITTING, STANDING, SWINGING
 from pipeline.simulation.characters.visibility_route import Route
 from pipeline.simulation.keyframe_track import BlendedTrack, Track
@@ -17,85 +21,86 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.character import HANDS
 from pipeline.spec.keyframes import Frame, PoseKey
 
+SEAT_HEIGHT = 0.062  # of the pelvis above the seat, in heights
+TURN_TOLERANCE, SEAT_TURN_TOLERANCE = math.radians(3.0), 0.08  # [rad]
+
 
 class Task(Protocol):
-    """Something that somebody does."""
+    """Something that a person does."""
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
-        """Command somebody for the step of `dt` [s] to come; tell whether it is done."""
+    def advance(self, controller: PersonController, dt: float) -> bool:
+        """Command the person for the coming step of `dt` [s]; tell whether the task is done."""
 
 
 @dataclass
 class Walk:
-    """Walk to a place, round what stands on the straight way there.
+    """Walk to a place, around what stands on the straight way.
 
     Attributes:
-        goal: (2,) where to [m]; None to go as it was sent.
-        route: the way round.
+        goal: (2,) [m]; None goes as commanded before.
+        route: the way around obstacles.
     """
 
     goal: Array | None = None
     route: Route = field(default_factory=Route)
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
+    def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        me = controller.record
-        if self.goal is not None and me.has_goal:
-            middles, radii = controller.in_the_way()
+        person = controller.record
+        if self.goal is not None and person.has_goal:
+            middles, radii = controller.obstacles()
             if len(radii):
-                self._go_round(controller, middles, radii + SLIM * float(me.height))
-        return not me.has_goal and controller.stands
-
-    def _go_round(self, controller: PersonController, middles: Array, reaches: Array) -> None:
-        assert self.goal is not None
-        within, at = np.stack(controller.view.edges), np.array(controller.record.at)
-        # An author's straight ways are kept wherever they can be gone.
-        first, length = self.route.next(at, self.goal, middles, reaches, within, clearance=0.0)
-        to = first - at
-        # Nobody slows down for a corner as for the end of the way.
-        straight = len(self.route.places) == 1
-        controller.record.goal[:] = self.goal if straight else at + to * (length / math.hypot(*to))
+                reaches = radii + BODY_RADIUS * float(person.height)
+                bounds, at = np.stack(controller.view.edges), np.array(person.at)
+                # An author's straight ways are kept wherever they can be walked.
+                first, length = self.route.next(
+                    at, self.goal, middles, reaches, bounds, clearance=0.0
+                )
+                offset = first - at
+                # A corner of the way is not slowed down for as its end is.
+                is_straight = len(self.route.places) == 1
+                ahead = at + offset * (length / math.hypot(*offset))
+                person.goal[:] = self.goal if is_straight else ahead
+        return not person.has_goal and controller.is_standing
 
 
 @dataclass
 class Turn:
-    """Turn to a heading."""
+    """Turn to the facing asked for."""
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
+    def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        done = controller.faces(math.radians(3.0)) and controller.stands
-        if done:
+        is_done = controller.is_facing(TURN_TOLERANCE) and controller.is_standing
+        if is_done:
             controller.record.has_facing = False
-        return done
+        return is_done
 
 
 @dataclass
-class Rise:
+class StandUp:
     """Stand up."""
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
+    def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
         controller.record.posture = STANDING
-        return controller.stands
-
-
-SEAT = 0.062
-"""Height of the pelvis of one who sits above what it sits on, in heights."""
+        return controller.is_standing
 
 
 @dataclass
 class SitDown:
     """Sit down on the ground."""
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
+    def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        me = controller.record
-        if me.sit_blend == 0.0:
-            back = 0.6 * (me.thigh + me.shin)
-            x, z = me.at[0] - back * math.cos(me.heading), me.at[1] + back * math.sin(me.heading)
-            me.seat[:] = back, controller.view.height(x, z) + SEAT * me.height, -0.06
-            me.has_goal, me.has_facing, me.posture = False, False, SITTING
-        return bool(me.sit_blend >= 1.0)
+        person = controller.record
+        if person.sit_blend == 0.0:
+            back = 0.6 * (person.thigh + person.shin)
+            x = person.at[0] - back * math.cos(person.heading)
+            z = person.at[1] + back * math.sin(person.heading)
+            height = controller.view.ground_height(x, z) + SEAT_HEIGHT * person.height
+            person.seat[:] = back, height, -0.06
+            person.has_goal, person.has_facing, person.posture = False, False, SITTING
+        return bool(person.sit_blend >= 1.0)
 
 
 @dataclass
@@ -103,37 +108,37 @@ class SitOn:
     """Go to a thing, turn round and sit down on it.
 
     Attributes:
-        owner: what it is.
-        stage: 0 goes there, 1 turns round, 2 sits down.
+        owner: number of the thing.
+        stage: 0 walk there, 1 turn round, 2 sit down.
     """
 
     owner: int
     stage: int = 0
 
-    def go_on(self, controller: PersonController, dt: float) -> bool:
+    def advance(self, controller: PersonController, dt: float) -> bool:
         """See `Task`."""
-        me = controller.record
+        person = controller.record
         nodes = controller.view.nodes(self.owner)
         middle = nodes.mean(axis=0)
-        ahead, half = _front(nodes, controller)
-        back = max(0.92 * me.thigh, half + 0.08 * me.height - 0.04)
+        ahead, half_depth = _seat_front(nodes, controller)
+        back = max(0.92 * person.thigh, half_depth + 0.08 * person.height - 0.04)
         spot = middle + back * ahead
         if self.stage == 0:
             controller.go(spot[0], spot[2])
             self.stage = 1
-        elif self.stage == 1 and not me.has_goal and not me.stepping:
+        elif self.stage == 1 and not person.has_goal and not person.stepping:
             controller.turn_to(math.atan2(-ahead[2], ahead[0]))
             self.stage = 2
-        elif (
-            self.stage == 2 and me.sit_blend == 0.0 and controller.faces(0.08) and controller.stands
-        ):
-            me.has_facing, me.posture = False, SITTING
-            me.seat[:] = back, float(nodes[:, 1].max()) + SEAT * me.height, 0.02
-        return bool(me.sit_blend >= 1.0)
+        elif self.stage == 2 and controller.is_standing:
+            if controller.is_facing(SEAT_TURN_TOLERANCE):
+                person.has_facing, person.posture = False, SITTING
+                height = float(nodes[:, 1].max()) + SEAT_HEIGHT * person.height
+                person.seat[:] = back, height, 0.02
+        return bool(person.sit_blend >= 1.0)
 
 
-def _front(nodes: Array, controller: PersonController) -> tuple[Array, float]:
-    """Return the side (3,) of a thing to sit down at, across its length, and half its depth [m]."""
+def _seat_front(nodes: Array, controller: PersonController) -> tuple[Array, float]:
+    """Return the direction (3,) of a seat's front, across its length, and half its depth [m]."""
     flat = nodes - nodes.mean(axis=0)
     flat[:, 1] = 0.0
     xx, zz = float((flat[:, 0] ** 2).sum()), float((flat[:, 2] ** 2).sum())
@@ -141,20 +146,20 @@ def _front(nodes: Array, controller: PersonController) -> tuple[Array, float]:
     # The longer of the two principal directions; the front is across it.
     angle = 0.5 * math.atan2(2.0 * xz, xx - zz)
     ahead = np.array([-math.sin(angle), 0.0, math.cos(angle)])
-    to_me = controller.record.at - nodes.mean(axis=0)[[0, 2]]
-    if ahead[0] * to_me[0] + ahead[2] * to_me[1] < 0.0:
+    to_person = controller.record.at - nodes.mean(axis=0)[[0, 2]]
+    if ahead[0] * to_person[0] + ahead[2] * to_person[1] < 0.0:
         ahead = -ahead
     return ahead, float((flat * ahead).sum(axis=1).max())
 
 
 @dataclass(frozen=True, eq=False)
 class HandRun:
-    """What is asked of one hand from its first key to its release.
+    """The motion asked of one hand from its first key to its release.
 
     Attributes:
-        hand: 0 for the left one, 1 for the right one.
-        run: where it is to be (3,), and from when to when [m], [s].
-        frame: what that is relative to.
+        hand: 0 left, 1 right.
+        run: places (3,) over time [m], [s].
+        frame: of the places.
     """
 
     hand: int
@@ -162,23 +167,23 @@ class HandRun:
     frame: Frame
 
     def place(self, controller: PersonController, time: float) -> Array:
-        """Return (3,) where the hand is to be in the world [m]."""
+        """Return (3,) the place of the hand in the world [m]."""
         place: Array = self.run.track(np.array([time]))[0]
         if self.frame == "world":
             return place
-        me = controller.record
-        c, s = math.cos(me.heading), math.sin(me.heading)
+        person = controller.record
+        c, s = math.cos(person.heading), math.sin(person.heading)
         x, y, z = place
         turned = np.array([c * x + s * z, y, -s * x + c * z])
         if self.frame == "body":
-            turned += me.targets[PELVIS]
+            turned += person.targets[PELVIS]
         else:
-            turned += [me.at[0], me.floor, me.at[1]]
+            turned += [person.at[0], person.floor, person.at[1]]
         return turned
 
 
 def hand_runs(keys: Sequence[PoseKey]) -> tuple[HandRun, ...]:
-    """Sort the keys of a person into runs; those of each hand follow one another."""
+    """Return the keys of a person as runs; those of each hand follow one another."""
     runs = []
     for name, hand in HANDS.items():
         taken = list[PoseKey]()
@@ -187,33 +192,36 @@ def hand_runs(keys: Sequence[PoseKey]) -> tuple[HandRun, ...]:
             if key.release is None:
                 taken.append(key)
             elif taken:
-                runs.append(_run(hand, taken, key.at))
+                runs.append(_hand_run(hand, taken, key.at))
                 taken = []
         if taken:
-            runs.append(_run(hand, taken, math.inf))
+            runs.append(_hand_run(hand, taken, math.inf))
     return tuple(runs)
 
 
-def _run(hand: int, keys: Sequence[PoseKey], until: float) -> HandRun:
+def _hand_run(hand: int, keys: Sequence[PoseKey], end: float) -> HandRun:
     track = Track.of([(key.at, key.reach or (0.0, 0.0, 0.0), key.ease) for key in keys])
     start = keys[0].at
-    taken = max(start - keys[0].blend, 0.0), start
-    return HandRun(hand, BlendedTrack(track, taken, (until, until)), keys[0].frame)
+    return HandRun(
+        hand,
+        BlendedTrack(track, (max(start - keys[0].blend, 0.0), start), (end, end)),
+        keys[0].frame,
+    )
 
 
 class PosedHands:
-    """The hands of one person that are posed."""
+    """The hands of one person that are posed by keys, over whatever the person does."""
 
     def __init__(self, keys: Sequence[PoseKey]) -> None:
         self.runs = hand_runs(keys)
-        self._held: set[int] = set()
+        self._posed: set[int] = set()
 
-    def go_on(self, controller: PersonController, time: float) -> None:
-        """Command hands for the step that begins at `time` [s]."""
+    def advance(self, controller: PersonController, time: float) -> None:
+        """Command hands for the step that starts at `time` [s]."""
         for run in self.runs:
             if run.run.taken[0] <= time < run.run.let_go[0]:
                 controller.put_hand(run.hand, run.place(controller, time))
-                self._held.add(run.hand)
-            elif time >= run.run.let_go[0] and run.hand in self._held:
-                self._held.discard(run.hand)
+                self._posed.add(run.hand)
+            elif time >= run.run.let_go[0] and run.hand in self._posed:
+                self._posed.discard(run.hand)
                 controller.record.arm_mode[run.hand] = SWINGING

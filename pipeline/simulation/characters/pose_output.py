@@ -1,4 +1,7 @@
-"""Pose output."""
+"""Pose output: the frames of the take that characters' meshes hang on, from nodes and records.
+
+People and dolls have the frames of `people.body_frames`; a thing has one, which follows its nodes.
+"""
 
 from __future__ import annotations
 
@@ -12,36 +15,52 @@ from pipeline.simulation.characters.body_arrays import IntArray
 from pipeline.simulation.characters.body_plan import BodyPlan
 from pipeline.simulation.characters.character_plans import proportions_of
 from pipeline.simulation.characters.person_record import STANCE
-from pipeline.simulation.characters.playthings import axes_of, directions_of, looks_of
+from pipeline.simulation.characters.playthings import axes_of, axis_nodes, thing_solids
 from pipeline.simulation.dynamics.compiled import Records
-from pipeline.simulation.inventory import Inventory
-from pipeline.simulation.people.body_frames import FRAMES, PARENTS, closed, frame_origins, frames_of
-from pipeline.simulation.people.person_mesh import clothes_of, dressed, worn
+from pipeline.simulation.people.body_frames import (
+    FRAMES,
+    PARENTS,
+    clasping_hands,
+    frame_origins,
+    frames_from_joints,
+)
+from pipeline.simulation.people.person_mesh import layer_parts, person_layers, random_clothes
 from pipeline.simulation.people.proportions import JOINTS
 from pipeline.simulation.spatial import Array, normalized, rotation, turn
 from pipeline.simulation.take import Mesh, Node, Part
 from pipeline.simulation.terrain import Ground
+from pipeline.simulation.troupe import Inventory
 from pipeline.spec.character import Character
 
+FEET, HANDS, FOREARMS = (
+    [FRAMES.index(f"{name}_l"), FRAMES.index(f"{name}_r")] for name in ("foot", "hand", "forearm")
+)
+CHEST = FRAMES.index("chest")
 
-def gaze_of(persons: Records) -> Array:
+ROLLING_HEIGHT = 0.02, 1e-3
+"""Height over the ground up to which a ball rolls: in radii, plus [m]."""
+
+
+def gaze_directions(persons: Records) -> Array:
     """Return (..., 3) the directions in which people look."""
     yaw, pitch = persons["gaze"][..., 0], persons["gaze"][..., 1]
     level = np.cos(pitch)
     return np.stack([level * np.cos(yaw), np.sin(pitch), -level * np.sin(yaw)], axis=-1)
 
 
-def feet_of(persons: Records, ground: Ground) -> Array:
-    """Return (..., 2, 3, 3) the rotations of feet: they lie on the ground, or are pitched.
+def foot_rotations(persons: Records, ground: Ground) -> Array:
+    """Return (..., 2, 3, 3) the rotations of feet, which lie on the ground or are pitched.
 
-    A foot that swings goes from the slope that it left to the one that it will stand on.
+    A swinging foot goes from the slope at lift-off to the slope at its landing place.
     """
-    stood, left, land = persons["stance_place"], persons["liftoff_place"], persons["landing_place"]
-    way, gone = land - left, persons["ankles"] - left
-    far = np.maximum(way[..., 0] ** 2 + way[..., 2] ** 2, 1e-12)
-    share = (gone[..., 0] * way[..., 0] + gone[..., 2] * way[..., 2]) / far
+    liftoff, landing = persons["liftoff_place"], persons["landing_place"]
+    way, gone = landing - liftoff, persons["ankles"] - liftoff
+    squared = np.maximum(way[..., 0] ** 2 + way[..., 2] ** 2, 1e-12)
+    share = (gone[..., 0] * way[..., 0] + gone[..., 2] * way[..., 2]) / squared
     share = np.where(persons["foot_state"] == STANCE, 0.0, np.clip(share, 0.0, 1.0))[..., None]
-    below = (1.0 - share) * _normals(stood, ground) + share * _normals(land, ground)
+    stance = persons["stance_place"]
+    below = (1.0 - share) * ground.field.normal(stance[..., 0], stance[..., 2])
+    below = below + share * ground.field.normal(landing[..., 0], landing[..., 2])
     yaw, pitch = persons["yaw"], persons["pitch"][..., None]
     ahead = np.stack([np.cos(yaw), np.zeros_like(yaw), -np.sin(yaw)], axis=-1)
     up = normalized(below)
@@ -51,21 +70,12 @@ def feet_of(persons: Records, ground: Ground) -> Array:
     return np.stack([x, y, np.cross(x, y)], axis=-1)
 
 
-def _normals(places: Array, ground: Ground) -> Array:
-    """Return the normals (..., 2, 3) of the ground at places (..., 2, 3)."""
-    result: Array = ground.field.normal(places[..., 0], places[..., 2])
-    return result
-
-
-DEEP = 0.02
-"""Height over the ground up to which a ball rolls on it, in radii."""
-
-
 class BallRotations:
-    """Rotations of balls: on the ground they roll, in the air they go on as they turned.
+    """Rotations of balls: on the ground they roll, in the air they keep turning.
 
     Attributes:
-        R: (T, 3, 3) their rotations.
+        R: (B, 3, 3) rotations.
+        radius: (B,) [m].
     """
 
     def __init__(self, radius: Array) -> None:
@@ -73,11 +83,13 @@ class BallRotations:
         self.R: Array = np.broadcast_to(np.eye(3), (len(radius), 3, 3)).copy()
         self._turn = np.zeros((len(radius), 3))
 
-    def go(self, moved: Array, on_ground: NDArray[np.bool_]) -> None:
-        """Go on by a step in which balls moved (T, 3) [m], those on the ground rolling."""
+    def advance(self, moved: Array, height: Array) -> None:
+        """Turn balls by a step in which they moved (B, 3) and came to heights (B,) [m]."""
         # Up × moved, over the radius.
         rolled = np.zeros_like(moved)
         rolled[:, 0], rolled[:, 2] = moved[:, 2] / self.radius, -moved[:, 0] / self.radius
+        relative, absolute = ROLLING_HEIGHT
+        on_ground: NDArray[np.bool_] = height < self.radius * (1.0 + relative) + absolute
         self._turn = np.where(on_ground[:, None], rolled, self._turn)
         if not self._turn.any():
             return
@@ -86,40 +98,33 @@ class BallRotations:
         self.R = rotation(axis, angle) @ self.R
 
 
-FEET, HANDS, FOREARMS = (
-    [FRAMES.index(f"{name}_l"), FRAMES.index(f"{name}_r")] for name in ("foot", "hand", "forearm")
-)
-
-CHEST = FRAMES.index("chest")
-
-
 @dataclass(frozen=True, eq=False)
 class ThingFrame:
-    """How a thing follows its nodes.
+    """The frame of a thing.
 
     Attributes:
-        frame: number of its frame.
-        nodes: its first node, and the first after it.
-        rest: (n, 3) its nodes at rest [m].
-        directions: nodes that lie towards Z and towards Y from others; None for a ball.
+        frame: its number.
+        nodes: first node of the thing, and the first after it.
+        rest: (n, 3) nodes at rest [m].
+        axes: pairs of nodes along Z and along Y; None for a ball.
     """
 
     frame: int
     nodes: tuple[int, int]
     rest: Array
-    directions: tuple[tuple[int, int], tuple[int, int]] | None
+    axes: tuple[tuple[int, int], tuple[int, int]] | None
 
 
 @dataclass(frozen=True, eq=False)
 class FramePoser:
-    """What is seen, and what it hangs on.
+    """Meshes and frames of the take, and the nodes that the frames follow.
 
     Attributes:
         inventory: for the take.
         people: (P,) first frames of people and dolls.
-        acting: (A,) which of these hold themselves.
-        joints: (P, 16) their nodes.
-        things: the others.
+        acting: (A,) indices of acting people among these.
+        joints: (P, 16) nodes of people and dolls.
+        things: the other characters.
     """
 
     inventory: Inventory
@@ -129,49 +134,49 @@ class FramePoser:
     things: tuple[ThingFrame, ...]
 
     def pose(
-        self, p: Array, spins: Array, gaze: Array, feet: Array, clasp: Array
+        self, p: Array, ball_rotations: Array, persons: Records, ground: Ground
     ) -> tuple[Array, Array]:
         """Return rotations (K, J, 3, 3) and places (K, J, 3) of all frames.
 
         Args:
             p: (K, N, 3) nodes [m].
-            spins: (K, T, 3, 3) rotations of things; those of balls count.
-            gaze: (K, A, 3) where those look who hold themselves, a direction.
-            feet: (K, A, 2, 3, 3) rotations of their feet, which nodes do not say.
-            clasp: (K, A, 2) how far their hands close around somebody, 0 to 1.
+            ball_rotations: (K, B, 3, 3) of balls.
+            persons: (K, A) `PERSON` records of acting people.
+            ground: the terrain.
         """
         count = len(self.inventory.nodes)
-        R = np.empty((len(p), count, 3, 3))
-        places = np.empty((len(p), count, 3))
+        R, places = np.empty((len(p), count, 3, 3)), np.empty((len(p), count, 3))
+        gaze, feet = gaze_directions(persons), foot_rotations(persons, ground)
         if len(self.people):
-            which = self.people[:, None] + np.arange(len(FRAMES))
-            limp = np.setdiff1d(np.arange(len(which)), self.acting)
-            for some, looks in ((limp, None), (self.acting, gaze)):
-                if len(some):
-                    posed = frames_of(p[:, self.joints[some]], looks)
-                    R[:, which[some]], places[:, which[some]] = posed
-            acting = which[self.acting]
+            frames = self.people[:, None] + np.arange(len(FRAMES))
+            limp = np.setdiff1d(np.arange(len(frames)), self.acting)
+            for own, looks in ((limp, None), (self.acting, gaze)):
+                if len(own):
+                    posed = frames_from_joints(p[:, self.joints[own]], looks)
+                    R[:, frames[own]], places[:, frames[own]] = posed
+            acting = frames[self.acting]
             forearms, chests = R[:, acting[:, FOREARMS]], R[:, acting[:, CHEST]]
-            R[:, acting[:, HANDS]] = closed(forearms, chests, clasp)
+            R[:, acting[:, HANDS]] = clasping_hands(forearms, chests, persons["embrace_blend"])
             R[:, acting[:, FEET]] = feet
-        for k, thing in enumerate(self.things):
-            own = p[:, slice(*thing.nodes)]
-            turned = spins[:, k]
-            if thing.directions is not None:
-                turned = axes_of(own, *thing.directions)
-            R[:, thing.frame] = turned
-            middle = turn(turned, np.broadcast_to(thing.rest.mean(axis=0), own[:, 0].shape))
-            # What a ball is seen as lies about its node, not where it stands.
-            places[:, thing.frame] = own.mean(axis=1)
-            if thing.directions is not None:
-                places[:, thing.frame] -= middle
+        ball = 0
+        for thing in self.things:
+            own_nodes = p[:, slice(*thing.nodes)]
+            places[:, thing.frame] = own_nodes.mean(axis=1)
+            if thing.axes is None:
+                # The mesh of a ball lies about its node, not where it stands.
+                R[:, thing.frame] = ball_rotations[:, ball]
+                ball += 1
+            else:
+                R[:, thing.frame] = turned = axes_of(own_nodes, *thing.axes)
+                rest = np.broadcast_to(thing.rest.mean(axis=0), own_nodes[:, 0].shape)
+                places[:, thing.frame] -= turn(turned, rest)
         return R, places
 
 
 def frame_poser(
     cast: Sequence[Character], plans: Sequence[BodyPlan], seed: int, rows: int
 ) -> FramePoser:
-    """Return what is seen of characters."""
+    """Return the meshes and frames of characters."""
     nodes, meshes, parts = list[Node](), list[Mesh](), list[Part]()
     people, joints, things = list[int](), list[IntArray](), list[ThingFrame]()
     acting = list[int]()
@@ -182,14 +187,14 @@ def frame_poser(
             acting += [len(people)] if member.acts else []
             people.append(frame)
             joints.append(first + np.arange(len(JOINTS)))
-            seen = _person(member, frame, len(meshes), seed, rows)
+            made = _person(member, frame, len(meshes), seed, rows)
         else:
             span = first, first + len(plan.rest)
-            things.append(ThingFrame(frame, span, plan.rest, directions_of(member.character)))
-            seen = _thing(member, plan, frame, len(meshes), rows)
-        nodes += seen[0]
-        meshes += seen[1]
-        parts += seen[2]
+            things.append(ThingFrame(frame, span, plan.rest, axis_nodes(member.character)))
+            made = _thing(member, plan, frame, len(meshes), rows)
+        nodes += made[0]
+        meshes += made[1]
+        parts += made[2]
         first += len(plan.rest)
     return FramePoser(
         Inventory(tuple(nodes), (), tuple(meshes), tuple(parts)),
@@ -215,10 +220,10 @@ def _person(
         )
         for name, parent, (x, y, z) in zip(FRAMES, PARENTS, origins, strict=True)
     ]
-    clothes = clothes_of(member.name, seed, child=member.character != "adult")
+    clothes = random_clothes(member.name, seed, child=member.character != "adult")
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
-    meshes, parts = worn(member.name, dressed(proportions, clothes), frame, mesh, rows)
+    meshes, parts = layer_parts(member.name, person_layers(proportions, clothes), frame, mesh, rows)
     return nodes, meshes, parts
 
 
@@ -226,7 +231,7 @@ def _thing(
     member: Character, plan: BodyPlan, frame: int, mesh: int, rows: int
 ) -> tuple[list[Node], list[Mesh], list[Part]]:
     meshes, parts = list[Mesh](), list[Part]()
-    for suffix, solid, material in looks_of(member, plan):
+    for suffix, solid, material in thing_solids(member, plan):
         count = len(solid.vertices)
         size = float(np.ptp(solid.vertices, axis=0).max())
         name = member.name + suffix

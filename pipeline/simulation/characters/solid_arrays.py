@@ -1,4 +1,9 @@
-"""Solid arrays."""
+"""Solid arrays: the solids of other rooms that characters may run into.
+
+A solid is a ball, or a convex polyhedron: planes, the triangles between its corners, and these.
+It moves on within a step at its velocity. A fixed solid pushes and has no inverse mass; a movable
+one is pushed where it is met, and the impulses are reported to its own room.
+"""
 
 from __future__ import annotations
 
@@ -16,20 +21,14 @@ from pipeline.simulation.dynamics.body_record import zero_records
 from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.dynamics.gravity import GRAVITY
 from pipeline.simulation.dynamics.hull import Hull, hull_of
-from pipeline.simulation.obstacles import Obstacle, SolidMotion, directions, outermost
+from pipeline.simulation.obstacles import directions, outermost
+from pipeline.simulation.solid import Motion, Obstacle
 from pipeline.simulation.spatial import Array
 
-ROUND = 0.06
-"""What a ball's corners may lack of its radius in any direction, as a part of it."""
-
-SAGITTA = 2.5e-3
-"""How far what is round reaches beyond its polyhedron, about [m]."""
-
-LEAST, MOST = 24, 96
-"""Directions in which corners are looked for."""
-
-FRICTION = 0.6
-"""Coulomb's coefficient of what has none of its own."""
+ROUNDNESS_TOLERANCE = 0.06  # of a ball's radius in any direction
+SAGITTA = 2.5e-3  # by which a round solid may reach beyond its polyhedron, about [m]
+MIN_DIRECTIONS, MAX_DIRECTIONS = 24, 96  # in which corners are looked for
+DEFAULT_FRICTION = 0.6  # Coulomb's coefficient of solids that have none
 
 SOLID = np.dtype(
     [
@@ -37,30 +36,30 @@ SOLID = np.dtype(
         ("planes", "i8", 2),
         ("triangles", "i8", 2),
         ("corners", "i8", 2),
-        # Of a ball, 0 of what is none; how far it reaches from where it turns about [m].
+        # Of a ball, else 0; farthest reach from the origin [m].
         ("radius", "f8"),
         ("reach", "f8"),
-        # In its own frame the middle and half the extent of the box around it [m].
+        # Middle and half extents of its bounding box in its own frame [m].
         ("middle", "f8", 3),
         ("half", "f8", 3),
-        # 0 of what is not pushed [1/kg]; in the world, likewise [1/(kg m²)].
+        # 0 of a fixed solid [1/kg]; likewise in the world [1/(kg m²)].
         ("inverse_mass", "f8"),
         ("inverse_inertia", "f8", (3, 3)),
         ("friction", "f8"),
         ("bounciness", "f8"),
-        # Where it is [m], how fast [m/s, rad/s]; what makes it fall if nothing bears it [m/s²].
+        # Pose [m], velocities [m/s], [rad/s]; acceleration where nothing bears it [m/s²].
         ("p", "f8", 3),
         ("R", "f8", (3, 3)),
         ("v", "f8", 3),
         ("w", "f8", 3),
         ("fall_acceleration", "f8"),
-        # What it was pushed by since it was seen [N s, N m s].
+        # Impulses since the start of the step [N s], [N m s].
         ("impulse", "f8", 3),
         ("angular_impulse", "f8", 3),
         # Number of the thing that it is a part of; whether it is there.
         ("thing", "i8"),
         ("is_present", "?"),
-        # The box around it in the world [m].
+        # Bounding box in the world [m].
         ("low", "f8", 3),
         ("high", "f8", 3),
     ],
@@ -75,9 +74,9 @@ class Solids(NamedTuple):
     Attributes:
         bodies: (S,) `SOLID`.
         planes: (P, 4) outward normals and distances from the origin, in the solid's frame [m].
-        triangles: (T, 4) corners, counter-clockwise from outside, and the plane they lie in.
+        triangles: (T, 4) corners, counter-clockwise from outside, and their plane.
         corners: (V, 3) in the solid's frame [m].
-        near: (n, 2) room for characters and solids whose boxes overlap.
+        near: (n, 2) buffer for characters and solids with overlapping bounds.
     """
 
     bodies: RecordArray
@@ -88,19 +87,25 @@ class Solids(NamedTuple):
 
 
 def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, list[int]]:
-    """Return solids for so many characters, and which of the obstacles they are, in order.
+    """Return the solids for a number of characters, and the indices of their obstacles.
 
-    Those in whose corners there is no solid are left out.
+    Obstacles without volume are left out.
     """
-    shapes = [(k, shape) for k, one in enumerate(obstacles) if (shape := _shape(one)) is not None]
+    shapes = [
+        (k, shape)
+        for k, obstacle in enumerate(obstacles)
+        if (shape := _shape(obstacle)) is not None
+    ]
     bodies = zero_records(len(shapes), SOLID)
     # Limbs of one creature are one thing; bricks of one wall are not.
-    wholes = [one.performer if one.weight is None else one.name for one in obstacles]
-    numbers = {name: n for n, name in enumerate(dict.fromkeys(wholes))}
+    things = [
+        obstacle.performer if obstacle.weight is None else obstacle.name for obstacle in obstacles
+    ]
+    numbers = {name: n for n, name in enumerate(dict.fromkeys(things))}
     planes, triangles, corners = np.zeros((0, 4)), np.zeros((0, 4), np.int64), np.zeros((0, 3))
     for solid, (k, shape) in zip(bodies, shapes, strict=True):
         _describe(solid, obstacles[k], shape)
-        solid["thing"] = numbers[wholes[k]]
+        solid["thing"] = numbers[things[k]]
         if isinstance(shape, Hull):
             solid["planes"] = len(planes), len(shape.normals)
             solid["triangles"] = len(triangles), len(shape.faces)
@@ -114,7 +119,7 @@ def solids_of(obstacles: Sequence[Obstacle], characters: int) -> tuple[Solids, l
 
 
 def no_solids() -> Solids:
-    """Return what there is about characters that are alone."""
+    """Return the surroundings of characters that are alone."""
     return solids_of((), 0)[0]
 
 
@@ -129,19 +134,19 @@ def _shape(obstacle: Obstacle) -> Hull | Ball | None:
 
 @cache
 def _shape_of(corners: bytes) -> Hull | Ball | None:
-    """Return the shape of corners; creatures of one figure share theirs."""
+    """Return the shape of corners, cached for creatures of one figure."""
     points = np.frombuffer(corners).reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = 0.5 * (low + high)
     radius = float(np.linalg.norm(points - middle, axis=1).max())
     # The corners of a box are as far from its middle as one another, and its faces are not.
-    reaches = ((points - middle)[:, None, :] * directions(MOST)).sum(axis=-1).max(axis=0)
-    if float(reaches.min()) >= (1.0 - ROUND) * radius:
-        # What is seen of a ball has corners a little outside and faces a little inside it.
+    reaches = ((points - middle)[:, None, :] * directions(MAX_DIRECTIONS)).sum(axis=-1).max(axis=0)
+    if float(reaches.min()) >= (1.0 - ROUNDNESS_TOLERANCE) * radius:
+        # The mesh of a ball has corners a little outside and faces a little inside of it.
         return middle, float(reaches.mean())
-    # The middle one of three extents: what is long is as round as it is thick.
+    # The middle one of three extents: a long solid is as round as it is thick.
     radius = 0.5 * float(np.sort(high - low)[1])
-    count = min(max(math.ceil(0.5 * math.pi * radius / SAGITTA), LEAST), MOST)
+    count = min(max(math.ceil(0.5 * math.pi * radius / SAGITTA), MIN_DIRECTIONS), MAX_DIRECTIONS)
     try:
         return hull_of(outermost(points, count) if len(points) > count else points)
     except MassError:
@@ -158,42 +163,44 @@ def _describe(solid: Record, obstacle: Obstacle, shape: Hull | Ball) -> None:
         solid["half"] = shape[1]
         solid["reach"] = float(np.linalg.norm(shape[0])) + shape[1]
     weight = obstacle.weight
-    solid["friction"] = FRICTION if weight is None else weight.friction
+    solid["friction"] = DEFAULT_FRICTION if weight is None else weight.friction
     solid["bounciness"] = 0.0 if weight is None else weight.bounciness
     solid["inverse_mass"] = 0.0 if weight is None else 1.0 / weight.mass
 
 
 def _facets(hull: Hull) -> NDArray[np.int64]:
-    """Return the facet (F,) that each triangle lies in: the one whose normal is most its own."""
+    """Return the facet (F,) of each triangle, the one with the most similar normal."""
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
-    alike = (normals[:, None, :] * hull.normals).sum(axis=-1)
-    result: NDArray[np.int64] = np.argmax(alike, axis=1)
+    similarity = (normals[:, None, :] * hull.normals).sum(axis=-1)
+    result: NDArray[np.int64] = np.argmax(similarity, axis=1)
     return result
 
 
 class SolidTracker:
-    """What so many characters may run into.
+    """The solids of other rooms around the characters, step by step.
 
     Attributes:
-        obstacles: solids, in their order.
+        obstacles: those with a volume, in their order.
         solids: as compiled loops know them.
     """
 
     def __init__(self, obstacles: Sequence[Obstacle] = (), characters: int = 0) -> None:
         self.solids: Solids
-        self.solids, which = solids_of(obstacles, characters)
-        self.obstacles = [obstacles[k] for k in which]
+        self.solids, indices = solids_of(obstacles, characters)
+        self.obstacles = [obstacles[k] for k in indices]
         inverse = [
-            np.zeros((3, 3)) if (o := one.weight) is None else o.inverse_inertia
-            for one in self.obstacles
+            np.zeros((3, 3)) if (weight := obstacle.weight) is None else weight.inverse_inertia
+            for obstacle in self.obstacles
         ]
         self._inverse = np.array(inverse).reshape(-1, 3, 3)
-        self._hollow: NDArray[np.bool_] | None = None
-        self._yields = np.array([one.weight is not None for one in self.obstacles], dtype=bool)
+        self._enclosing: NDArray[np.bool_] | None = None
+        self._movable = np.array(
+            [obstacle.weight is not None for obstacle in self.obstacles], dtype=bool
+        )
 
-    def feel(self, motion: SolidMotion, characters: Sequence[Array]) -> None:
-        """Take in where the solids are, and how fast; what they were pushed by is forgotten.
+    def update(self, motion: Motion, characters: Sequence[Array]) -> None:
+        """Update poses and velocities of the solids, and clear their impulses.
 
         Args:
             motion: of the solids.
@@ -201,19 +208,19 @@ class SolidTracker:
         """
         bodies = self.solids.bodies
         bodies["p"], bodies["R"] = motion.p, motion.R
-        if self._hollow is None:
-            # A room, or a sky: nobody who begins all in something is thrown out of it.
+        if self._enclosing is None:
+            # A room or a sky: characters that start all inside a solid do not meet it.
             inside = [any(self._encloses(solid, p) for p in characters) for solid in bodies]
-            self._hollow = np.array(inside, dtype=bool)
-        bodies["is_present"] = motion.here & np.logical_not(self._hollow)
+            self._enclosing = np.array(inside, dtype=bool)
+        bodies["is_present"] = motion.here & np.logical_not(self._enclosing)
         bodies["v"], bodies["w"] = motion.v, motion.w
         R = motion.R
         bodies["inverse_inertia"] = R @ self._inverse @ np.swapaxes(R, -1, -2)
-        bodies["fall_acceleration"] = np.where(self._yields & ~motion.borne, GRAVITY, 0.0)
+        bodies["fall_acceleration"] = np.where(self._movable & ~motion.borne, GRAVITY, 0.0)
         bodies["impulse"] = bodies["angular_impulse"] = 0.0
 
-    def pushed(self) -> tuple[Array, Array]:
-        """Return what they were pushed by since: (S, 3) [N s], (S, 3) about their nodes [N m s]."""
+    def impulses(self) -> tuple[Array, Array]:
+        """Return the impulses (S, 3) [N s] and angular impulses (S, 3) of this step [N m s]."""
         bodies = self.solids.bodies
         return bodies["impulse"].copy(), bodies["angular_impulse"].copy()
 
@@ -221,8 +228,8 @@ class SolidTracker:
         """Tell whether all of p (n, 3) lie in a solid."""
         local = (p - solid["p"]) @ solid["R"]
         if solid["radius"] > 0.0:
-            away = local - solid["middle"]
-            return bool((np.sqrt((away * away).sum(axis=1)) < solid["radius"]).all())
+            offset = local - solid["middle"]
+            return bool((np.sqrt((offset * offset).sum(axis=1)) < solid["radius"]).all())
         first, count = solid["planes"]
         planes = self.solids.planes[first : first + count]
         along = (local[:, None, :] * planes[:, :3]).sum(axis=-1)

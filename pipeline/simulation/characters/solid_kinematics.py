@@ -1,4 +1,4 @@
-"""Solid kinematics."""
+"""Solid kinematics: motion, impulses and signed distance of the solids of other rooms."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ from pipeline.simulation.dynamics.vectors import (
 
 
 @inlined
-def go_on(solid: Record, h: float) -> None:
-    """Let a solid go on by a sub-step `h` [s] as fast as it goes."""
+def advance_solid(solid: Record, h: float) -> None:
+    """Advance a solid by a sub-step `h` [s] at its velocity, and update its bounds."""
     if not solid.is_present:
         return
     solid.v[1] -= solid.fall_acceleration * h
@@ -35,20 +35,19 @@ def go_on(solid: Record, h: float) -> None:
     set_triple(solid.p, plus(triple(solid.p), times(h, v)))
     angle = h * length(w)
     if angle > 0.0:
-        _turn(solid, times(h / angle, w), angle)
+        _turn_solid(solid, times(h / angle, w), angle)
     R, middle, half = rows_of(solid.R), triple(solid.middle), solid.half
     for k in range(3):
-        # Around the box of its own frame.
         if solid.radius > 0.0:
-            around: float = solid.radius
+            extent: float = solid.radius
         else:
-            around = abs(R[k][0]) * half[0] + abs(R[k][1]) * half[1] + abs(R[k][2]) * half[2]
+            extent = abs(R[k][0]) * half[0] + abs(R[k][1]) * half[1] + abs(R[k][2]) * half[2]
         at = solid.p[k] + dot(R[k], middle)
-        solid.low[k], solid.high[k] = at - around, at + around
+        solid.low[k], solid.high[k] = at - extent, at + extent
 
 
 @inlined
-def _turn(solid: Record, axis: Vector, angle: float) -> None:
+def _turn_solid(solid: Record, axis: Vector, angle: float) -> None:
     """Turn a solid about an axis.
 
     Source: Rodrigues, R' = R + sin(a) [n]R + (1 - cos(a)) [n][n]R, column by column.
@@ -63,13 +62,13 @@ def _turn(solid: Record, axis: Vector, angle: float) -> None:
 
 @inlined
 def velocity_at(solid: Record, arm: Vector) -> Vector:
-    """Return how fast the place of a solid at an arm from where it is goes [m/s]."""
+    """Return the velocity of a place at an arm from the origin of a solid [m/s]."""
     return plus(triple(solid.v), cross(triple(solid.w), arm))
 
 
 @inlined
-def gives(solid: Record, arm: Vector, n: Vector) -> float:
-    """Return the speed that a unit of impulse along n gives a place of a solid [1/kg]."""
+def mobility_at(solid: Record, arm: Vector, n: Vector) -> float:
+    """Return the speed that a unit impulse along n gives a place of a solid [1/kg]."""
     if solid.inverse_mass == 0.0:
         return 0.0
     lever = cross(arm, n)
@@ -78,74 +77,72 @@ def gives(solid: Record, arm: Vector, n: Vector) -> float:
 
 
 @inlined
-def shove(solid: Record, arm: Vector, impulse: Vector, h: float) -> None:
-    """Push a solid at an arm from where it is; what it goes by in this sub-step changes too."""
+def apply_impulse(solid: Record, arm: Vector, impulse: Vector, h: float) -> None:
+    """Apply an impulse at an arm from a solid's origin, which moves it in this sub-step too."""
     if solid.inverse_mass == 0.0:
         return
-    twist = cross(arm, impulse)
-    spin = turned(rows_of(solid.inverse_inertia), twist)
+    torque_impulse = cross(arm, impulse)
+    spin = turned(rows_of(solid.inverse_inertia), torque_impulse)
     for k in range(3):
         solid.impulse[k] += impulse[k]
-        solid.angular_impulse[k] += twist[k]
+        solid.angular_impulse[k] += torque_impulse[k]
         solid.v[k] += solid.inverse_mass * impulse[k]
         solid.w[k] += spin[k]
         solid.p[k] += h * solid.inverse_mass * impulse[k]
 
 
-FAR = 1e9
-"""Gap of what is nowhere near [m]."""
-
+OUT_OF_REACH = 1e9  # gap beyond the reach asked for [m]
 TINY = 1e-9
 
 
 @compiled
-def gap_of(solids: Solids, s: int, at: Vector, reach: float) -> tuple[float, Vector]:
-    """Return how far a place is from a solid, negative inside [m], and the way out of it.
+def signed_distance(solids: Solids, s: int, at: Vector, reach: float) -> tuple[float, Vector]:
+    """Return the gap between a place and a solid, negative inside [m], and the outward normal.
 
-    What is farther than `reach` is just far.
+    A gap beyond `reach` is OUT_OF_REACH.
     """
     solid = solids.bodies[s]
     R = rows_of(solid.R)
     local = unturned(R, minus(at, triple(solid.p)))
     if solid.radius > 0.0:
-        away = minus(local, triple(solid.middle))
-        far = length(away)
-        up = times(1.0 / far, away) if far > TINY else (0.0, 1.0, 0.0)
-        return far - solid.radius, turned(R, up)
-    planes, best, way = solids.planes, -FAR, 0
+        offset = minus(local, triple(solid.middle))
+        distance = length(offset)
+        up = times(1.0 / distance, offset) if distance > TINY else (0.0, 1.0, 0.0)
+        return distance - solid.radius, turned(R, up)
+    planes, best, facet = solids.planes, -OUT_OF_REACH, 0
     for k in range(solid.planes[0], solid.planes[0] + solid.planes[1]):
         gap = planes[k, 0] * local[0] + planes[k, 1] * local[1] + planes[k, 2] * local[2]
         gap -= planes[k, 3]
         if gap > best:
-            best, way = gap, k
+            best, facet = gap, k
             if best > reach:
-                return FAR, (0.0, 1.0, 0.0)
-    normal = (planes[way, 0], planes[way, 1], planes[way, 2])
+                return OUT_OF_REACH, (0.0, 1.0, 0.0)
+    normal = (planes[facet, 0], planes[facet, 1], planes[facet, 2])
     if best > 0.0:
-        best, normal = _beyond(solids, solid, local)
+        best, normal = _distance_outside(solids, solid, local)
     return best, turned(R, normal)
 
 
 @compiled
-def _beyond(solids: Solids, solid: Record, local: Vector) -> tuple[float, Vector]:
-    """Return how far a place outside a polyhedron is from it, and the way [m]."""
-    planes, corners, least, normal = solids.planes, solids.corners, FAR, (0.0, 1.0, 0.0)
+def _distance_outside(solids: Solids, solid: Record, local: Vector) -> tuple[float, Vector]:
+    """Return the distance of an outside place from a polyhedron [m], and the normal."""
+    planes, corners, least, normal = solids.planes, solids.corners, OUT_OF_REACH, (0.0, 1.0, 0.0)
     for k in range(solid.triangles[0], solid.triangles[0] + solid.triangles[1]):
-        a, b, c, lies = _four(solids.triangles, k)
-        up = (planes[lies, 0], planes[lies, 1], planes[lies, 2])
-        gap = dot(up, local) - planes[lies, 3]
+        a, b, c, plane = _row_of_four(solids.triangles, k)
+        up = (planes[plane, 0], planes[plane, 1], planes[plane, 2])
+        gap = dot(up, local) - planes[plane, 3]
         if gap <= 0.0 or gap >= least:
             # It looks the other way, or its whole plane is farther.
             continue
-        away = minus(
+        offset = minus(
             local, nearest_on_triangle(local, (row(corners, a), row(corners, b), row(corners, c)))
         )
-        far = length(away)
-        if far < least:
-            least, normal = far, times(1.0 / far, away) if far > TINY else up
+        distance = length(offset)
+        if distance < least:
+            least, normal = distance, times(1.0 / distance, offset) if distance > TINY else up
     return least, normal
 
 
 @inlined
-def _four(numbers: IntArray, k: int) -> tuple[int, int, int, int]:
+def _row_of_four(numbers: IntArray, k: int) -> tuple[int, int, int, int]:
     return numbers[k, 0], numbers[k, 1], numbers[k, 2], numbers[k, 3]

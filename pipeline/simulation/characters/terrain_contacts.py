@@ -1,15 +1,24 @@
-"""Terrain contacts."""
+"""Terrain contacts: nodes and links that come into the ground are moved out of it.
+
+Each is a row of balls, met by the triangles of the terrain one after the other, with Coulomb's
+friction across. What touches the ground is damped in the next sub-step.
+
+Source: Horswill 2008, "Friction, drag and damping".
+"""
 
 from __future__ import annotations
 
 from pipeline.simulation.characters.body_arrays import LANDING, LOCKED, NOBODY, TERRAIN
 from pipeline.simulation.characters.contact_response import (
-    ABOVE,
-    LEAST_BOUNCE,
-    PAUSE,
+    MIN_BOUNCE_SPEED,
+    MIN_TOUCH_SPEED,
+    TOUCH_PAUSE,
+    SubStep,
     TouchLog,
+    ball_count,
+    friction_move,
     log_touch,
-    rubbed,
+    place_between,
 )
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, inlined
 from pipeline.simulation.dynamics.terrain_contacts import nearest_on_triangle
@@ -32,66 +41,54 @@ from pipeline.simulation.dynamics.vectors import (
     times,
     triple,
 )
-from pipeline.simulation.spatial import Array
 
-APART = 0.08
-"""Distance of the balls along a link, about [m]."""
-
-MOST = 5
-"""Of them between its ends."""
-
-SLACK = 1e-3
-"""Gap at which somebody still stands on the ground [m]."""
-
-DEEPEST = 1.0
-"""Depth of which the nearest triangle is looked for [m]."""
-
-TINY = 1e-12
+MAX_BALLS = 5  # along a link, between its ends
+GROUND_GAP = 1e-3  # at which a node still stands on the ground [m]
+MAX_DEPTH = 1.0  # in which the nearest triangle is searched [m]
+COINCIDENT = 1e-12  # [m]
 
 
 @inlined
-def stand(
+def separate_from_ground(
     nodes: Records,
     links: Records,
     owner: Record,
     grid: Grid,
     level: bool,
-    h: float,
-    slack: float,
-    moment: float,
+    sub_step: SubStep,
     log: TouchLog,
 ) -> None:
-    """Move one character out of the ground, which is a level plane or is not."""
+    """Move one character out of the ground, which may be a level plane."""
     first = owner.nodes[0]
     if level:
         height = grid.vertices[0, 1]
         for i in range(first, first + owner.nodes[1]):
             node = nodes[i]
             gap = node.p[1] - height - node.radius
-            if gap < SLACK:
-                _press(node, node, links, owner, 0.0, (gap, 0.0, 1.0, 0.0), h, slack, moment, log)
+            if gap < GROUND_GAP:
+                _separate_place(node, node, links, owner, 0.0, (gap, 0.0, 1.0, 0.0), sub_step, log)
         # Links that end above a plane lie above it.
         return
     x, z = 0.5 * (owner.low[0] + owner.high[0]), 0.5 * (owner.low[2] + owner.high[2])
     half = 0.5 * max(owner.high[0] - owner.low[0], owner.high[2] - owner.low[2])
-    if owner.low[1] - SLACK > highest_around(grid.frame, grid.tops, x, z, 1.5 * half):
+    if owner.low[1] - GROUND_GAP > highest_around(grid.frame, grid.tops, x, z, 1.5 * half):
         return
     for i in range(first, first + owner.nodes[1]):
         node = nodes[i]
-        _meet(node, node, links, owner, grid, 0.0, node.radius, h, slack, moment, log)
+        _meet_ground(node, node, links, owner, grid, 0.0, node.radius, sub_step, log)
     first = owner.links[0]
     for n in range(first, first + owner.links[1]):
         link = links[n]
         if link.radius == 0.0 or link.ends[0] == link.ends[1]:
             continue
         one, other = nodes[link.ends[0]], nodes[link.ends[1]]
-        parts = min(int(link.length_limits[0] / APART) + 1, MOST)
+        parts = ball_count(link, MAX_BALLS)
         for k in range(1, parts):
-            _meet(one, other, links, owner, grid, k / parts, link.radius, h, slack, moment, log)
+            _meet_ground(one, other, links, owner, grid, k / parts, link.radius, sub_step, log)
 
 
 @compiled
-def _meet(
+def _meet_ground(
     one: Record,
     other: Record,
     links: Records,
@@ -99,85 +96,75 @@ def _meet(
     grid: Grid,
     t: float,
     radius: float,
-    h: float,
-    slack: float,
-    moment: float,
+    sub_step: SubStep,
     log: TouchLog,
 ) -> None:
-    """Move a ball on the way from one node to another out of the ground."""
-    at = _between(one.p, other.p, t)
+    """Move a ball, at a fraction t from one node to another, out of the ground."""
+    at = place_between(one.p, other.p, t)
     frame = grid.frame
-    if at[1] - radius - SLACK > highest_around(frame, grid.tops, at[0], at[2], radius):
+    if at[1] - radius - GROUND_GAP > highest_around(frame, grid.tops, at[0], at[2], radius):
         return
     height, _ = surface_at(frame, grid.vertices, at[0], at[2])
     if at[1] <= height:
-        least, normal = _way_out(grid, at, max(height - at[1], radius))
+        least, normal = _nearest_surface(grid, at, max(height - at[1], radius))
         where = (-least - radius, normal[0], normal[1], normal[2])
-        _press(one, other, links, owner, t, where, h, slack, moment, log)
+        _separate_place(one, other, links, owner, t, where, sub_step, log)
         return
-    reach = radius + SLACK
+    reach = radius + GROUND_GAP
     i, i_last, j, j_last = cells_around(frame, at[0], at[2], reach)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
             for piece in range(triangles_per_cell(frame)):
-                at = _between(one.p, other.p, t)
-                away = minus(at, nearest_on_triangle(at, triangle(grid, line, column, piece)))
-                far = length(away)
-                if TINY < far < reach:
-                    n = times(1.0 / far, away)
-                    where = (far - radius, n[0], n[1], n[2])
-                    _press(one, other, links, owner, t, where, h, slack, moment, log)
+                at = place_between(one.p, other.p, t)
+                offset = minus(at, nearest_on_triangle(at, triangle(grid, line, column, piece)))
+                distance = length(offset)
+                if COINCIDENT < distance < reach:
+                    n = times(1.0 / distance, offset)
+                    where = (distance - radius, n[0], n[1], n[2])
+                    _separate_place(one, other, links, owner, t, where, sub_step, log)
 
 
 @compiled
-def _way_out(grid: Grid, at: Vector, reach: float) -> tuple[float, Vector]:
-    """Return how far a place below the ground is from the nearest triangle, and its normal."""
-    least, normal = min(reach, DEEPEST), (0.0, 1.0, 0.0)
+def _nearest_surface(grid: Grid, at: Vector, reach: float) -> tuple[float, Vector]:
+    """Return the distance of a place below the ground from it, and the normal."""
+    least, normal = min(reach, MAX_DEPTH), (0.0, 1.0, 0.0)
     i, i_last, j, j_last = cells_around(grid.frame, at[0], at[2], least)
     for line in range(j, j_last + 1):
         for column in range(i, i_last + 1):
             for piece in range(triangles_per_cell(grid.frame)):
                 corners = triangle(grid, line, column, piece)
-                far = length(minus(at, nearest_on_triangle(at, corners)))
-                if far < least:
+                distance = length(minus(at, nearest_on_triangle(at, corners)))
+                if distance < least:
                     a, b, c = corners
                     up = cross(minus(b, a), minus(c, a))
-                    least, normal = far, times(1.0 / length(up), up)
+                    least, normal = distance, times(1.0 / length(up), up)
     return least, normal
 
 
-@inlined
-def _between(a: Array, b: Array, t: float) -> Vector:
-    return plus(times(1.0 - t, triple(a)), times(t, triple(b)))
-
-
 @compiled
-def _press(
+def _separate_place(
     one: Record,
     other: Record,
     links: Records,
     owner: Record,
     t: float,
     where: tuple[float, float, float, float],
-    h: float,
-    slack: float,
-    moment: float,
+    sub_step: SubStep,
     log: TouchLog,
 ) -> None:
-    """Move a place on a link along a normal if it is in the ground, and rub it across.
+    """Move a place on a link out of the ground along a normal, with friction across.
 
     Args:
-        one: the node at the begin of the link; both are one for a node alone.
-        other: the node at its end.
+        one: node at the start of the link; both are the same for a node alone.
+        other: node at its end.
         links: of all characters.
-        owner: whose.
-        t: where on the link, from 0 to 1.
-        where: gap between it and the ground [m], and the normal.
-        h: the sub-step [s].
-        slack: how far what was in one another may part [m].
-        moment: of the step that has gone.
-        log: of what touched.
+        owner: its character.
+        t: fraction along the link.
+        where: gap to the ground [m], and the normal.
+        sub_step: the sub-step.
+        log: of touches.
     """
+    h, slack, moment = sub_step
     depth, n = -where[0], (where[1], where[2], where[3])
     node = one if t < 0.5 else other
     node.ground_damping = owner.ground_damping
@@ -188,15 +175,15 @@ def _press(
     if depth <= 0.0 or weight == 0.0:
         return
     owner.penetration = max(owner.penetration, depth)
-    went = minus(_between(one.p, other.p, t), _between(one.previous, other.previous, t))
-    nearer = max(-dot(went, n), 0.0)
-    _tell(node, links[node.ground_link], n, nearer / h, weight, moment, log)
-    stopped = min(depth, nearer)
+    moved = minus(place_between(one.p, other.p, t), place_between(one.previous, other.previous, t))
+    approach = max(-dot(moved, n), 0.0)
+    _touch_ground(node, links[node.ground_link], n, approach / h, weight, moment, log)
+    stopped = min(depth, approach)
     parted = min(depth - stopped, slack)
-    move = plus(times(stopped, n), rubbed(went, n, owner.friction * stopped))
+    move = plus(times(stopped, n), friction_move(moved, n, owner.friction * stopped))
     back = 0.0
-    if owner.bounciness > 0.0 and nearer > LEAST_BOUNCE * h:
-        back = owner.bounciness * nearer + nearer - stopped
+    if owner.bounciness > 0.0 and approach > MIN_BOUNCE_SPEED * h:
+        back = owner.bounciness * approach + approach - stopped
     share = 1.0 if t == 0.0 else (1.0 - t) * one.mobility / weight
     for k in range(3):
         one.p[k] += share * (move[k] + parted * n[k])
@@ -209,13 +196,13 @@ def _press(
 
 
 @inlined
-def _tell(
+def _touch_ground(
     node: Record, link: Record, n: Vector, speed: float, weight: float, moment: float, log: TouchLog
 ) -> None:
-    """Let a link know that it touches the ground."""
+    """Let a link sense that it touches the ground."""
     energy = 0.5 * speed * speed / weight
-    if link.age[1] > PAUSE and speed > ABOVE:
-        log_touch(log, moment, (node.ground_link, TERRAIN), triple(node.p), n, (speed, energy))
+    if link.age[1] > TOUCH_PAUSE and speed > MIN_TOUCH_SPEED:
+        log_touch(log, moment, (node.ground_link, TERRAIN), (triple(node.p), n), speed, energy)
     if link.age[0] > 0.0:
         link.touched, link.touched_owner = TERRAIN, NOBODY
     link.energy = max(link.energy, energy)

@@ -1,12 +1,20 @@
-"""Verlet step."""
+"""Verlet step: a step of all characters, as one call of machine code.
+
+Source: Horswill 2008, "Dynamics simulation" and "Friction, drag and damping".
+"""
 
 from __future__ import annotations
 
 import math
 
 from pipeline.simulation.characters.body_arrays import LOCKED, RESTING, CharacterArrays, IntArray
-from pipeline.simulation.characters.box_contacts import meet_box, part
-from pipeline.simulation.characters.broad_phase import Workspace, enclose, find_near, find_pairs
+from pipeline.simulation.characters.box_contacts import meet_box, separate_boxes
+from pipeline.simulation.characters.broad_phase import (
+    Workspace,
+    find_link_pairs,
+    find_near_characters,
+    update_bounds,
+)
 from pipeline.simulation.characters.constraint_projection import (
     close_grips,
     finish_constraints,
@@ -14,22 +22,27 @@ from pipeline.simulation.characters.constraint_projection import (
     project_constraints,
     project_grips,
 )
-from pipeline.simulation.characters.contact_response import PARTING, TouchLog, grow_old
-from pipeline.simulation.characters.link_contacts import are_near, meet
+from pipeline.simulation.characters.contact_response import (
+    PARTING_SPEED,
+    SubStep,
+    TouchLog,
+    age_touches,
+)
+from pipeline.simulation.characters.link_contacts import may_touch, separate_links
 from pipeline.simulation.characters.motor_control import control_people
 from pipeline.simulation.characters.sleep_states import update_sleep, wake_near
-from pipeline.simulation.characters.solid_contacts import SubStep, find_solids, meet_solids
-from pipeline.simulation.characters.terrain_contacts import stand
+from pipeline.simulation.characters.solid_contacts import find_solids, meet_solids
+from pipeline.simulation.characters.terrain_contacts import separate_from_ground
 from pipeline.simulation.dynamics.compiled import Record, Records, compiled, entry, inlined
 from pipeline.simulation.dynamics.terrain_grid import Grid
 
 
 @inlined
 def integrate(nodes: Records, gravity: float, h: float) -> None:
-    """Move all nodes on by a sub-step.
+    """Move all nodes by a sub-step.
 
-    p(t + h) = (2 - d) p(t) - (1 - d) p(t - h) + a h², where d = 1 - exp(-c h): the paper's
-    factor is one a sixtieth of a second, a rate c [1/s] holds for any step.
+    p(t + h) = (2 - d) p(t) - (1 - d) p(t - h) + a h², where d = 1 - exp(-c h): the paper's factor
+    is one a sixtieth of a second, a rate c [1/s] holds for any step.
 
     Args:
         nodes: of all characters.
@@ -37,42 +50,42 @@ def integrate(nodes: Records, gravity: float, h: float) -> None:
         h: the sub-step [s].
     """
     for i in range(len(nodes)):
-        _move(nodes[i], gravity, h)
+        _integrate_node(nodes[i], gravity, h)
 
 
 @inlined
-def _move(node: Record, gravity: float, h: float) -> None:
-    p, before, pull = node.p, node.previous, node.acceleration
+def _integrate_node(node: Record, gravity: float, h: float) -> None:
+    p, previous, acceleration = node.p, node.previous, node.acceleration
     for k in range(3):
         node.contact_push[k] = 0.0
     if node.lock == LOCKED:
         for k in range(3):
-            p[k] = before[k] = node.lock_place[k]
-            pull[k] = 0.0
+            p[k] = previous[k] = node.lock_place[k]
+            acceleration[k] = 0.0
         node.mobility = 0.0
         return
     if node.lock == RESTING or node.inverse_mass == 0.0:
         for k in range(3):
-            before[k] = p[k]
-            pull[k] = 0.0
+            previous[k] = p[k]
+            acceleration[k] = 0.0
         node.mobility = 0.0
         return
     node.mobility = node.inverse_mass
-    keeps = math.exp(-(node.air_damping + max(node.ground_damping, node.contact_damping)) * h)
+    kept = math.exp(-(node.air_damping + max(node.ground_damping, node.contact_damping)) * h)
     for k in range(3):
-        went = p[k] - before[k]
-        before[k] = p[k]
-        p[k] += keeps * went + pull[k] * h * h
-        pull[k] = 0.0
+        moved = p[k] - previous[k]
+        previous[k] = p[k]
+        p[k] += kept * moved + acceleration[k] * h * h
+        acceleration[k] = 0.0
     p[1] -= gravity * h * h
     node.ground_damping = node.contact_damping = 0.0
 
 
 @inlined
-def damp(nodes: Records, links: Records, h: float) -> None:
+def damp_links(nodes: Records, links: Records, h: float) -> None:
     """Damp the ends of links against one another, a crude model of muscles and tendons.
 
-    Both take on part of their difference, weighted so that no momentum is made.
+    Both take on part of their difference, weighted so that momentum is kept.
     """
     for n in range(len(links)):
         link = links[n]
@@ -88,14 +101,10 @@ def damp(nodes: Records, links: Records, h: float) -> None:
             other.previous[k] -= other.mobility * slip
 
 
-ROUNDS = 2
-"""Times that links and touches are gone through in a sub-step, before links have the last word."""
-
-MORE, DEEP = 4, 0.003
-"""Times that those are gone through again in whom, or who, lies something so deep [m]."""
-
-PAIN_ENDS = 0.5
-"""How fast pain decays [1/s]."""
+ROUNDS = 2  # of constraints and contacts in a sub-step, before constraints have the last word
+EXTRA_ROUNDS = 4  # for characters in deep contacts
+DEEP_CONTACT = 0.003  # [m]
+PAIN_DECAY = 0.5  # [1/s]
 
 
 @entry
@@ -104,32 +113,33 @@ def advance(
     persons: Records,
     grid: Grid,
     level: bool,
-    room: Workspace,
+    workspace: Workspace,
     log: TouchLog,
     gravity: float,
     dt: float,
     count: int,
 ) -> None:
-    """Go on by a step of `dt` [s] in `count` sub-steps.
+    """Advance all characters by a step of `dt` [s] in `count` sub-steps.
 
     Args:
         arrays: all characters; changed.
-        persons: `control.PERSON` of those who act; changed.
+        persons: `PERSON` records of acting people; changed.
         grid: the terrain.
-        level: whether it is a level plane.
-        room: to work in, and the solids of other rooms; these are changed.
-        log: of what touches; begun anew.
+        level: whether the terrain is a level plane.
+        workspace: buffers, and the solids of other rooms; changed.
+        log: of touches in this step; overwritten.
         gravity: [m/s²].
         dt: the step [s].
-        count: of sub-steps.
+        count: number of sub-steps.
     """
     h = dt / count
     log.filled[0] = 0
-    _forget(arrays.links)
+    for n in range(len(arrays.links)):
+        arrays.links[n].energy = 0.0
     for n in range(count):
-        control_people(arrays, persons, grid, room.solids, h)
-        _sub_step(arrays, grid, level, room, log, gravity, h, n / count)
-    _feel(arrays.links, arrays.owners, dt)
+        control_people(arrays, persons, grid, workspace.solids, h)
+        _sub_step(arrays, grid, level, workspace, log, gravity, h, n / count)
+    _update_pain(arrays.links, arrays.owners, dt)
     update_sleep(arrays.nodes, arrays.links, arrays.owners, arrays.grips, h, dt)
 
 
@@ -138,40 +148,42 @@ def _sub_step(
     arrays: CharacterArrays,
     grid: Grid,
     level: bool,
-    room: Workspace,
+    workspace: Workspace,
     log: TouchLog,
     gravity: float,
     h: float,
     moment: float,
 ) -> None:
-    nodes, links, middles, limbs, own, grips, owners = arrays
-    damp(nodes, links, h)
+    nodes, links, middles, limbs, own_pairs, grips, owners = arrays
+    damp_links(nodes, links, h)
     integrate(nodes, gravity, h)
     close_grips(nodes, grips, h)
-    grow_old(links, h)
-    enclose(nodes, owners)
-    near = room.near[: find_near(owners, room.order, room.near)]
+    age_touches(links, h)
+    update_bounds(nodes, owners)
+    near = workspace.near[: find_near_characters(owners, workspace.order, workspace.near)]
     wake_near(nodes, owners, near)
-    solid = find_solids(nodes, owners, room.solids, h)
-    _choose(owners, False)
-    pairs = room.pairs[: find_pairs(nodes, links, owners, own, near, room.pairs)]
-    for n in range(ROUNDS + MORE):
+    solid_count = find_solids(nodes, owners, workspace.solids, h)
+    _activate(owners, False)
+    pair_count = find_link_pairs(nodes, links, owners, own_pairs, near, workspace.pairs)
+    pairs = workspace.pairs[:pair_count]
+    for n in range(ROUNDS + EXTRA_ROUNDS):
         if n > 0:
-            _choose(owners, n >= ROUNDS)
-        # What was in one another parts at its pace, however often it is gone through.
-        slack = PARTING * h / ROUNDS if n < ROUNDS else 0.0
+            _activate(owners, n >= ROUNDS)
+        # Old overlap is resolved at a constant speed, however many rounds there are.
+        slack = PARTING_SPEED * h / ROUNDS if n < ROUNDS else 0.0
+        sub_step = SubStep(h, slack, moment)
         for c in range(len(owners)):
             if owners[c].active:
                 project_constraints(nodes, links, middles, limbs, owners[c])
         project_grips(nodes, grips)
-        _meet_all(nodes, links, owners, pairs, h, slack, moment, log)
-        _meet_boxes(nodes, links, owners, near, h, slack, moment, log)
-        if solid > 0:
-            pace = SubStep(h, slack, moment)
-            meet_solids(nodes, links, owners, room.solids, solid, pace, n % 2 == 1, log)
+        _separate_pairs(nodes, links, owners, pairs, sub_step, log)
+        _meet_boxes(nodes, links, owners, near, sub_step, log)
+        if solid_count > 0:
+            solids, reverse = workspace.solids, n % 2 == 1
+            meet_solids(nodes, links, owners, solids, solid_count, sub_step, reverse, log)
         for c in range(len(owners)):
             if owners[c].active:
-                stand(nodes, links, owners[c], grid, level, h, slack, moment, log)
+                separate_from_ground(nodes, links, owners[c], grid, level, sub_step, log)
     for c in range(len(owners)):
         if not owners[c].asleep:
             finish_constraints(nodes, links, middles, limbs, owners[c])
@@ -179,28 +191,26 @@ def _sub_step(
 
 
 @compiled
-def _meet_all(
+def _separate_pairs(
     nodes: Records,
     links: Records,
     owners: Records,
     pairs: IntArray,
-    h: float,
-    slack: float,
-    moment: float,
+    sub_step: SubStep,
     log: TouchLog,
 ) -> None:
     for n in range(len(pairs)):
         a, b = links[pairs[n, 0]], links[pairs[n, 1]]
-        if (owners[a.owner].active or owners[b.owner].active) and are_near(nodes, a, b):
-            meet(nodes, links, owners, (pairs[n, 0], pairs[n, 1]), h, slack, moment, log)
+        if (owners[a.owner].active or owners[b.owner].active) and may_touch(nodes, a, b):
+            separate_links(nodes, links, owners, (pairs[n, 0], pairs[n, 1]), sub_step, log)
 
 
 @compiled
-def _choose(owners: Records, again: bool) -> None:
-    """Choose who is gone through: who is awake; or again, in whom something lies deep."""
+def _activate(owners: Records, only_deep: bool) -> None:
+    """Activate characters that are awake, or only those of them in deep contacts."""
     for c in range(len(owners)):
         owner = owners[c]
-        owner.active = not owner.asleep and (not again or owner.penetration > DEEP)
+        owner.active = not owner.asleep and (not only_deep or owner.penetration > DEEP_CONTACT)
         owner.penetration = 0.0
 
 
@@ -210,9 +220,7 @@ def _meet_boxes(
     links: Records,
     owners: Records,
     near: IntArray,
-    h: float,
-    slack: float,
-    moment: float,
+    sub_step: SubStep,
     log: TouchLog,
 ) -> None:
     for n in range(len(near)):
@@ -220,26 +228,19 @@ def _meet_boxes(
         if not one.active and not other.active:
             continue
         if one.edge_radius > 0.0 and other.edge_radius > 0.0:
-            part(nodes, one, other, slack)
+            separate_boxes(nodes, one, other, sub_step.slack)
         if other.edge_radius > 0.0:
-            meet_box(nodes, links, one, other, h, slack, moment, log)
+            meet_box(nodes, links, one, other, sub_step, log)
         if one.edge_radius > 0.0:
-            meet_box(nodes, links, other, one, h, slack, moment, log)
+            meet_box(nodes, links, other, one, sub_step, log)
 
 
 @compiled
-def _forget(links: Records) -> None:
-    """Forget how hard touches of the last step were."""
-    for n in range(len(links)):
-        links[n].energy = 0.0
-
-
-@compiled
-def _feel(links: Records, owners: Records, dt: float) -> None:
-    """Let touches that are hard enough hurt, and pain decay."""
+def _update_pain(links: Records, owners: Records, dt: float) -> None:
+    """Add the pain of hard touches, and let pain decay."""
     for c in range(len(owners)):
         owner = owners[c]
-        owner.pain *= math.exp(-PAIN_ENDS * dt)
+        owner.pain *= math.exp(-PAIN_DECAY * dt)
         for n in range(owner.links[0], owner.links[0] + owner.links[1]):
             if links[n].energy > owner.pain_threshold:
                 owner.pain += links[n].energy / owner.pain_threshold - 1.0

@@ -1,4 +1,14 @@
-"""Visibility route."""
+"""Visibility route: the shortest way around obstacles, as straight lines from place to place.
+
+A potential field alone pulls a walker into corners between things, and through gaps that are
+hardly wider than a body. So where the straight way is not free, places around the things are
+searched for the shortest way, and the field leads to the first of them.
+
+Solids of other rooms are circles on the ground, from their bounding boxes. A long solid is a row
+of circles, so that a wall is not walked around like a tower of the wall's length.
+
+Source: Lozano-Pérez and Wesley 1979 (visibility graphs); Hart, Nilsson and Raphael 1968 (A*).
+"""
 
 from __future__ import annotations
 
@@ -13,19 +23,13 @@ from pipeline.simulation.characters.solid_arrays import SOLID
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 
-LOW, HEADROOM = 0.07, 1.9
-"""What ends so little above the ground is stepped over; what begins so high is gone under [m]."""
-
-LIGHT = 15.0
-"""What gives way and weighs less than this is no barrier, for people walk on into it: about a
-quarter of what they weigh [kg]."""
-
-MOST = 32
-"""Circles of one solid."""
+STEP_OVER_HEIGHT, HEADROOM = 0.07, 1.9  # of solids that are no obstacle [m]
+LIGHT_MASS = 15.0  # of movable solids that are walked into: a quarter of a person [kg]
+MAX_CIRCLES = 32  # of one solid
 
 
 class ObstacleCircles:
-    """The circles around solids, as they are now.
+    """The circles around the solids of other rooms.
 
     Args:
         ground: the terrain.
@@ -34,92 +38,94 @@ class ObstacleCircles:
         middles: (n, 2) x and z [m].
         radii: (n,) [m].
         keys: (n,) numbers that a circle keeps while its solid stays as it lies.
-        wholes: (n,) numbers of the things that they are of: limbs of one creature are one thing.
+        things: (n,) numbers of their things: limbs of one creature are one thing.
     """
 
     def __init__(self, ground: Ground) -> None:
         self._ground = ground
-        self.put(np.zeros(0, dtype=SOLID))
+        self.set_solids(np.zeros(0, dtype=SOLID))
 
-    def put(self, solids: RecordArray) -> None:
-        """Look at these solids (S,) `SOLID` from now on."""
+    def set_solids(self, solids: RecordArray) -> None:
+        """Set the solids (S,) `SOLID` to follow."""
         self._solids = solids
-        self._which: IntArray = np.flatnonzero(solids["inverse_mass"] <= 1.0 / LIGHT)
-        self._seen = b""
+        self._indices: IntArray = np.flatnonzero(solids["inverse_mass"] <= 1.0 / LIGHT_MASS)
+        self._state = b""
         self.middles, self.radii = np.zeros((0, 2)), np.zeros(0)
         self.keys: IntArray = np.zeros(0, dtype=np.int64)
-        self.wholes: IntArray = np.zeros(0, dtype=np.int64)
+        self.things: IntArray = np.zeros(0, dtype=np.int64)
 
-    def look(self) -> bool:
-        """See where the solids are now; tell whether anything is in anybody's way."""
+    def update(self) -> bool:
+        """Update the circles from the solids; tell whether there are any."""
         solids = self._solids
-        if not len(self._which):
+        if not len(self._indices):
             return False
-        seen = solids["p"].tobytes() + solids["R"].tobytes() + solids["is_present"].tobytes()
-        if seen != self._seen:
-            self._seen = seen
-            self._look()
+        state = solids["p"].tobytes() + solids["R"].tobytes() + solids["is_present"].tobytes()
+        if state != self._state:
+            self._state = state
+            self._update()
         return bool(len(self.radii))
 
-    def _look(self) -> None:
-        which = self._which
-        which = which[self._solids["is_present"][which]]
-        solids = self._solids[which]
+    def _update(self) -> None:
+        indices = self._indices
+        indices = indices[self._solids["is_present"][indices]]
+        solids = self._solids[indices]
         R, half = solids["R"], solids["half"]
         middle = solids["p"] + (R @ solids["middle"][:, :, None])[:, :, 0]
-        # Of its axes in the world, as long as half of the box (S, axis, 3).
-        axes = np.swapaxes(R, 1, 2) * half[:, :, None]
-        rise = np.abs(axes[:, :, 1]).sum(axis=1)
+        # Axes in the world, as long as the half extents (S, axis, 3).
+        half_axes = np.swapaxes(R, 1, 2) * half[:, :, None]
+        half_height = np.abs(half_axes[:, :, 1]).sum(axis=1)
         floor = self._ground.height(middle[:, 0], middle[:, 2])
-        stands = (middle[:, 1] + rise > floor + LOW) & (middle[:, 1] - rise < floor + HEADROOM)
-        self._lay(which[stands], middle[stands][:, [0, 2]], axes[stands][:, :, [0, 2]])
+        is_obstacle = (middle[:, 1] + half_height > floor + STEP_OVER_HEIGHT) & (
+            middle[:, 1] - half_height < floor + HEADROOM
+        )
+        self._place_circles(
+            indices[is_obstacle],
+            middle[is_obstacle][:, [0, 2]],
+            half_axes[is_obstacle][:, :, [0, 2]],
+        )
 
-    def _lay(self, which: IntArray, middle: Array, axes: Array) -> None:
-        """Lay rows of circles along shadows.
+    def _place_circles(self, indices: IntArray, middle: Array, half_axes: Array) -> None:
+        """Place rows of circles along the shadows of boxes.
 
         Args:
-            which: (S,) numbers of the solids.
+            indices: (S,) of the solids.
             middle: (S, 2) [m].
-            axes: (S, 3, 2) half of each edge of the box, seen from above [m].
+            half_axes: (S, 3, 2) of the boxes seen from above, as long as their half extents [m].
         """
-        longest = np.argmax((axes * axes).sum(axis=2), axis=1)
-        ahead = axes[np.arange(len(axes)), longest]
+        longest = np.argmax((half_axes * half_axes).sum(axis=2), axis=1)
+        ahead = half_axes[np.arange(len(half_axes)), longest]
         ahead = ahead / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
         across = np.stack([-ahead[:, 1], ahead[:, 0]], axis=1)
-        long = np.abs((axes * ahead[:, None]).sum(axis=2)).sum(axis=1)
-        wide = np.abs((axes * across[:, None]).sum(axis=2)).sum(axis=1)
-        balls = self._solids["radius"][which]
-        counts = np.clip(np.ceil(long / np.maximum(wide, 1e-3) - 1e-6), 1, MOST).astype(np.int64)
-        counts[balls > 0.0] = 1
-        radii = np.where(balls > 0.0, balls, np.hypot(long / counts, wide))
-        row = np.repeat(np.arange(len(which)), counts)
+        half_length = np.abs((half_axes * ahead[:, None]).sum(axis=2)).sum(axis=1)
+        half_width = np.abs((half_axes * across[:, None]).sum(axis=2)).sum(axis=1)
+        ball_radii = self._solids["radius"][indices]
+        counts = np.clip(
+            np.ceil(half_length / np.maximum(half_width, 1e-3) - 1e-6), 1, MAX_CIRCLES
+        ).astype(np.int64)
+        counts[ball_radii > 0.0] = 1
+        radii = np.where(ball_radii > 0.0, ball_radii, np.hypot(half_length / counts, half_width))
+        row = np.repeat(np.arange(len(indices)), counts)
         number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
-        place = (2.0 * number + 1.0) / counts[row] - 1.0
-        self.middles = middle[row] + (place * long[row])[:, None] * ahead[row]
+        along = (2.0 * number + 1.0) / counts[row] - 1.0
+        self.middles = middle[row] + (along * half_length[row])[:, None] * ahead[row]
         self.radii = radii[row]
-        self.keys = which[row] * MOST + number
-        self.wholes = self._solids["thing"][which[row]]
+        self.keys = indices[row] * MAX_CIRCLES + number
+        self.things = self._solids["thing"][indices[row]]
 
 
-CLEARANCES = (0.32, 0.16, 0.04)
-"""How wide of things somebody goes: the widest with which there is a way [m]."""
+CLEARANCES = (0.32, 0.16, 0.04)  # to pass things at; the widest with which there is a way [m]
 
-CORNERS = 8
-"""Places around each thing."""
+RING_PLACES = 8  # around each thing
 
-TURN = 2.0 * math.pi * np.arange(CORNERS) / CORNERS
+RING_ANGLES = 2.0 * math.pi * np.arange(RING_PLACES) / RING_PLACES
+RING = np.stack([np.cos(RING_ANGLES), np.sin(RING_ANGLES)], axis=1) / math.cos(
+    math.pi / RING_PLACES
+)
+"""(RING_PLACES, 2) places around a unit circle that lies within the lines between them."""
 
-RING = np.stack([np.cos(TURN), np.sin(TURN)], axis=1) / math.cos(math.pi / CORNERS)
-"""(CORNERS, 2) around a circle of radius 1 that lies within the lines between them."""
-
-WITHIN = 0.98
-"""Part of their distance to which circles shrink whose clearance begin or goal lie in."""
-
-REACHED = 0.25
-"""How near a place on the way one comes before it goes on to the next [m]."""
-
-MOVED = 0.6
-"""How far a goal or a thing moves before the way is searched for anew [m]."""
+SHRINK_FACTOR = 0.98  # of the distance to which circles around start or goal shrink
+REACHED_DISTANCE = 0.25  # to a place on the way before the next one is headed for [m]
+REPLAN_DISTANCE = 0.6  # moved by a goal or a thing [m]
 
 
 def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> Array:
@@ -129,69 +135,69 @@ def are_free(start: Array, ends: Array, middles: Array, reaches: Array) -> Array
         start: (2,) [m].
         ends: (m, 2) [m].
         middles: (n, 2) of circles [m].
-        reaches: (n,) their radii [m].
+        reaches: (n,) radii [m].
     """
     way = ends - start
     squared = np.maximum((way * way).sum(axis=1), 1e-12)
-    to = middles - start
-    along = np.clip((way @ to.T) / squared[:, None], 0.0, 1.0)
-    x = along * way[:, :1] - to[:, 0]
-    z = along * way[:, 1:] - to[:, 1]
+    offset = middles - start
+    along = np.clip((way @ offset.T) / squared[:, None], 0.0, 1.0)
+    x = along * way[:, :1] - offset[:, 0]
+    z = along * way[:, 1:] - offset[:, 1]
     free: Array = (x * x + z * z >= (reaches - 1e-6) ** 2).all(axis=1)
     return free
 
 
-def shortest(start: Array, goal: Array, middles: Array, reaches: Array, within: Array) -> Array:
+def shortest_way(start: Array, goal: Array, middles: Array, reaches: Array, bounds: Array) -> Array:
     """Return (m, 2) the places on the shortest way, the goal last; none if there is no way.
 
     Args:
         start: (2,) [m].
         goal: (2,) [m].
         middles: (n, 2) of circles that nothing leads through [m].
-        reaches: (n,) their radii [m].
-        within: (2, 2) least and greatest x and z of a place on the way [m].
+        reaches: (n,) radii [m].
+        bounds: (2, 2) least and greatest x and z of places on the way [m].
     """
     ring = (middles[:, None] + reaches[:, None, None] * RING).reshape(-1, 2)
-    ring = ring[((ring > within[0]) & (ring < within[1])).all(axis=1)]
+    ring = ring[((ring > bounds[0]) & (ring < bounds[1])).all(axis=1)]
     places = np.concatenate([start[None], goal[None], ring])
-    left = np.sqrt(((places - goal) ** 2).sum(axis=1))
-    gone, came = np.full(len(places), np.inf), np.full(len(places), -1)
-    gone[0] = 0.0
-    done = np.zeros(len(places), dtype=bool)
-    queue = [(float(left[0]), 0)]
+    heuristic = np.sqrt(((places - goal) ** 2).sum(axis=1))
+    cost, parents = np.full(len(places), np.inf), np.full(len(places), -1)
+    cost[0] = 0.0
+    closed = np.zeros(len(places), dtype=bool)
+    queue = [(float(heuristic[0]), 0)]
     while queue:
         _, here = heapq.heappop(queue)
-        if done[here]:
+        if closed[here]:
             continue
         if here == 1:
-            return _back(places, came)
-        done[here] = True
-        far = gone[here] + np.sqrt(((places - places[here]) ** 2).sum(axis=1))
-        better = np.flatnonzero(~done & (far < gone - 1e-9))
+            return _trace_back(places, parents)
+        closed[here] = True
+        new_cost = cost[here] + np.sqrt(((places - places[here]) ** 2).sum(axis=1))
+        better = np.flatnonzero(~closed & (new_cost < cost - 1e-9))
         free = better[are_free(places[here], places[better], middles, reaches)]
-        gone[free], came[free] = far[free], here
+        cost[free], parents[free] = new_cost[free], here
         for k in free.tolist():
-            heapq.heappush(queue, (float(gone[k] + left[k]), k))
+            heapq.heappush(queue, (float(cost[k] + heuristic[k]), k))
     return np.zeros((0, 2))
 
 
-def _back(places: Array, came: Array) -> Array:
+def _trace_back(places: Array, parents: Array) -> Array:
     way, at = list[int](), 1
     while at > 0:
         way.append(at)
-        at = int(came[at])
+        at = int(parents[at])
     result: Array = places[way[::-1]]
     return result
 
 
 @dataclass
 class Route:
-    """Somebody's way to a goal, searched for again when that or a thing has moved.
+    """A way to a goal, searched again when the goal or a thing has moved.
 
     Attributes:
         places: (m, 2) still to come, the goal last [m].
-        goal: (2,) for which it was searched [m].
-        middles: (n, 2) of things, then [m].
+        goal: (2,) of the search [m].
+        middles: (n, 2) of the things in the search [m].
     """
 
     places: Array = field(default_factory=lambda: np.zeros((0, 2)))
@@ -200,54 +206,54 @@ class Route:
 
     def next(
         self,
-        me: Array,
+        at: Array,
         goal: Array,
         middles: Array,
         reaches: Array,
-        within: Array,
+        bounds: Array,
         clearance: float = CLEARANCES[0],
     ) -> tuple[Array, float]:
-        """Return the place (2,) to go straight to, and how long the whole way is [m].
+        """Return the place (2,) to walk straight to, and the length of the whole way [m].
 
         Args:
-            me: (2,) where somebody is [m].
-            goal: (2,) where it goes [m].
-            middles: (n, 2) of things in between [m].
-            reaches: (n,) how near to them its middle can be [m].
-            within: (2, 2) least and greatest x and z of a place on the way [m].
-            clearance: how far things have to be from a straight way that is gone [m].
+            at: (2,) present place [m].
+            goal: (2,) [m].
+            middles: (n, 2) of things [m].
+            reaches: (n,) distances that the middle of the walker can come to them [m].
+            bounds: (2, 2) least and greatest x and z of places on the way [m].
+            clearance: from things on a straight way [m].
         """
-        apart = np.sqrt(((middles - me) ** 2).sum(axis=1))
+        distances = np.sqrt(((middles - at) ** 2).sum(axis=1))
         at_goal = np.sqrt(((middles - goal) ** 2).sum(axis=1))
-        room = WITHIN * np.minimum(apart, at_goal)
-        wide = np.minimum(reaches + clearance, room)
-        if are_free(me, goal[None], middles, wide)[0]:
+        limits = SHRINK_FACTOR * np.minimum(distances, at_goal)
+        radii = np.minimum(reaches + clearance, limits)
+        if are_free(at, goal[None], middles, radii)[0]:
             self.places = goal[None]
-        elif self._is_old(me, goal, middles, np.minimum(reaches, room)):
-            self._search(me, goal, middles, reaches, room, within)
-        elif len(self.places) > 1 and math.dist(self.places[0], me) < REACHED:
+        elif self._needs_search(at, goal, middles, np.minimum(reaches, limits)):
+            self._search(at, goal, middles, reaches, limits, bounds)
+        elif len(self.places) > 1 and math.dist(self.places[0], at) < REACHED_DISTANCE:
             self.places = self.places[1:]
         self.places[-1] = goal
-        ways = np.diff(np.concatenate([me[None], self.places]), axis=0)
-        return self.places[0], float(np.sqrt((ways * ways).sum(axis=1)).sum())
+        segments = np.diff(np.concatenate([at[None], self.places]), axis=0)
+        return self.places[0], float(np.sqrt((segments * segments).sum(axis=1)).sum())
 
-    def _is_old(self, me: Array, goal: Array, middles: Array, reaches: Array) -> bool:
-        """Tell whether the way is none any more."""
-        if len(self.places) < 2 or math.dist(goal, self.goal) > MOVED:
+    def _needs_search(self, at: Array, goal: Array, middles: Array, reaches: Array) -> bool:
+        """Tell whether a new search is needed."""
+        if len(self.places) < 2 or math.dist(goal, self.goal) > REPLAN_DISTANCE:
             return True
         if len(middles) != len(self.middles):
             return True
-        off = middles - self.middles
-        moved = bool((off * off).sum(axis=1).max(initial=0.0) > MOVED**2)
-        return moved or not are_free(me, self.places[:1], middles, reaches)[0]
+        offset = middles - self.middles
+        moved = bool((offset * offset).sum(axis=1).max(initial=0.0) > REPLAN_DISTANCE**2)
+        return moved or not are_free(at, self.places[:1], middles, reaches)[0]
 
     def _search(
-        self, me: Array, goal: Array, middles: Array, reaches: Array, room: Array, within: Array
+        self, at: Array, goal: Array, middles: Array, reaches: Array, limits: Array, bounds: Array
     ) -> None:
         self.goal, self.middles = goal.copy(), middles.copy()
         for clearance in CLEARANCES:
-            wide = np.minimum(reaches + clearance, room)
-            self.places = shortest(me, goal, middles, wide, within)
+            radii = np.minimum(reaches + clearance, limits)
+            self.places = shortest_way(at, goal, middles, radii, bounds)
             if len(self.places):
                 return
         self.places = goal[None].copy()

@@ -13,7 +13,7 @@ from pipeline.simulation.figures.solids import Solid, loft
 from pipeline.simulation.inventory import Inventory
 from pipeline.simulation.obstacles import Obstacle, directions
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
-from pipeline.simulation.people.person_mesh import Clothes, dressed, worn
+from pipeline.simulation.people.person_mesh import Clothes, layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS, Proportions
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
@@ -74,8 +74,8 @@ def dancer_inventory(
         first, rest = len(nodes), look.rest().tolist()
         for name, place in zip((*FRAMES, *look.drums), rest, strict=True):
             nodes.append(Node(f"{look.name}.{name}", look.name, -1, (place[0], place[1], place[2])))
-        layers = dressed(look.proportions, look.clothes)
-        own, seen = worn(look.name, layers, first, len(meshes), rows)
+        layers = person_layers(look.proportions, look.clothes)
+        own, seen = layer_parts(look.name, layers, first, len(meshes), rows)
         meshes += own
         parts += seen
         for k, (name, drum) in enumerate(look.drums.items()):

@@ -25,7 +25,7 @@ from pipeline.simulation.dancers.dancer_poses import Place
 from pipeline.simulation.dancers.dancer_script import ScriptedDancer
 from pipeline.simulation.dancers.hand_contacts import HandStrike
 from pipeline.simulation.dancers.repertoire import SIDES, build_repertoire
-from pipeline.simulation.people.person_mesh import clothes_of
+from pipeline.simulation.people.person_mesh import random_clothes
 from pipeline.simulation.people.proportions import SEGMENT_MASSES, Proportions
 from pipeline.simulation.script import Orders
 from pipeline.simulation.spatial import Array, heading
@@ -189,7 +189,7 @@ def _own(R: Array, p: Array, place: Place) -> Place:
 def _look(
     member: Dancer, who: Proportions, drums: Mapping[str, Drum], seed: int
 ) -> DancerAppearance:
-    clothes = clothes_of(member.name, seed, is_child(member))
+    clothes = random_clothes(member.name, seed, is_child(member))
     if member.material is not None:
         clothes = replace(clothes, shirt=member.material)
     return DancerAppearance(member.name, who, clothes, dict(drums))

@@ -1,4 +1,10 @@
-"""Body frames."""
+"""Body frames: the fifteen frames that a person's meshes follow, from its sixteen joints.
+
+A frame is named after its part of the body and starts at the joint before it. At rest
+(`Proportions.rest`) no frame is turned: X forward, Y up, Z to the right. Joints leave the twist of
+a limb open: a bent knee or elbow defines it, with its hinge along Z; a straight limb has the
+least twist; between the two the one blends into the other.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +30,10 @@ FRAMES = (
     "foot_l",
     "foot_r",
 )
-"""Their names, in the order of their numbers."""
+"""Names of the frames, in the order of their numbers."""
 
 PARENTS = (-1, 0, 1, 1, 1, 3, 4, 5, 6, 0, 0, 9, 10, 11, 12)
-"""The frame that each hangs on, -1 for none."""
+"""Parent frames, -1 for none."""
 
 ORIGINS = (
     "pelvis",
@@ -46,90 +52,83 @@ ORIGINS = (
     "foot_l",
     "foot_r",
 )
-"""The joint at which each begins."""
+"""The joint at which each frame starts."""
 
-STRAIGHT = np.sin(np.radians(25.0))
-"""Sine of the bend from which on the hinge alone says how a limb is turned."""
-
-GUIDED = 0.5
-"""How much a straight limb is held to the turn of least effort, as the sine of a bend."""
-
-NOD = np.radians(50.0)
-"""How far a head looks up or down against its neck, at most."""
-
-CLASP = 1.3
-"""How far hands bend inward that lie around somebody, as a tangent across straight forearms."""
-
-LEVEL, LIMP = np.radians(45.0), np.radians(110.0)
-"""How far an ankle turns to put a sole down, and at which angle it no longer tries."""
+HINGE_BEND = np.sin(np.radians(25.0))  # sine of the bend from which the hinge alone counts
+LEAST_TWIST_WEIGHT = 0.5  # of the least twist of a straight limb, as the sine of a bend
+MAX_NOD = np.radians(50.0)  # of a head against its neck
+CLASP_BEND = 1.3  # of hands that lie around somebody, inward, as a tangent
+MAX_ANKLE_PITCH, LIMP_ANKLE_PITCH = np.radians(45.0), np.radians(110.0)
+# A sole is put down by the first at most; beyond the second the ankle lets go.
 
 ARM_SPREAD = normalized(np.array([1.0, -0.6, 0.7]))
-
 LEG_SPREAD = normalized(np.array([1.0, -1.0, 0.15]))
-"""Where a right limb points in the middle of where it may point: the turn of least effort is from
-there, so that the one direction for which there is none lies behind the back."""
+"""Middle directions of right limbs. The least twist starts there, so that the one direction
+without one lies behind the back."""
 
 _DOWN, _Z = np.array([0.0, -1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
 
 def frame_origins(proportions: Proportions) -> Array:
-    """Return (15, 3) where the frames begin at rest [m]."""
+    """Return (15, 3) the origins of the frames at rest [m]."""
     return proportions.rest()[[JOINTS.index(name) for name in ORIGINS]]
 
 
-def frames_of(
+def frames_from_joints(
     joints: Array, gaze: Array | None = None, soles: Array | None = None
 ) -> tuple[Array, Array]:
-    """Return the frames of persons whose sixteen places are known.
+    """Return the frames of persons from their joints.
 
     Args:
         joints: (..., 16, 3) in the order of `JOINTS` [m].
-        gaze: (..., 3) where the face looks, a direction; straight on from the chest if left out.
-        soles: (..., 2, 3) what is up for the left and the right foot, such as the normal of the
-            ground under it; up in the world if left out.
+        gaze: (..., 3) direction of the gaze; ahead of the chest if left out.
+        soles: (..., 2, 3) direction above the left and the right foot, such as the normal of the
+            ground; up in the world if left out.
 
     Returns:
         The rotations (..., 15, 3, 3) and the origins (..., 15, 3) [m] in the order of `FRAMES`.
     """
     p = {name: joints[..., k, :] for k, name in enumerate(JOINTS)}
     R: dict[str, Array] = {}
-    R["pelvis"] = _facing(p["hip_r"] - p["hip_l"], p["spine"] - p["pelvis"], upright=False)
-    R["chest"] = _facing(
+    R["pelvis"] = _trunk_frames(p["hip_r"] - p["hip_l"], p["spine"] - p["pelvis"], upright=False)
+    R["chest"] = _trunk_frames(
         p["shoulder_r"] - p["shoulder_l"], p["shoulders"] - p["spine"], upright=True
     )
     ahead = R["chest"][..., 0] if gaze is None else gaze
-    R["head"] = _head(p["head"] - p["shoulders"], ahead, R["chest"], nods=gaze is not None)
+    R["head"] = _head_frames(p["head"] - p["shoulders"], ahead, R["chest"], nods=gaze is not None)
     for k, side in enumerate("lr"):
         mirror = np.array([1.0, 1.0, 1.0 if side == "r" else -1.0])
         arm = (p[f"shoulder_{side}"], p[f"elbow_{side}"], p[f"hand_{side}"])
-        R[f"upper_arm_{side}"], R[f"forearm_{side}"] = _limb(
+        R[f"upper_arm_{side}"], R[f"forearm_{side}"] = _limb_frames(
             R["chest"], *arm, 1.0, ARM_SPREAD * mirror
         )
         R[f"hand_{side}"] = R[f"forearm_{side}"]
         leg = (p[f"hip_{side}"], p[f"knee_{side}"], p[f"foot_{side}"])
-        R[f"thigh_{side}"], R[f"shin_{side}"] = _limb(R["pelvis"], *leg, -1.0, LEG_SPREAD * mirror)
+        R[f"thigh_{side}"], R[f"shin_{side}"] = _limb_frames(
+            R["pelvis"], *leg, -1.0, LEG_SPREAD * mirror
+        )
         sole = UP if soles is None else soles[..., k, :]
-        R[f"foot_{side}"] = _foot(R[f"shin_{side}"], sole)
+        R[f"foot_{side}"] = _foot_frames(R[f"shin_{side}"], sole)
     rotations = np.stack([R[name] for name in FRAMES], axis=-3)
     return rotations, joints[..., [JOINTS.index(name) for name in ORIGINS], :]
 
 
-def closed(forearms: Array, chest: Array, share: Array) -> Array:
+def clasping_hands(forearms: Array, chest: Array, share: Array) -> Array:
     """Return the frames (..., 2, 3, 3) of hands that lie around somebody.
 
     Args:
-        forearms: (..., 2, 3, 3) frames of the left and the right one, which hands go on straight.
-        chest: (..., 3, 3) frame of the chest.
-        share: (..., 2) how much they bend inward, 0 to 1.
+        forearms: (..., 2, 3, 3) of the left and the right one, which straight hands continue.
+        chest: (..., 3, 3) of the chest.
+        share: (..., 2) of the inward bend, 0 to 1.
     """
     along = -forearms[..., 1]
     inward = chest[..., None, :, 2] * np.array([[1.0], [-1.0]])
-    bent = normalized(along + CLASP * share[..., None] * inward)
-    return np.stack([_swung(along, bent, forearms[..., k]) for k in range(3)], axis=-1)
+    bent = normalized(along + CLASP_BEND * share[..., None] * inward)
+    return np.stack([_swing_rotated(along, bent, forearms[..., k]) for k in range(3)], axis=-1)
 
 
-def _facing(right: Array, up: Array, upright: bool) -> Array:
-    """Return the frames (..., 3, 3) of a trunk; what it is true to is `up` or `right`."""
+def _trunk_frames(right: Array, up: Array, upright: bool) -> Array:
+    """Return the frames (..., 3, 3) of a trunk along `up` if it is upright, else `right`."""
     if upright:
         y = normalized(up)
         x = normalized(cross(y, right))
@@ -141,7 +140,7 @@ def _facing(right: Array, up: Array, upright: bool) -> Array:
     return np.stack([x, y, z], axis=-1)
 
 
-def _head(neck: Array, gaze: Array, chest: Array, nods: bool) -> Array:
+def _head_frames(neck: Array, gaze: Array, chest: Array, nods: bool) -> Array:
     """Return the frames of heads (..., 3, 3): turned about the neck, then nodding to the gaze."""
     y = normalized(neck)
     along = normalized(gaze)
@@ -152,44 +151,44 @@ def _head(neck: Array, gaze: Array, chest: Array, nods: bool) -> Array:
     x = cross(y, z)
     if not nods:
         return np.stack([x, y, z], axis=-1)
-    angle = np.clip(np.arcsin(np.clip(rise, -1.0, 1.0)), -NOD, NOD)
+    angle = np.clip(np.arcsin(np.clip(rise, -1.0, 1.0)), -MAX_NOD, MAX_NOD)
     return _pitched(np.stack([x, y, z], axis=-1), angle)
 
 
-def _limb(
+def _limb_frames(
     parent: Array, root: Array, middle: Array, tip: Array, way: float, spread: Array
 ) -> tuple[Array, Array]:
     """Return the frames (..., 3, 3) of both links of a limb.
 
     Args:
-        parent: (..., 3, 3) what it hangs on.
-        root: (..., 3) its first joint [m].
+        parent: (..., 3, 3) of the trunk.
+        root: (..., 3) first joint [m].
         middle: (..., 3) elbow or knee [m].
-        tip: (..., 3) its last [m].
-        way: 1 if it bends forward, -1 if it bends back.
-        spread: (3,) the middle of where it may point, in the frame of what it hangs on.
+        tip: (..., 3) last joint [m].
+        way: 1 for a limb that bends forward, -1 back.
+        spread: (3,) middle direction of the limb in the frame of the trunk.
     """
     upper, lower = normalized(middle - root), normalized(tip - middle)
     hinge = way * cross(upper, lower)
     bend = np.sqrt(_dot(hinge, hinge))
-    guided = GUIDED * (1.0 - _smooth(bend / STRAIGHT))
-    least = turn(parent, _least_turned(unturn(parent, upper), spread))
-    hinge = hinge + guided[..., None] * least
-    return _hanging(upper, hinge), _hanging(lower, hinge)
+    weight = LEAST_TWIST_WEIGHT * (1.0 - _smoothstep(bend / HINGE_BEND))
+    straight_hinge = turn(parent, _least_twist_hinge(unturn(parent, upper), spread))
+    hinge = hinge + weight[..., None] * straight_hinge
+    return _hanging_frames(upper, hinge), _hanging_frames(lower, hinge)
 
 
-def _least_turned(along: Array, spread: Array) -> Array:
-    """Return where the hinge (..., 3) of straight limbs is that point `along` (..., 3).
+def _least_twist_hinge(along: Array, spread: Array) -> Array:
+    """Return the hinge (..., 3) of straight limbs along directions (..., 3).
 
-    By the smallest rotation from `spread`, to which the limb came from hanging in the same way.
+    It is turned by the smallest rotation from `spread`, and from hanging to that likewise.
     """
-    return _swung(spread, along, _swung(_DOWN, spread, _Z))
+    return _swing_rotated(spread, along, _swing_rotated(_DOWN, spread, _Z))
 
 
-def _swung(a: Array, b: Array, v: Array) -> Array:
+def _swing_rotated(a: Array, b: Array, v: Array) -> Array:
     """Return `v` turned by the smallest rotation that takes `a` to `b`, all (..., 3).
 
-    `a` and `b` have length one. With c = a · b and w = a × b it is
+    `a` and `b` are unit vectors. With c = a · b and w = a × b it is
     v + w × v + w × (w × v) / (1 + c).
     """
     a, b, v = np.broadcast_arrays(a, b, v)
@@ -199,33 +198,35 @@ def _swung(a: Array, b: Array, v: Array) -> Array:
     return v + turned + again
 
 
-def _hanging(along: Array, hinge: Array) -> Array:
-    """Return frames (..., 3, 3) that hang `along`, their Z as near the hinge as can be."""
+def _hanging_frames(along: Array, hinge: Array) -> Array:
+    """Return frames (..., 3, 3) that hang along a direction, with Z nearest to the hinge."""
     y = -along
     x = normalized(cross(y, hinge))
     return np.stack([x, y, cross(x, y)], axis=-1)
 
 
-def _foot(shin: Array, sole: Array) -> Array:
-    """Return the frames of feet (..., 3, 3): pitched about the ankle so that the sole lies flat.
+def _foot_frames(shin: Array, sole: Array) -> Array:
+    """Return the frames of feet (..., 3, 3), pitched about the ankle so that the sole lies flat.
 
-    Where it would have to turn too far, as of one who lies, the ankle lets go.
+    Where it would turn too far, as in lying, the ankle lets go.
     """
     up = unturn(shin, np.broadcast_to(sole, shin.shape[:-1]))
     angle = np.arctan2(-up[..., 0], up[..., 1])
-    least = np.minimum(np.abs(angle), LEVEL)
-    left = np.clip((LIMP - np.abs(angle)) / (LIMP - LEVEL), 0.0, 1.0)
-    return _pitched(shin, np.sign(angle) * least * left)
+    limited = np.minimum(np.abs(angle), MAX_ANKLE_PITCH)
+    kept = np.clip(
+        (LIMP_ANKLE_PITCH - np.abs(angle)) / (LIMP_ANKLE_PITCH - MAX_ANKLE_PITCH), 0.0, 1.0
+    )
+    return _pitched(shin, np.sign(angle) * limited * kept)
 
 
 def _pitched(R: Array, angle: Array) -> Array:
-    """Return frames turned by `angle` (...,) about their own Z."""
+    """Return frames turned by an angle (...,) about their own Z."""
     x, y, z = R[..., 0], R[..., 1], R[..., 2]
     c, s = np.cos(angle)[..., None], np.sin(angle)[..., None]
     return np.stack([c * x + s * y, c * y - s * x, z], axis=-1)
 
 
-def _smooth(s: Array) -> Array:
+def _smoothstep(s: Array) -> Array:
     s = np.clip(s, 0.0, 1.0)
     result: Array = s * s * (3.0 - 2.0 * s)
     return result

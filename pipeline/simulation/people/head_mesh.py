@@ -1,4 +1,8 @@
-"""Head mesh."""
+"""Head mesh: skin of head and neck, eyes under lids, brows, lips and hair.
+
+Lengths are in heads, from the middle of the head: X forward, Y up, Z to the right. A child's eyes
+are larger and lower, its jaw and nose smaller.
+"""
 
 from __future__ import annotations
 
@@ -8,56 +12,56 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.simulation.figures.solids import loft
-from pipeline.simulation.people.proportions import Build
+from pipeline.simulation.people.proportions import BodyMeasures
 from pipeline.simulation.people.signed_distance import (
     Field,
-    ball,
-    cone,
-    cut,
+    ellipsoid,
     half_space,
-    united,
-    within,
+    round_cone,
+    smooth_difference,
+    smooth_intersection,
+    smooth_union,
 )
 from pipeline.simulation.people.skinned_surface import (
-    Patch,
+    SkinnedPatch,
     Surface,
-    both,
-    globe,
-    joined,
-    kept,
-    polygonised,
+    cached_part,
+    ellipsoid_surface,
+    merge_patches,
+    polygonise,
     ramp,
     tube,
+    with_mirror,
 )
 from pipeline.simulation.spatial import Array, normalized
 
-GLANCE = np.array([1.0, -0.01, 0.10])
-"""Where the right eye looks."""
+EYE_DIRECTION = np.array([1.0, -0.01, 0.10])
+"""Of the right eye."""
 
 
 @dataclass(frozen=True)
 class Head:
-    """Where a head is, and how it is made.
+    """The head of a person.
 
     Attributes:
-        build: whose it is.
+        build: measures of the person.
     """
 
-    build: Build
+    build: BodyMeasures
 
     @property
     def size(self) -> float:
-        """From chin to crown [m]."""
+        """Distance from chin to crown [m]."""
         p = self.build.proportions
         return p.head_size * p.height
 
     @property
     def centre(self) -> Array:
-        """Its middle (3,) [m]."""
+        """Middle (3,) [m]."""
         return np.array([0.02 * self.size, self.build.proportions.height - 0.5 * self.size, 0.0])
 
     def at(self, x: float, y: float, z: float) -> Array:
-        """Return a place (3,) in it [m]."""
+        """Return a place (3,) in the head [m]."""
         return self.centre + self.size * np.array([x, y, z])
 
     @property
@@ -68,58 +72,60 @@ class Head:
         return self.at(0.300 - 0.02 * child, 0.015 - 0.045 * child, 0.150), radius * self.size
 
 
-@kept
-def skin(head: Head) -> Patch:
-    """Return head, neck and ears, turning between chest and head along the neck."""
+@cached_part
+def head_skin(head: Head) -> SkinnedPatch:
+    """Return head, neck and ears, which turn between chest and head along the neck."""
     s, build = head.size, head.build
     centre = head.centre
     base = build.level(0.826)
     low = (centre[0] - 0.55 * s, base - 0.20 * s, -0.52 * s)
     high = (centre[0] + 0.66 * s, centre[1] + 0.56 * s, 0.52 * s)
-    net = polygonised(_flesh(head), low, high, 0.063 * s, symmetric=True)
+    net = polygonise(_head_field(head), low, high, 0.063 * s, symmetric=True)
     y = net.vertices[:, 1]
     chin = float(head.at(0.0, -0.42, 0.0)[1])
     share = ramp(y, base + 0.15 * (chin - base), chin)
     return net.follow("chest", "head", share)
 
 
-def _flesh(head: Head) -> Field:
+def _head_field(head: Head) -> Field:
     s, child = head.size, head.build.childish
-    at, pair = head.at, _pair
+    at, pair = head.at, _both_sides
     jaw = 1.0 - 0.10 * child
     solids = [
-        ball(at(-0.045, 0.115, 0.0), s * np.array([0.430, 0.385, 0.345])),
-        ball(
+        ellipsoid(at(-0.045, 0.115, 0.0), s * np.array([0.430, 0.385, 0.345])),
+        ellipsoid(
             at(0.090, -0.130 - 0.02 * child, 0.0),
             s * np.array([0.285, 0.330, 0.262 + 0.02 * child]),
         ),
-        cone(at(0.215, -0.385, -0.035), at(0.215, -0.385, 0.035), 0.105 * s * jaw, 0.105 * s * jaw),
-        *pair(lambda m: ball(at(0.175, -0.150, 0.130 * m), (0.135 + 0.02 * child) * s)),
+        round_cone(
+            at(0.215, -0.385, -0.035), at(0.215, -0.385, 0.035), 0.105 * s * jaw, 0.105 * s * jaw
+        ),
+        *pair(lambda m: ellipsoid(at(0.175, -0.150, 0.130 * m), (0.135 + 0.02 * child) * s)),
         *pair(
-            lambda m: cone(
+            lambda m: round_cone(
                 at(0.330, 0.135, 0.05 * m), at(0.245, 0.125, 0.215 * m), 0.058 * s, 0.05 * s
             )
         ),
     ]
-    skull = united(solids, 0.11 * s)
-    sockets = united(
+    skull = smooth_union(solids, 0.11 * s)
+    sockets = smooth_union(
         pair(
-            lambda m: ball(
+            lambda m: ellipsoid(
                 at(0.425, 0.020 - 0.05 * child, 0.150 * m), s * np.array([0.10, 0.075, 0.095])
             )
         ),
         0.02 * s,
     )
-    skull = cut(skull, sockets, 0.09 * s)
+    skull = smooth_difference(skull, sockets, 0.09 * s)
     nose = 1.0 - 0.28 * child
     features = [
         skull,
-        cone(
+        round_cone(
             at(0.345, 0.06, 0.0), at(0.375 + 0.075 * nose, -0.125, 0.0), 0.030 * s, 0.052 * s * nose
         ),
-        *pair(lambda m: ball(at(0.375, -0.150, 0.048 * m * nose), 0.038 * s)),
+        *pair(lambda m: ellipsoid(at(0.375, -0.150, 0.048 * m * nose), 0.038 * s)),
         *pair(
-            lambda m: cone(
+            lambda m: round_cone(
                 at(0.375, -0.252, 0.0),
                 at(0.335, -0.262, 0.080 * m),
                 0.026 * s,
@@ -127,69 +133,71 @@ def _flesh(head: Head) -> Field:
                 (1.0, 0.8, 1.0),
             )
         ),
-        cone(at(0.362, -0.292, -0.035), at(0.362, -0.292, 0.035), 0.030 * s, 0.030 * s),
-        *pair(lambda m: ball(at(-0.035, -0.035, 0.335 * m), s * np.array([0.085, 0.135, 0.048]))),
-        _neck(head),
+        round_cone(at(0.362, -0.292, -0.035), at(0.362, -0.292, 0.035), 0.030 * s, 0.030 * s),
+        *pair(
+            lambda m: ellipsoid(at(-0.035, -0.035, 0.335 * m), s * np.array([0.085, 0.135, 0.048]))
+        ),
+        _neck_field(head),
     ]
-    return united(features, 0.045 * s)
+    return smooth_union(features, 0.045 * s)
 
 
-def _neck(head: Head) -> Field:
+def _neck_field(head: Head) -> Field:
     build = head.build
     g = build.girth
     base = (-0.010 * g, build.level(0.838), 0.0)
     top = head.at(-0.115, -0.22, 0.0)
-    return cone(base, top, 0.0340 * g, 0.0315 * g)
+    return round_cone(base, top, 0.0340 * g, 0.0315 * g)
 
 
-def _pair(made: Callable[[float], Field]) -> list[Field]:
-    return [made(1.0), made(-1.0)]
+def _both_sides(make: Callable[[float], Field]) -> list[Field]:
+    return [make(1.0), make(-1.0)]
 
 
-def whites(head: Head) -> Patch:
+def eyeballs(head: Head) -> SkinnedPatch:
     """Return both eyeballs."""
     centre, radius = head.eye
-    return both(globe(centre, np.full(3, radius), 7, 10).follow("head"))
+    return with_mirror(ellipsoid_surface(centre, np.full(3, radius), 7, 10).follow("head"))
 
 
-def pupils(head: Head) -> Patch:
-    """Return the dark of both eyes: lenses on the balls, where they look."""
+def pupils(head: Head) -> SkinnedPatch:
+    """Return both pupils: lenses on the eyeballs."""
     centre, radius = head.eye
-    along = normalized(GLANCE)
-    return both(_lens(centre + 0.54 * radius * along, along, 0.62 * radius).follow("head"))
+    along = normalized(EYE_DIRECTION)
+    return with_mirror(_lens(centre + 0.54 * radius * along, along, 0.62 * radius).follow("head"))
 
 
 def _lens(centre: Array, along: Array, radius: float) -> Surface:
-    """Return a ball whose poles lie along a direction."""
-    one = globe(np.zeros(3), np.array([radius, 0.86 * radius, radius]), 5, 10)
+    """Return a ball with poles along a direction."""
+    surface = ellipsoid_surface(np.zeros(3), np.array([radius, 0.86 * radius, radius]), 5, 10)
     x = normalized(np.cross(along, [0.0, 0.0, 1.0]))
     z = np.cross(x, along)
     R = np.stack([x, along, z], axis=-1)
-    return Surface((one.vertices[:, None, :] * R).sum(axis=-1) + centre, one.faces)
+    return Surface((surface.vertices[:, None, :] * R).sum(axis=-1) + centre, surface.faces)
 
 
-def lids(head: Head) -> Patch:
-    """Return both upper lids: caps over the eyes, low enough for a calm look."""
+def lids(head: Head) -> SkinnedPatch:
+    """Return both upper and lower lids: caps over the eyes, for a calm look."""
     centre, radius = head.eye
-    one = _cap(centre, 1.09 * radius, tilt=0.12, edge=0.36)
-    low = _cap(centre, 1.07 * radius, tilt=np.pi - 0.15, edge=0.58)
-    return both(joined([one.follow("head"), low.follow("head")]))
+    upper = _ball_cap(centre, 1.09 * radius, tilt=0.12, edge=0.36)
+    lower = _ball_cap(centre, 1.07 * radius, tilt=np.pi - 0.15, edge=0.58)
+    return with_mirror(merge_patches([upper.follow("head"), lower.follow("head")]))
 
 
-def _cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
-    """Return what of a ball lies above a plane, which is tipped forward.
+def _ball_cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
+    """Return the cap of a ball above a plane that is tipped forward.
 
     Args:
         centre: (3,) of the ball [m].
-        radius: of it [m].
-        tilt: how far its pole leans forward [rad].
-        edge: how far the plane is above the centre, in radii.
+        radius: of the ball [m].
+        tilt: lean of the pole forward [rad].
+        edge: height of the plane above the centre, in radii.
     """
     begin = np.arcsin(edge)
     angle = np.linspace(begin, np.pi / 2, 5)[:-1]
     turn = np.arange(10) * (2.0 * np.pi / 10)
     sizes, rises = np.cos(angle), np.sin(angle)
-    # The rim has a thickness, and is closed inside of the ball.
+    # The rim has a thickness, closed inside of the ball.
     sizes, rises = np.concatenate([[0.90 * sizes[0]], sizes]), np.concatenate([[edge], rises])
     ring = np.stack(
         [
@@ -207,7 +215,7 @@ def _cap(centre: Array, radius: float, tilt: float, edge: float) -> Surface:
     )
 
 
-def brows(head: Head) -> Patch:
+def brows(head: Head) -> SkinnedPatch:
     """Return both brows."""
     s, child = head.size, head.build.childish
     lower = 0.03 * child
@@ -217,22 +225,22 @@ def brows(head: Head) -> Patch:
         (0.288, 0.118 - lower, 0.225),
     ]
     points = np.array([head.at(*p) for p in line])
-    return both(tube(points, s * np.array([0.016, 0.018, 0.010]), 6).follow("head"))
+    return with_mirror(tube(points, s * np.array([0.016, 0.018, 0.010]), 6).follow("head"))
 
 
-def lips(head: Head) -> Patch:
+def lips(head: Head) -> SkinnedPatch:
     """Return both lips."""
     s, child = head.size, head.build.childish
     wide, up = 0.088 - 0.012 * child, 0.01 * child
     upper = [(0.346, -0.268, wide), (0.391, -0.256, 0.4 * wide), (0.400, -0.262, 0.0)]
     lower = [(0.346, -0.272, wide), (0.381, -0.293, 0.4 * wide), (0.389, -0.297, 0.0)]
-    made = []
+    patches = []
     for half, thick in ((upper, 0.019), (lower, 0.023)):
         line = half + [(x, y, -z) for x, y, z in half[-2::-1]]
         points = np.array([head.at(x, y + up, z) for x, y, z in line])
         radii = s * thick * np.array([0.4, 0.95, 1.0, 0.95, 0.4])
-        made.append(tube(points, radii, 6).follow("head"))
-    return joined(made)
+        patches.append(tube(points, radii, 6).follow("head"))
+    return merge_patches(patches)
 
 
 Style = Callable[[Head], Field]
@@ -241,54 +249,59 @@ Style = Callable[[Head], Field]
 def _hair_cap(head: Head, thick: float) -> Field:
     """Return hair on the skull, cut off along a line from the forehead to the nape."""
     s, at = head.size, head.at
-    skull = ball(at(-0.060, 0.125, 0.0), s * (np.array([0.430, 0.385, 0.345]) + thick))
+    skull = ellipsoid(at(-0.060, 0.125, 0.0), s * (np.array([0.430, 0.385, 0.345]) + thick))
     line = half_space(at(0.345, 0.270, 0.0), (0.72, -0.66, 0.0))
-    return within(skull, line, 0.05 * s)
+    return smooth_intersection(skull, line, 0.05 * s)
 
 
 def _short(head: Head) -> Field:
     s, at = head.size, head.at
-    tuft = cone(at(0.21, 0.42, -0.12), at(0.21, 0.42, 0.12), 0.088 * s, 0.088 * s)
-    nape = ball(at(-0.27, -0.12, 0.0), s * np.array([0.20, 0.26, 0.26]))
-    return united([_hair_cap(head, 0.034), tuft, nape], 0.07 * s)
+    tuft = round_cone(at(0.21, 0.42, -0.12), at(0.21, 0.42, 0.12), 0.088 * s, 0.088 * s)
+    nape = ellipsoid(at(-0.27, -0.12, 0.0), s * np.array([0.20, 0.26, 0.26]))
+    return smooth_union([_hair_cap(head, 0.034), tuft, nape], 0.07 * s)
 
 
 def _bob(head: Head) -> Field:
     s, at = head.size, head.at
     sides = [
-        cone(at(-0.06, 0.12, 0.30 * m), at(-0.04, -0.36, 0.315 * m), 0.11 * s, 0.10 * s)
+        round_cone(at(-0.06, 0.12, 0.30 * m), at(-0.04, -0.36, 0.315 * m), 0.11 * s, 0.10 * s)
         for m in (1, -1)
     ]
-    back = cone(at(-0.26, 0.10, 0.0), at(-0.24, -0.36, 0.0), 0.22 * s, 0.20 * s, (1.0, 1.0, 1.45))
-    return united([_hair_cap(head, 0.052), *sides, back], 0.09 * s)
+    back = round_cone(
+        at(-0.26, 0.10, 0.0), at(-0.24, -0.36, 0.0), 0.22 * s, 0.20 * s, (1.0, 1.0, 1.45)
+    )
+    return smooth_union([_hair_cap(head, 0.052), *sides, back], 0.09 * s)
 
 
 def _bun(head: Head) -> Field:
     s, at = head.size, head.at
-    nape = ball(at(-0.27, -0.10, 0.0), s * np.array([0.19, 0.25, 0.25]))
-    return united([_hair_cap(head, 0.026), nape, ball(at(-0.50, 0.24, 0.0), 0.155 * s)], 0.05 * s)
+    nape = ellipsoid(at(-0.27, -0.10, 0.0), s * np.array([0.19, 0.25, 0.25]))
+    return smooth_union(
+        [_hair_cap(head, 0.026), nape, ellipsoid(at(-0.50, 0.24, 0.0), 0.155 * s)], 0.05 * s
+    )
 
 
 def _long(head: Head) -> Field:
     s, at = head.size, head.at
     sides = [
-        cone(at(-0.08, 0.14, 0.29 * m), at(-0.17, -0.52, 0.27 * m), 0.115 * s, 0.085 * s)
+        round_cone(at(-0.08, 0.14, 0.29 * m), at(-0.17, -0.52, 0.27 * m), 0.115 * s, 0.085 * s)
         for m in (1, -1)
     ]
-    back = cone(at(-0.27, 0.12, 0.0), at(-0.36, -0.72, 0.0), 0.21 * s, 0.11 * s, (1.0, 1.0, 1.7))
-    return united([_hair_cap(head, 0.048), *sides, back], 0.10 * s)
+    back = round_cone(
+        at(-0.27, 0.12, 0.0), at(-0.36, -0.72, 0.0), 0.21 * s, 0.11 * s, (1.0, 1.0, 1.7)
+    )
+    return smooth_union([_hair_cap(head, 0.048), *sides, back], 0.10 * s)
 
 
 HAIR_STYLES: Mapping[str, Style] = {"short": _short, "bob": _bob, "bun": _bun, "long": _long}
-"""All hair."""
 
 
-@kept
-def hair(head: Head, style: str) -> Patch:
-    """Return the hair of a head; what hangs below the chin lies on the back."""
+@cached_part
+def hair_patch(head: Head, style: str) -> SkinnedPatch:
+    """Return the hair of a head; below the chin it follows the back."""
     s, c = head.size, head.centre
     low = (c[0] - 0.80 * s, c[1] - (0.95 if style == "long" else 0.62) * s, -0.54 * s)
     high = (c[0] + 0.50 * s, c[1] + 0.62 * s, 0.54 * s)
-    net = polygonised(HAIR_STYLES[style](head), low, high, 0.084 * s, symmetric=True)
+    net = polygonise(HAIR_STYLES[style](head), low, high, 0.084 * s, symmetric=True)
     share = ramp(net.vertices[:, 1], float(c[1] - 0.85 * s), float(c[1] - 0.30 * s))
     return net.follow("chest", "head", share)

@@ -1,4 +1,4 @@
-"""Person mesh."""
+"""Person mesh: random clothes, and a clothed person as one mesh for each material."""
 
 from __future__ import annotations
 
@@ -9,10 +9,26 @@ from typing import Literal, TypeVar
 
 import numpy as np
 
-from pipeline.simulation.people.body_mesh import arms, shins, shirt, shoes, sleeves, trousers
-from pipeline.simulation.people.head_mesh import Head, brows, hair, lids, lips, pupils, skin, whites
-from pipeline.simulation.people.proportions import STOUTNESS, Build, Proportions
-from pipeline.simulation.people.skinned_surface import Patch, joined
+from pipeline.simulation.people.body_mesh import (
+    bare_arms,
+    bare_shins,
+    shirt,
+    shoes,
+    sleeves,
+    trousers,
+)
+from pipeline.simulation.people.head_mesh import (
+    Head,
+    brows,
+    eyeballs,
+    hair_patch,
+    head_skin,
+    lids,
+    lips,
+    pupils,
+)
+from pipeline.simulation.people.proportions import GIRTH_FACTORS, BodyMeasures, Proportions
+from pipeline.simulation.people.skinned_surface import SkinnedPatch, merge_patches
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.take import Mesh, Part
 
@@ -29,7 +45,7 @@ LIPS = {
     "brown skin": "dark lips",
     "dark skin": "dark lips",
 }
-"""Skins, and the lips that go with them."""
+"""Skin material -> lip material."""
 
 LIGHT_HAIR = ("chestnut fur", "fur", "sand fur", "red fur", "black fur")
 
@@ -48,7 +64,7 @@ SHOES = ("leather", "black cloth", "white cloth")
 
 @dataclass(frozen=True, slots=True)
 class Clothes:
-    """What a person wears and looks like; materials by name.
+    """Clothes, hair and stature of a person; materials by name.
 
     Attributes:
         skin: material.
@@ -59,7 +75,7 @@ class Clothes:
         style: of the hair.
         short_sleeves: whether arms are bare from above the elbow.
         shorts: whether legs are bare from above the knee.
-        build: how stout.
+        build: stature.
     """
 
     skin: str = "fair skin"
@@ -73,40 +89,39 @@ class Clothes:
     build: Stature = "medium"
 
 
-def clothes_of(name: str, seed: int, child: bool = False) -> Clothes:
-    """Return what a person of a name wears by itself, under a scene's seed."""
-    chance = generator(seed, f"{name}/clothes")
+def random_clothes(name: str, seed: int, child: bool = False) -> Clothes:
+    """Return the random clothes of a person by name, under a scene's seed."""
+    rng = generator(seed, f"{name}/clothes")
 
-    def one(*options: Word) -> Word:
-        return options[int(chance.integers(len(options)))]
+    def choice(*options: Word) -> Word:
+        return options[int(rng.integers(len(options)))]
 
-    skin = one(*LIPS)
-    hair = one(*(LIGHT_HAIR if LIPS[skin] == "lips" else DARK_HAIR))
-    shirt, trousers = one(*SHIRTS), one(*TROUSERS)
-    style = one(*STYLES)
+    skin = choice(*LIPS)
+    hair = choice(*(LIGHT_HAIR if LIPS[skin] == "lips" else DARK_HAIR))
+    shirt, trousers = choice(*SHIRTS), choice(*TROUSERS)
+    style = choice(*STYLES)
     return Clothes(
         skin=skin,
         hair=hair,
         shirt=shirt,
         trousers=trousers,
-        shoes=one(*SHOES),
+        shoes=choice(*SHOES),
         style=style,
-        short_sleeves=bool(chance.random() < 0.6),
-        shorts=bool(chance.random() < (0.6 if child else 0.15)),
-        build=one(*STATURES),
+        short_sleeves=bool(rng.random() < 0.6),
+        shorts=bool(rng.random() < (0.6 if child else 0.15)),
+        build=choice(*STATURES),
     )
 
 
-WHITE, PUPIL = "porcelain", "eye"
-"""Materials of eyes."""
+EYEBALL_MATERIAL, PUPIL_MATERIAL = "porcelain", "eye"
 
-KEPT = 64
-"""How many persons' flesh is kept to be worn by others like them."""
+MESH_CACHE_SIZE = 64
+"""Number of persons whose meshes are kept for others like them."""
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
-    """What of a person is of one material.
+class MaterialLayer:
+    """The part of a person of one material.
 
     Attributes:
         name: such as "shirt".
@@ -119,36 +134,39 @@ class Layer:
     material: str
 
 
-def dressed(proportions: Proportions, clothes: Clothes) -> tuple[Layer, ...]:
-    """Return a clothed person, standing at rest at the origin.
+def person_layers(proportions: Proportions, clothes: Clothes) -> tuple[MaterialLayer, ...]:
+    """Return the layers of a clothed person, standing at rest at the origin.
 
-    Its frames' places at rest are `frames.frame_origins`.
+    `body_frames.frame_origins` are the places of its frames at rest.
     """
-    made_of = {
+    materials = {
         "skin": clothes.skin,
         "lips": LIPS.get(clothes.skin, "lips"),
         "hair": clothes.hair,
         "shirt": clothes.shirt,
         "trousers": clothes.trousers,
         "shoes": clothes.shoes,
-        "whites": WHITE,
-        "pupils": PUPIL,
+        "whites": EYEBALL_MATERIAL,
+        "pupils": PUPIL_MATERIAL,
     }
     shape = (clothes.style, clothes.short_sleeves, clothes.shorts, clothes.build)
-    return tuple(Layer(name, mesh, made_of[name]) for name, mesh in _meshes(proportions, *shape))
+    return tuple(
+        MaterialLayer(name, mesh, materials[name])
+        for name, mesh in _cached_meshes(proportions, *shape)
+    )
 
 
-def worn(
-    name: str, layers: tuple[Layer, ...], first: int, mesh: int, rows: int
+def layer_parts(
+    name: str, layers: tuple[MaterialLayer, ...], first: int, mesh: int, rows: int
 ) -> tuple[list[Mesh], list[Part]]:
-    """Return meshes and parts of a take.
+    """Return the meshes and parts of layers for a take.
 
     Args:
         name: of the person.
-        layers: its.
-        first: number of its first frame among the take's nodes.
-        mesh: number of its first mesh.
-        rows: of the take; parts live through all of them.
+        layers: of the person.
+        first: number of the person's first frame among the take's nodes.
+        mesh: number of the person's first mesh.
+        rows: number of rows of the take, for which parts live.
     """
     meshes, parts = list[Mesh](), list[Part]()
     for layer in layers:
@@ -161,32 +179,32 @@ def worn(
     return meshes, parts
 
 
-@lru_cache(maxsize=KEPT)
-def _meshes(
+@lru_cache(maxsize=MESH_CACHE_SIZE)
+def _cached_meshes(
     proportions: Proportions, style: Hair, short_sleeves: bool, shorts: bool, stature: Stature
 ) -> tuple[tuple[str, Mesh], ...]:
-    build = Build(proportions, STOUTNESS[stature])
+    build = BodyMeasures(proportions, GIRTH_FACTORS[stature])
     layers = _layers(build, style, short_sleeves, shorts)
-    return tuple((name, _mesh(joined(patches))) for name, patches in layers)
+    return tuple((name, _mesh(merge_patches(patches))) for name, patches in layers)
 
 
 def _layers(
-    build: Build, style: Hair, short_sleeves: bool, shorts: bool
-) -> Iterator[tuple[str, list[Patch]]]:
+    build: BodyMeasures, style: Hair, short_sleeves: bool, shorts: bool
+) -> Iterator[tuple[str, list[SkinnedPatch]]]:
     head = Head(build)
-    bare = [shins(build)] if shorts else []
-    yield "skin", [skin(head), lids(head), arms(build, short_sleeves), *bare]
+    bare = [bare_shins(build)] if shorts else []
+    yield "skin", [head_skin(head), lids(head), bare_arms(build, short_sleeves), *bare]
     yield "lips", [lips(head)]
-    locks = [] if style == "none" else [hair(head, style)]
+    locks = [] if style == "none" else [hair_patch(head, style)]
     yield "hair", [*locks, brows(head)]
     yield "shirt", [shirt(build), sleeves(build, short_sleeves)]
     yield "trousers", [trousers(build, shorts)]
     yield "shoes", [shoes(build)]
-    yield "whites", [whites(head)]
+    yield "whites", [eyeballs(head)]
     yield "pupils", [pupils(head)]
 
 
-def _mesh(patch: Patch) -> Mesh:
+def _mesh(patch: SkinnedPatch) -> Mesh:
     share = patch.share.astype(np.float32)
     arrays = (
         patch.vertices.astype(np.float32),
@@ -194,7 +212,7 @@ def _mesh(patch: Patch) -> Mesh:
         patch.frames.astype(np.int32),
         np.stack([np.float32(1.0) - share, share], axis=-1),
     )
-    # Many persons wear them.
+    # The cache shares them.
     for array in arrays:
         array.setflags(write=False)
     return Mesh(*arrays)

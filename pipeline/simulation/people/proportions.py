@@ -1,4 +1,4 @@
-"""Proportions: where the joints of a person lie and what its segments weigh, by its height."""
+"""Proportions: places of a person's joints, masses of its segments, and its measures in metres."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ JOINTS = (
     "foot_l",
     "foot_r",
 )
-"""The sixteen places that a person's segments join; "hand" is the wrist, "foot" the ankle.
+"""The sixteen joints of a person's segments; "hand" is the wrist, "foot" the ankle.
 
 Source: Horswill 2008, figure 2.
 """
@@ -56,7 +56,7 @@ class Proportions:
     """A person's measures as fractions of its height, and its weight.
 
     Attributes:
-        height: of the crown over the sole [m].
+        height: of the crown above the sole [m].
         mass: [kg].
         ankle: height of the ankle.
         knee: height of the knee.
@@ -64,15 +64,15 @@ class Proportions:
         spine: height of the joint between belly and chest.
         shoulder: height of the shoulders.
         head: height of the middle of the head.
-        hips: half the distance of the hips' joints.
-        shoulders: half the distance of the shoulders' joints.
-        upper_arm: its length.
-        forearm: its length, elbow to wrist.
-        hand: its length, wrist to fingertips.
-        foot: its length, heel to toe.
+        hips: half the distance of the hip joints.
+        shoulders: half the distance of the shoulder joints.
+        upper_arm: length.
+        forearm: length, elbow to wrist.
+        hand: length, wrist to fingertips.
+        foot: length, heel to toe.
         head_size: height of the head, chin to crown.
 
-    Source: Winter 2009, figure 4.1, for grown-ups; a child of six is about six heads high, with
+    Source: Winter 2009, figure 4.1, for adults; a child of six is about six heads high, with
         shorter legs.
     """
 
@@ -93,7 +93,7 @@ class Proportions:
     head_size: float = 0.130
 
     def rest(self) -> Array:
-        """Return (16, 3) where the joints are [m], standing at the origin, arms hanging.
+        """Return (16, 3) the joints [m], standing at the origin, arms hanging.
 
         X is forward, Y up and Z to the right, as in a figure's frame.
         """
@@ -150,22 +150,25 @@ SEGMENT_MASSES = {
     "shin": 0.0465,
     "foot": 0.0145,
 }
-"""Fraction of the whole that each segment weighs, of each limb one.
+"""Fraction of the body's mass in each segment, of each limb one.
 
 Source: Winter 2009, table 4.1.
 """
 
-STOUTNESS = {"slim": 0.93, "medium": 1.0, "sturdy": 1.09}
-"""Girth by build."""
+GIRTH_FACTORS = {"slim": 0.93, "medium": 1.0, "sturdy": 1.09}
+"""Girths by stature."""
 
 
 @dataclass(frozen=True)
-class Build:
-    """Measures of one person.
+class BodyMeasures:
+    """Measures of one person, for the meshes of its body and clothes.
+
+    Outlines are given as fractions of an adult's height (`ADULT`), and fitted to others between the
+    same landmarks: soles, ankles, knees, hips, waist, shoulders, chin and crown.
 
     Attributes:
-        proportions: where its joints lie.
-        stoutness: girth as a part of that of a person of its weight.
+        proportions: of the person.
+        stoutness: girth as a fraction of the usual one for its weight.
     """
 
     proportions: Proportions

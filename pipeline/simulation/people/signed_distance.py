@@ -1,4 +1,8 @@
-"""Signed distance."""
+"""Signed distance: solids as functions that are negative inside, and their smooth unions.
+
+A body is an outline at a row of heights, as wide to the right as to the left, with different
+depths ahead and behind.
+"""
 
 from __future__ import annotations
 
@@ -8,75 +12,74 @@ import numpy as np
 
 from pipeline.simulation.spatial import Array
 
-HEM_ROUND = 0.012
-"""Over what the edge of a hem is rounded, in girths: nets of sharper ones are ragged."""
+HEM_ROUNDING = 0.012  # of the edge of a hem, in girths: sharper edges polygonise raggedly
 
 Field = Callable[[Array], Array]
-"""From places (n, 3) to (n,) about the distance to the surface, negative inside [m]."""
+"""From places (n, 3) to (n,) approximate distances to the surface, negative inside [m]."""
 
 
-def ball(centre: Sequence[float] | Array, radii: float | Array) -> Field:
+def ellipsoid(centre: Sequence[float] | Array, radii: float | Array) -> Field:
     """Return an ellipsoid of `radii` along the axes around `centre` (3,) [m]."""
-    middle, scale = np.asarray(centre, dtype=float), np.broadcast_to(radii, 3).astype(float)
+    origin, scale = np.asarray(centre, dtype=float), np.broadcast_to(radii, 3).astype(float)
     least = float(scale.min())
 
     def distance(places: Array) -> Array:
-        result: Array = (_length((places - middle) / scale) - 1.0) * least
+        result: Array = (_length((places - origin) / scale) - 1.0) * least
         return result
 
     return distance
 
 
-def cone(
+def round_cone(
     a: Sequence[float] | Array,
     b: Sequence[float] | Array,
     r_a: float,
     r_b: float,
     flat: Sequence[float] = (1.0, 1.0, 1.0),
 ) -> Field:
-    """Return a round cone between balls around `a` and `b` (3,), wider along axes by `flat` [m]."""
-    wide = np.asarray(flat, dtype=float)
+    """Return a round cone between balls around `a` and `b` (3,), stretched by `flat` [m]."""
+    scale = np.asarray(flat, dtype=float)
     start, along = np.asarray(a, dtype=float), np.asarray(b, dtype=float) - np.asarray(a)
-    square, least = float((along * along).sum()), float(wide.min())
+    square, least = float((along * along).sum()), float(scale.min())
 
     def distance(places: Array) -> Array:
-        away = places - start
-        s = np.clip((away * along).sum(axis=-1) / square, 0.0, 1.0)
-        off = (away - s[:, None] * along) / wide
-        result: Array = (_length(off) - (r_a + (r_b - r_a) * s)) * least
+        offset = places - start
+        s = np.clip((offset * along).sum(axis=-1) / square, 0.0, 1.0)
+        radial = (offset - s[:, None] * along) / scale
+        result: Array = (_length(radial) - (r_a + (r_b - r_a) * s)) * least
         return result
 
     return distance
 
 
-def stack(rows: Sequence[Sequence[float]] | Array, z: float = 0.0) -> Field:
-    """Return what lies inside ovals at several heights, flat at both ends.
+def oval_stack(rows: Sequence[Sequence[float]] | Array, z: float = 0.0) -> Field:
+    """Return the solid inside ovals at several heights, flat at both ends.
 
     Args:
-        rows: (n, 5) from the lowest to the highest: height, the oval's middle along X, its
-            reach ahead, behind, and to either side [m].
+        rows: (n, 5) from the lowest to the highest: height; middle of the oval along X; its reach
+            ahead, behind, and to either side [m].
         z: of the middle of all ovals [m].
     """
     table = np.asarray(rows, dtype=float)
     heights, measures = table[:, 0], table[:, 1:]
-    slopes = _slopes(heights, measures)
+    slopes = _monotone_slopes(heights, measures)
 
     def distance(places: Array) -> Array:
         y = np.clip(places[:, 1], heights[0], heights[-1])
         middle, ahead, behind, aside = _hermite(heights, measures, slopes, y).T
         x = places[:, 0] - middle
         depth = np.where(x > 0.0, ahead, behind)
-        away = np.hypot(x / depth, (places[:, 2] - z) / aside)
-        around = (away - 1.0) * np.minimum(depth, aside)
-        beyond = np.maximum(heights[0] - places[:, 1], places[:, 1] - heights[-1])
-        result: Array = np.maximum(around, beyond)
+        radius = np.hypot(x / depth, (places[:, 2] - z) / aside)
+        side = (radius - 1.0) * np.minimum(depth, aside)
+        cap = np.maximum(heights[0] - places[:, 1], places[:, 1] - heights[-1])
+        result: Array = np.maximum(side, cap)
         return result
 
     return distance
 
 
 def half_space(point: Sequence[float] | Array, normal: Sequence[float] | Array) -> Field:
-    """Return all that lies behind a plane through `point` (3,), which faces along `normal` (3,)."""
+    """Return the space behind a plane through `point` (3,) with a normal (3,)."""
     n = np.asarray(normal, dtype=float)
     n = n / np.sqrt((n * n).sum())
     p = np.asarray(point, dtype=float)
@@ -88,38 +91,38 @@ def half_space(point: Sequence[float] | Array, normal: Sequence[float] | Array) 
     return distance
 
 
-def united(fields: Sequence[Field], blend: float) -> Field:
+def smooth_union(fields: Sequence[Field], blend: float) -> Field:
     """Return the union of solids, rounded over `blend` where they meet [m]."""
 
     def distance(places: Array) -> Array:
         total = fields[0](places)
         for field in fields[1:]:
-            total = _least(total, field(places), blend)
+            total = _smooth_minimum(total, field(places), blend)
         return total
 
     return distance
 
 
-def cut(solid: Field, knife: Field, blend: float) -> Field:
-    """Return a solid without what is inside a `knife`, its edge rounded over `blend` [m]."""
+def smooth_difference(solid: Field, knife: Field, blend: float) -> Field:
+    """Return a solid without the inside of a knife, its edge rounded over `blend` [m]."""
 
     def distance(places: Array) -> Array:
-        return -_least(-solid(places), knife(places), blend)
+        return -_smooth_minimum(-solid(places), knife(places), blend)
 
     return distance
 
 
-def within(solid: Field, limit: Field, blend: float) -> Field:
-    """Return what of a solid is inside a limit too, its edge rounded over `blend` [m]."""
+def smooth_intersection(solid: Field, limit: Field, blend: float) -> Field:
+    """Return a solid inside a limit, its edge rounded over `blend` [m]."""
 
     def distance(places: Array) -> Array:
-        return -_least(-solid(places), -limit(places), blend)
+        return -_smooth_minimum(-solid(places), -limit(places), blend)
 
     return distance
 
 
-def grown(solid: Field, by: float) -> Field:
-    """Return a solid that reaches farther by a distance [m]."""
+def offset_solid(solid: Field, by: float) -> Field:
+    """Return a solid grown by a distance [m]."""
 
     def distance(places: Array) -> Array:
         return solid(places) - by
@@ -127,7 +130,7 @@ def grown(solid: Field, by: float) -> Field:
     return distance
 
 
-def _least(a: Array, b: Array, blend: float) -> Array:
+def _smooth_minimum(a: Array, b: Array, blend: float) -> Array:
     """Return the smooth minimum: a quarter of `blend` below both where they are equal.
 
     Source: Quilez 2013, the quadratic one.
@@ -141,10 +144,10 @@ def _length(v: Array) -> Array:
     return result
 
 
-def _slopes(x: Array, y: Array) -> Array:
-    """Return slopes (n, m) at the knots with which a cubic never swings beyond them.
+def _monotone_slopes(x: Array, y: Array) -> Array:
+    """Return slopes (n, m) at the knots of a cubic that never overshoots them.
 
-    Source: Fritsch and Butland 1984: the harmonic mean of both sides, nought at an extremum.
+    Source: Fritsch and Butland 1984: the harmonic mean of both sides, zero at an extremum.
     """
     rise = np.diff(y, axis=0) / np.diff(x)[:, None]
     before, after = rise[:-1], rise[1:]
@@ -153,11 +156,11 @@ def _slopes(x: Array, y: Array) -> Array:
     return np.concatenate([rise[:1], np.where(same, mean, 0.0), rise[-1:]])
 
 
-def _hermite(x: Array, y: Array, slopes: Array, at: Array) -> Array:
+def _hermite(x: Array, y: Array, slopes: Array, places: Array) -> Array:
     """Return (k, m) of a cubic through `y` (n, m) at `x` (n,), at places (k,)."""
-    i = np.clip(np.searchsorted(x, at, side="right") - 1, 0, len(x) - 2)
+    i = np.clip(np.searchsorted(x, places, side="right") - 1, 0, len(x) - 2)
     span = x[i + 1] - x[i]
-    s = ((at - x[i]) / span)[:, None]
+    s = ((places - x[i]) / span)[:, None]
     span = span[:, None]
     result: Array = (
         (1.0 + 2.0 * s) * (1.0 - s) ** 2 * y[i]

@@ -1,4 +1,4 @@
-"""Skinned surface."""
+"""Skinned surface: closed surfaces that follow one or two frames, from fields and from rings."""
 
 from __future__ import annotations
 
@@ -14,11 +14,10 @@ from pipeline.simulation.people.body_frames import FRAMES
 from pipeline.simulation.people.signed_distance import Field
 from pipeline.simulation.spatial import Array, cross, normalized
 
-PINCH = 1e-9
-"""How deep inside a sample is that was filled [m]."""
+FILLED_DEPTH = 1e-9  # of a filled sample [m]
 
-kept = lru_cache(maxsize=256)
-"""For what many persons have alike: it is made once."""
+cached_part = lru_cache(maxsize=256)
+"""Cache for parts that many persons share."""
 
 MIRROR = np.array([1.0, 1.0, -1.0])
 
@@ -36,11 +35,13 @@ class Surface:
     faces: NDArray[np.uint32]
 
     def mirrored(self) -> Surface:
-        """Return the same on the other side of the body."""
+        """Return the surface mirrored to the other side of the body."""
         return Surface(self.vertices * MIRROR, self.faces[:, ::-1])
 
-    def follow(self, frame: str, other: str | None = None, share: Array | None = None) -> Patch:
-        """Return the surface, following one frame, or a second one by a share of it.
+    def follow(
+        self, frame: str, other: str | None = None, share: Array | None = None
+    ) -> SkinnedPatch:
+        """Return the surface as a patch that follows one frame, or two.
 
         Args:
             frame: the first.
@@ -51,11 +52,11 @@ class Surface:
         part = np.zeros(count) if share is None else np.clip(share, 0.0, 1.0)
         first = np.full(count, FRAMES.index(frame))
         second = np.full(count, FRAMES.index(other or frame))
-        return Patch(self.vertices, self.faces, np.stack([first, second], axis=-1), part)
+        return SkinnedPatch(self.vertices, self.faces, np.stack([first, second], axis=-1), part)
 
 
 @dataclass(frozen=True, eq=False)
-class Patch:
+class SkinnedPatch:
     """A surface that follows one frame or two.
 
     Attributes:
@@ -70,10 +71,10 @@ class Patch:
     frames: NDArray[np.int64]
     share: Array
 
-    def mirrored(self) -> Patch:
+    def mirrored(self) -> SkinnedPatch:
         """Return the same on the other side of the body, following its frames."""
-        return Patch(
-            self.vertices * MIRROR, self.faces[:, ::-1], OTHER_SIDE[self.frames], self.share
+        return SkinnedPatch(
+            self.vertices * MIRROR, self.faces[:, ::-1], MIRRORED_FRAMES[self.frames], self.share
         )
 
 
@@ -82,15 +83,15 @@ def _other_side(name: str) -> int:
     return FRAMES.index(f"{stem}_{'lr'[side == 'l']}" if stem and side in "lr" else name)
 
 
-OTHER_SIDE = np.array([_other_side(name) for name in FRAMES])
+MIRRORED_FRAMES = np.array([_other_side(name) for name in FRAMES])
 """For each frame the one on the other side of the body."""
 
 
-def joined(patches: Sequence[Patch]) -> Patch:
+def merge_patches(patches: Sequence[SkinnedPatch]) -> SkinnedPatch:
     """Return several patches as one."""
     starts = np.cumsum([0, *(len(p.vertices) for p in patches)])
     faces = [p.faces + np.uint32(start) for p, start in zip(patches, starts, strict=False)]
-    return Patch(
+    return SkinnedPatch(
         np.concatenate([p.vertices for p in patches]),
         np.concatenate(faces),
         np.concatenate([p.frames for p in patches]),
@@ -98,12 +99,12 @@ def joined(patches: Sequence[Patch]) -> Patch:
     )
 
 
-def both(patch: Patch) -> Patch:
-    """Return a patch of the right side and the same on the left."""
-    return joined([patch, patch.mirrored()])
+def with_mirror(patch: SkinnedPatch) -> SkinnedPatch:
+    """Return a patch of the right side together with its mirror image."""
+    return merge_patches([patch, patch.mirrored()])
 
 
-def polygonised(
+def polygonise(
     field: Field,
     low: Sequence[float],
     high: Sequence[float],
@@ -112,19 +113,19 @@ def polygonised(
     symmetric: bool = False,
     hem: float | None = None,
 ) -> Surface:
-    """Return the surface on which a field is zero.
+    """Return the zero surface of a field.
 
     Args:
         field: positive on the border of the box.
         low: (3,) corner of the box [m].
-        high: (3,) the opposite one [m].
+        high: (3,) opposite corner [m].
         cell: distance of the samples [m].
-        stretch: how much farther apart they are in height.
+        stretch: factor of the distance in height.
         symmetric: whether both sides of the body are alike, and sampled alike.
-        hem: height of an edge, which lies in the middle between samples, so that it is even [m].
+        hem: height of an edge, placed in the middle between samples so that it is even [m].
     """
     if symmetric:
-        field = _folded(field)
+        field = _symmetric(field)
     steps = cell * np.array([1.0, stretch, 1.0])
     axes = [
         _samples(*ends, symmetric and k == 2)
@@ -137,11 +138,11 @@ def polygonised(
     _fill_pinches(values)
     vertices, faces = surface_nets(values, np.zeros(3), 1.0)
     places = grid[0, 0, 0] + vertices * steps
-    return Surface(_drawn_on(field, places, 0.25 * cell), faces)
+    return Surface(_project_to_surface(field, places, 0.25 * cell), faces)
 
 
-def _folded(field: Field) -> Field:
-    """Return a field whose left is as its right, to the last bit."""
+def _symmetric(field: Field) -> Field:
+    """Return a field whose left equals its right to the last bit."""
 
     def distance(places: Array) -> Array:
         right = places.copy()
@@ -152,10 +153,9 @@ def _folded(field: Field) -> Field:
 
 
 def _fill_pinches(values: Array) -> None:
-    """Fill samples in which two parts of a solid would meet in an edge alone.
+    """Fill samples where two parts of a solid would meet in an edge alone.
 
-    Where the inside samples of a square lie across from one another, four faces would share an
-    edge.
+    Where the inside samples of a square lie diagonally, four faces would share an edge.
     """
     found = True
     while found:
@@ -163,18 +163,18 @@ def _fill_pinches(values: Array) -> None:
         for first, second in ((0, 1), (0, 2), (1, 2)):
             a, b, c, d = _squares(values, first, second)
             in_a, in_b, in_c, in_d = (corner < 0.0 for corner in (a, b, c, d))
-            across = (in_a == in_c) & (in_b == in_d) & (in_a != in_b)
-            if not across.any():
+            is_diagonal = (in_a == in_c) & (in_b == in_d) & (in_a != in_b)
+            if not is_diagonal.any():
                 continue
-            # Samples are only ever filled, so this comes to an end.
+            # Samples are only ever filled, so the loop ends.
             found = True
             for one, other, outside in ((a, c, ~in_a), (b, d, ~in_b)):
-                one[across & outside & (one <= other)] = -PINCH
-                other[across & outside & (one > other)] = -PINCH
+                one[is_diagonal & outside & (one <= other)] = -FILLED_DEPTH
+                other[is_diagonal & outside & (one > other)] = -FILLED_DEPTH
 
 
 def _squares(values: Array, first: int, second: int) -> tuple[Array, Array, Array, Array]:
-    """Return the four corners of all squares of a grid along two of its axes, as views."""
+    """Return views of the four corners of all squares of a grid along two of its axes."""
     n = values.shape
 
     def corner(i: int, j: int) -> Array:
@@ -193,12 +193,12 @@ def _samples(low: float, high: float, step: float, symmetric: bool) -> Array:
     return low + step * np.arange(int(np.ceil((high - low) / step)) + 1, dtype=float)
 
 
-def _drawn_on(field: Field, places: Array, most: float) -> Array:
-    """Return places drawn onto the surface of a field along its slope, by `most` at most [m].
+def _project_to_surface(field: Field, places: Array, limit: float) -> Array:
+    """Return places drawn onto the zero surface of a field, by `most` at most [m].
 
-    A net lies inside of what is round, by its cells' size; drawn out, few vertices are enough.
+    A net lies inside of round solids, by its cells' size; drawn out, few vertices are enough.
     """
-    step = 0.2 * most
+    step = 0.2 * limit
     for _ in range(2):
         slope = np.stack(
             [(field(places + d) - field(places - d)) / (2.0 * step) for d in step * np.eye(3)],
@@ -207,43 +207,42 @@ def _drawn_on(field: Field, places: Array, most: float) -> Array:
         square = np.maximum((slope * slope).sum(axis=-1), 0.04)
         move = -(field(places) / square)[:, None] * slope
         length = np.sqrt((move * move).sum(axis=-1, keepdims=True))
-        places = places + move * np.minimum(1.0, most / np.maximum(length, 1e-12))
+        places = places + move * np.minimum(1.0, limit / np.maximum(length, 1e-12))
     return places
 
 
-def ramp(values: Array, begin: float | Array, end: float | Array) -> Array:
-    """Return 0 up to `begin`, 1 from `end` on, and smoothly between; `end` may be the lower."""
-    s = np.clip((values - begin) / (end - begin), 0.0, 1.0)
+def ramp(values: Array, start: float | Array, end: float | Array) -> Array:
+    """Return 0 up to `begin`, 1 from `end` on, smooth between; `end` may be the lower."""
+    s = np.clip((values - start) / (end - start), 0.0, 1.0)
     result: Array = s * s * (3.0 - 2.0 * s)
     return result
 
 
-CAP = np.radians([25.0, 65.0])
-"""Latitudes of the rings of a cap."""
+CAP_LATITUDES = np.radians([25.0, 65.0])  # of the rings of a cap
 
 
 def tube(points: Array, radii: Array, around: int) -> Surface:
-    """Return the surface around a line.
+    """Return the surface around a line, closed by caps.
 
     Args:
-        points: (n, 3) of the line [m]; it does not run along X.
-        radii: (n,) there [m].
+        points: (n, 3) of the line, not along X [m].
+        radii: (n,) [m].
         around: vertices of a ring.
     """
     along = normalized(np.gradient(points, axis=0))
     x = np.array([1.0, 0.0, 0.0])
-    places, sizes, ways = list(points), list(radii), list(along)
+    places, sizes, directions = list(points), list(radii), list(along)
     for k, sign in ((0, -1.0), (-1, 1.0)):
-        rings = [points[k] + sign * radii[k] * np.sin(a) * along[k] for a in CAP]
-        narrow = [radii[k] * np.cos(a) for a in CAP]
+        rings = [points[k] + sign * radii[k] * np.sin(a) * along[k] for a in CAP_LATITUDES]
+        narrow = [radii[k] * np.cos(a) for a in CAP_LATITUDES]
         if k == 0:
             places, sizes = [*rings[::-1], *places], [*narrow[::-1], *sizes]
-            ways = [along[0]] * len(CAP) + ways
+            directions = [along[0]] * len(CAP_LATITUDES) + directions
         else:
             places, sizes = [*places, *rings], [*sizes, *narrow]
-            ways = ways + [along[-1]] * len(CAP)
-    y = normalized(cross(np.array(ways), np.broadcast_to(x, (len(ways), 3))))
-    z = cross(np.array(ways), y)
+            directions = directions + [along[-1]] * len(CAP_LATITUDES)
+    y = normalized(cross(np.array(directions), np.broadcast_to(x, (len(directions), 3))))
+    z = cross(np.array(directions), y)
     angle = np.arange(around) * (2.0 * np.pi / around)
     ring = np.cos(angle)[:, None] * y[:, None] + np.sin(angle)[:, None] * z[:, None]
     rings = np.array(places)[:, None] + np.array(sizes)[:, None, None] * ring
@@ -252,7 +251,7 @@ def tube(points: Array, radii: Array, around: int) -> Surface:
     return Surface(solid.vertices, solid.faces)
 
 
-def globe(centre: Array, radii: Array, rings: int, around: int) -> Surface:
+def ellipsoid_surface(centre: Array, radii: Array, rings: int, around: int) -> Surface:
     """Return an ellipsoid around `centre` (3,) of `radii` (3,), its poles above and below."""
     angle = np.linspace(-np.pi / 2, np.pi / 2, rings + 2)[1:-1]
     turn = np.arange(around) * (2.0 * np.pi / around)

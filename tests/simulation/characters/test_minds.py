@@ -8,27 +8,25 @@ import numpy as np
 import pytest
 
 from pipeline.errors import SceneError
-from pipeline.simulation.characters.behaviours.movement_behaviours import Stroll
+from pipeline.simulation.characters.behaviours.movement_behaviours import WanderAround
 from pipeline.simulation.characters.behaviours.registry import (
     IMPLEMENTATIONS,
     behaviour_number,
     load_implementations,
 )
 from pipeline.simulation.characters.mind.perception import (
-    FAR_FROM_CAREGIVER,
-    NEAR_CAREGIVER,
-    SOOTHES,
-    SPAN,
+    ANXIETY,
+    MEMORY_SPAN,
     Glances,
-    exposed,
-    felt,
+    exposure,
+    next_anxiety,
 )
 from pipeline.simulation.simulate import simulate
 from pipeline.spec import read_scene
 from pipeline.spec.behaviour import FORMS, NAMES, Urge
 from pipeline.spec.scene_library import library
 from pipeline.spec.scene_loader import load_scene
-from tests.simulation.characters.minded import channel, doing, simulation, steps, troupe
+from tests.simulation.characters.mind_scenes import channel, doing, simulation, steps, troupe
 
 pytestmark = pytest.mark.slow
 
@@ -47,16 +45,18 @@ def test_a_second_behaviour_of_a_kind_counts_as_the_kind() -> None:
 
 
 def test_anxiety_grows_with_distance_and_trait_and_falls_by_a_closed_form_in_a_hug() -> None:
-    far = [
-        felt(0.2, 0.5, d, False, 1.0) for d in np.linspace(NEAR_CAREGIVER, FAR_FROM_CAREGIVER, 9)
-    ]
+    distances = np.linspace(ANXIETY.safe, ANXIETY.exposed, 9)
+    far = [next_anxiety(0.2, 0.5, d, False, 1.0) for d in distances]
     assert all(np.diff(far) > 0.0)
-    assert felt(0.2, 0.9, 5.0, False, 1.0) > felt(0.2, 0.3, 5.0, False, 1.0) > 0.2
-    assert felt(0.2, 0.0, 100.0, False, 1.0) == 0.2
-    assert felt(0.9, 1.0, 100.0, False, 1e3) == 1.0
-    assert felt(0.8, 1.0, 9.0, True, 2.0) == pytest.approx(0.8 * math.exp(-2.0 * SOOTHES))
-    assert exposed(NEAR_CAREGIVER) == 0.0
-    assert exposed(FAR_FROM_CAREGIVER) == 1.0
+    rises = [next_anxiety(0.2, trait, 5.0, False, 1.0) for trait in (0.3, 0.9)]
+    assert 0.2 < rises[0] < rises[1]
+    assert next_anxiety(0.2, 0.0, 100.0, False, 1.0) == 0.2
+    assert next_anxiety(0.9, 1.0, 100.0, False, 1e3) == 1.0
+    assert next_anxiety(0.8, 1.0, 9.0, True, 2.0) == pytest.approx(
+        0.8 * math.exp(-2.0 * ANXIETY.hug)
+    )
+    assert exposure(ANXIETY.safe) == 0.0
+    assert exposure(ANXIETY.exposed) == 1.0
 
 
 def test_glances_come_as_often_as_the_priority_says() -> None:
@@ -81,13 +81,13 @@ def test_what_was_out_of_view_for_long_is_forgotten() -> None:
 - {name: ball, character: ball, at: [-6, 0]}
 """
     mind = troupe(simulation(cast, 1)).minds.minds[0]  # type: ignore[union-attr]
-    memory, around = mind.memory, mind.surroundings
-    around.now = 0.0
-    memory.look(around, 0, 0.0)
+    memory, surroundings = mind.memory, mind.surroundings
+    surroundings.now = 0.0
+    memory.look(surroundings, 0, 0.0)
     assert not memory.in_view[1]
-    assert memory.fresh(SPAN / 2)[1] == pytest.approx(0.5)
-    assert memory.fresh(SPAN)[1] == 0.0
-    memory.look(around, 0, math.pi)
+    assert memory.freshness(MEMORY_SPAN / 2)[1] == pytest.approx(0.5)
+    assert memory.freshness(MEMORY_SPAN)[1] == 0.0
+    memory.look(surroundings, 0, math.pi)
     assert memory.in_view[1]
 
 
@@ -156,7 +156,7 @@ def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
     characters.arrays.owners[0].pain = 2.0
     minds = characters.minds
     assert minds is not None
-    minds.minds[0].hurt(2.0, 1, 0.01)
+    minds.minds[0].feel_blow(2.0, 1, 0.01)
     characters.arrays.owners[0].pain = 0.0
     for _ in steps(made):
         pass
@@ -174,7 +174,7 @@ def test_who_is_hurt_does_not_step_back_into_what_stands_there(seed: int) -> Non
     made.step()
     minds = characters.minds
     assert minds is not None
-    minds.minds[0].hurt(2.0, 1, 0.01)
+    minds.minds[0].feel_blow(2.0, 1, 0.01)
     nearest = math.inf
     for _ in steps(made):
         x, z = characters.persons[0].at
@@ -194,8 +194,8 @@ def test_nobody_strolls_to_where_something_stands() -> None:
     assert minds is not None
     mind = minds.minds[0]
     stroll = mind.behaviours["wander"]
-    assert isinstance(stroll, Stroll)
-    room = mind.surroundings.radius[1] + mind.slim
+    assert isinstance(stroll, WanderAround)
+    room = mind.surroundings.radius[1] + mind.body_radius
     for _ in range(60):
         stroll.end(mind)
         mind.now += 20.0
@@ -218,7 +218,7 @@ def test_a_hug_at_full_speed_does_not_hurt_unless_it_is_to() -> None:
             minds = characters.minds
             assert minds is not None
             did |= {mind.doing for mind in minds.minds}
-            hugged = hugged or minds.minds[1].hugging
+            hugged = hugged or minds.minds[1].is_hugging
             fastest = max(fastest, float(np.hypot(*characters.persons[1].velocity)))
         assert fastest > 2.0
         assert ("withdrawal" in did) == slapstick

@@ -1,4 +1,8 @@
-"""Movement behaviours."""
+"""Movement behaviours: approach, flee, keep off, freeze, withdraw, wander and sit down.
+
+Source: Horswill 2008, "High-level Control" (freeze; withdrawal; sit down, stand up); Reynolds
+1999 (flee).
+"""
 
 from __future__ import annotations
 
@@ -8,300 +12,273 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pipeline.simulation.characters.behaviours.potential_field import (
-    EDGE,
+    EDGE_MARGIN,
     has_room,
-    leads_free,
+    is_way_free,
     steer,
 )
-from pipeline.simulation.characters.behaviours.registry import MotorCommand, implements
+from pipeline.simulation.characters.behaviours.registry import (
+    ConfiguredBehaviour,
+    MotorCommand,
+    implements,
+)
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Approach, Flee, Freeze, Shyness, SitDown, Urge, Wander
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
 
+# Flight.
+FEAR_RANGE = 7.0  # [m]
+FREEZE_RANGE = 0.6 * FEAR_RANGE
+FLIGHT_DISTANCE, SHY_DISTANCE = 4.0, 1.2  # to the place of refuge [m]
+EDGE_RANGE = 3.5  # from the edge of the terrain within which one turns away from it [m]
+SHY_URGENCY = 1.5  # added activation of a very anxious one that is quite close
+
+# Withdrawal: nothing else comes before it.
+WITHDRAWAL_ACTIVATION = 2.0
+WITHDRAWAL_TIME = 0.8  # [s]
+WITHDRAWAL_DISTANCE = 1.4  # [m]
+WITHDRAWAL_FROUDE = 0.55  # pace, in √(g l)
+WITHDRAWAL_TURNS = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
+"""Directions tried aside from straight away [rad]."""
+
+# Wandering.
+STANDING_TIME = (0.8, 3.0)  # between strolls [s]
+WANDER_STOP_DISTANCE = 0.4  # [m]
+WANDER_CHOICES = 6  # of places, until one has room
+WANDER_PATIENCE = 12.0  # after which another place is chosen [s]
+
 
 @implements(Approach)
-class GoTo:
-    """Go to somebody or something."""
+class ApproachTarget(ConfiguredBehaviour[Approach]):
+    """Go to a character, around what stands in the way."""
 
-    def __init__(self, words: Approach, mind: Mind) -> None:
-        self.words = words
-        self.target = mind.number(words.approach)
-        self.arrived = False
+    def __init__(self, config: Approach, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.target = mind.number(config.approach)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        return 0.45 + self.words.urge
+        return 0.45 + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        words, place = self.words, mind.place(self.target)
-        near = mind.surroundings.radius[self.target] + mind.slim + words.distance
-        if words.from_deg is not None:
-            angle = math.radians(words.from_deg)
-            place = place + near * np.array([math.cos(angle), -math.sin(angle)])
-            near = 0.0
-        return steer(mind, place, near, target=self.target, touching=words.distance < 0.3)
-
-    def end(self, mind: Mind) -> None:
-        """See `Behaviour`."""
+        config, place = self.config, mind.place(self.target)
+        distance = mind.surroundings.radius[self.target] + mind.body_radius + config.distance
+        if config.from_deg is not None:
+            angle = math.radians(config.from_deg)
+            place = place + distance * np.array([math.cos(angle), -math.sin(angle)])
+            distance = 0.0
+        touching = config.distance < 0.3
+        return steer(mind, place, distance, target=self.target, touching=touching)
 
 
-SAFE = 7.0
-"""Farther away nobody frightens [m]."""
-
-FLIGHT = 4.0
-"""How far ahead the place is that somebody runs to [m]."""
-
-WALLS = 3.5
-"""How near the edge of the terrain somebody turns who runs [m]."""
-
-GAZED = 1.5
-"""How much sooner one keeps away from whom it sees coming."""
-
-
-def refuge(mind: Mind, push: Array, far: float) -> Array:
+def refuge(mind: Mind, push: Array, distance: float) -> Array:
     """Return the place (2,) in a direction, turned away from the edge of the terrain."""
-    surroundings = mind.surroundings
-    low, high = mind.at - surroundings.low - EDGE, surroundings.high - EDGE - mind.at
+    low = mind.at - mind.surroundings.low - EDGE_MARGIN
+    high = mind.surroundings.high - EDGE_MARGIN - mind.at
     # As walls that push the more the nearer they are.
     wall = 1.0 / np.maximum(low, 0.3) - 1.0 / np.maximum(high, 0.3)
-    walls = np.where(np.minimum(low, high) < WALLS, 1.6 * wall, 0.0)
+    walls = np.where(np.minimum(low, high) < EDGE_RANGE, 1.6 * wall, 0.0)
     push = push / max(math.hypot(push[0], push[1]), 1e-6)
-    into = float(push @ walls) < 0.0
-    if into and bool((np.minimum(low, high) < 0.5 * WALLS).any()):
+    into_wall = float(push @ walls) < 0.0
+    if into_wall and bool((np.minimum(low, high) < 0.5 * EDGE_RANGE).any()):
         # Along the wall, not to and fro in front of it.
         push = push + 0.8 * np.array([-push[1], push[0]])
     way = push + walls
-    result: Array = mind.at + far * way / max(math.hypot(way[0], way[1]), 1e-6)
+    result: Array = mind.at + distance * way / max(math.hypot(way[0], way[1]), 1e-6)
     return result
 
 
 @implements(Flee)
-class RunAway:
-    """Flee from somebody."""
+class FleeThreat(ConfiguredBehaviour[Flee]):
+    """Run from a character."""
 
-    def __init__(self, words: Flee, mind: Mind) -> None:
-        self.words, self.threat = words, mind.number(words.flee)
+    def __init__(self, config: Flee, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.threat = mind.number(config.flee)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        near = 1.0 - mind.away(self.threat) / SAFE
-        fear = max(near, 0.0) * (0.7 + 0.6 * mind.traits.anxiety)
+        nearness = 1.0 - mind.distance_to(self.threat) / FEAR_RANGE
+        fear = max(nearness, 0.0) * (0.7 + 0.6 * mind.traits.anxiety)
         mind.attention.fears[self.threat] = max(mind.attention.fears[self.threat], 0.8 * fear)
-        return min(1.3 * fear, 1.0) + self.words.urge if fear > 0.0 else 0.0
+        return min(1.3 * fear, 1.0) + self.config.urge if fear > 0.0 else 0.0
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         threat = mind.place(self.threat) + 0.4 * mind.velocity(self.threat)
-        near = max(1.0 - mind.away(self.threat) / SAFE, 0.0)
-        pace = mind.stroll + (mind.pace - mind.stroll) * min(2.0 * near, 1.0)
-        return steer(mind, refuge(mind, mind.at - threat, FLIGHT), pace=pace)
-
-    def end(self, mind: Mind) -> None:
-        """See `Behaviour`."""
+        nearness = max(1.0 - mind.distance_to(self.threat) / FEAR_RANGE, 0.0)
+        pace = mind.stroll + (mind.pace - mind.stroll) * min(2.0 * nearness, 1.0)
+        return steer(mind, refuge(mind, mind.at - threat, FLIGHT_DISTANCE), pace=pace)
 
 
 @implements(Shyness)
-class KeepOff:
-    """Keep away from everybody."""
+class KeepOff(ConfiguredBehaviour[Shyness]):
+    """Keep away from all people."""
 
-    def __init__(self, words: Shyness, mind: Mind) -> None:
-        self.words = words
+    def __init__(self, config: Shyness, mind: Mind) -> None:
+        super().__init__(config, mind)
         self.others = mind.surroundings.people.copy()
-        self.others[mind.me] = False
+        self.others[mind.number_of_self] = False
 
-    def _close(self, mind: Mind) -> Array:
-        """Return (C,) how much too near each of the others is, from 0 to 1."""
-        reach = mind.memory.away / max(self.words.keep_off, 1e-6)
-        too: Array = np.where(self.others, np.clip(1.0 - reach, 0.0, 1.0), 0.0)
-        return too
+    def _intrusions(self, mind: Mind) -> Array:
+        """Return (C,) by how much each character is too near, from 0 to 1."""
+        reach = mind.memory.distances / max(self.config.keep_off, 1e-6)
+        intrusions: Array = np.where(self.others, np.clip(1.0 - reach, 0.0, 1.0), 0.0)
+        return intrusions
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        too = self._close(mind)
-        mind.attention.fears[:] = np.maximum(mind.attention.fears, 0.5 * too)
-        most = float(too.max())
-        # Who has begun goes on until there is some room.
+        intrusions = self._intrusions(mind)
+        mind.attention.fears[:] = np.maximum(mind.attention.fears, 0.5 * intrusions)
+        largest = float(intrusions.max())
+        # Once begun it goes on until there is some room.
         least = 0.02 if mind.doing == "keep_off" else 0.25
-        return 0.35 + GAZED * mind.traits.anxiety * most + self.words.urge if most > least else 0.0
+        if largest <= least:
+            return 0.0
+        return 0.35 + SHY_URGENCY * mind.traits.anxiety * largest + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        too = self._close(mind)
-        off = mind.at - mind.memory.places[:, [0, 2]]
-        away = np.maximum(mind.memory.away, 0.1)[:, None]
-        push = (too[:, None] * off / away).sum(axis=0)
-        nearest = int(too.argmax())
+        intrusions = self._intrusions(mind)
+        offset = mind.at - mind.memory.places[:, [0, 2]]
+        distances = np.maximum(mind.memory.distances, 0.1)[:, None]
+        push = (intrusions[:, None] * offset / distances).sum(axis=0)
+        nearest = int(intrusions.argmax())
         if math.hypot(push[0], push[1]) < 0.05:
             return MotorCommand(facing=mind.heading_to(mind.place(nearest)), target=nearest)
-        place = refuge(mind, push, 1.2)
-        return steer(mind, place, pace=mind.stroll)
-
-    def end(self, mind: Mind) -> None:
-        """See `Behaviour`."""
+        return steer(mind, refuge(mind, push, SHY_DISTANCE), pace=mind.stroll)
 
 
 @implements(Freeze)
-class HoldStill:
-    """Freeze in the face of somebody."""
+class FreezeInFear(ConfiguredBehaviour[Freeze]):
+    """Keep quite still in the face of a character."""
 
-    def __init__(self, words: Freeze, mind: Mind) -> None:
-        self.words, self.threat = words, mind.number(words.freeze)
+    def __init__(self, config: Freeze, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.threat = mind.number(config.freeze)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
         if not mind.memory.in_view[self.threat]:
             return 0.0
-        near = max(1.0 - mind.away(self.threat) / (0.6 * SAFE), 0.0)
-        if mind.doing != "freeze" and near < 0.2:
+        nearness = max(1.0 - mind.distance_to(self.threat) / FREEZE_RANGE, 0.0)
+        if mind.doing != "freeze" and nearness < 0.2:
             return 0.0
-        return near * (0.6 + 0.8 * mind.traits.anxiety) + self.words.urge
+        return nearness * (0.6 + 0.8 * mind.traits.anxiety) + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         return MotorCommand(frozen=True, target=self.threat)
 
-    def end(self, mind: Mind) -> None:
-        """See `Behaviour`."""
-
-
-WITHDRAWAL_TIME = 0.8
-"""How long it goes on [s]."""
-
-STEPS_BACK = 1.4
-"""How far away the place is that it goes to [m]."""
-
-ASIDE = tuple(math.radians(k) for k in (0.0, 35.0, -35.0, 70.0, -70.0))
-"""By how much it steps back aside from straight away, where something stands there."""
-
-FAST = 0.55
-"""How fast, as a part of √(g l)."""
-
-URGENT = 2.0
-"""Its activation: nothing else comes before it."""
-
 
 @implements(Urge)
-class Withdraw:
-    """Step back from pain; decided when it begins, and not changed after."""
+class Withdraw(ConfiguredBehaviour[Urge]):
+    """Step back from pain; decided at the start, and not changed after."""
 
     def __init__(self, config: Urge, mind: Mind) -> None:
+        super().__init__(config, mind)
         self.struck = -math.inf
-        self.told = MotorCommand()
+        self.command = MotorCommand()
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        return URGENT if mind.now - mind.struck[0] < WITHDRAWAL_TIME else 0.0
+        return WITHDRAWAL_ACTIVATION if mind.now - mind.struck[0] < WITHDRAWAL_TIME else 0.0
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        since, by = mind.struck
-        if since != self.struck:
-            self.struck, self.told = since, self._away(mind, by)
-        return self.told
+        time, striker = mind.struck
+        if time != self.struck:
+            self.struck, self.command = time, self._step_back(mind, striker)
+        return self.command
 
-    def _away(self, mind: Mind, by: int) -> MotorCommand:
+    def _step_back(self, mind: Mind, striker: int) -> MotorCommand:
         heading = float(mind.controller.record.heading)
-        to = mind.place(by) - mind.at if by >= 0 else np.array([0.0, 0.0])
-        size = math.hypot(to[0], to[1])
-        if size < 1e-6:
-            to, size = np.array([math.cos(heading), -math.sin(heading)]), 1.0
-        away = math.atan2(-to[1], -to[0])
-        goals = [self._place(mind, away + turn) for turn in ASIDE]
-        free = [goal for goal in goals if leads_free(mind, goal)]
+        offset = mind.place(striker) - mind.at if striker >= 0 else np.array([0.0, 0.0])
+        if math.hypot(offset[0], offset[1]) < 1e-6:
+            offset = np.array([math.cos(heading), -math.sin(heading)])
+        away = math.atan2(-offset[1], -offset[0])
+        low, high = mind.surroundings.low + 0.5, mind.surroundings.high - 0.5
+        goals = [
+            np.clip(
+                mind.at
+                + WITHDRAWAL_DISTANCE * np.array([math.cos(away + turn), math.sin(away + turn)]),
+                low,
+                high,
+            )
+            for turn in WITHDRAWAL_TURNS
+        ]
+        free = [goal for goal in goals if is_way_free(mind, goal)]
         goal = free[0] if free else goals[0]
         return MotorCommand(
             goal=(float(goal[0]), float(goal[1])),
-            pace=FAST * mind.root,
-            facing=math.atan2(-to[1], to[0]),
-            target=by,
+            pace=WITHDRAWAL_FROUDE * mind.froude_speed,
+            facing=math.atan2(-offset[1], offset[0]),
+            target=striker,
         )
-
-    @staticmethod
-    def _place(mind: Mind, way: float) -> Array:
-        surroundings = mind.surroundings
-        goal = mind.at + STEPS_BACK * np.array([math.cos(way), math.sin(way)])
-        result: Array = np.clip(goal, surroundings.low + 0.5, surroundings.high - 0.5)
-        return result
-
-    def end(self, mind: Mind) -> None:
-        """See `Behaviour`."""
-
-
-STANDS = (0.8, 3.0)
-"""How long somebody stands between two strolls [s]."""
-
-THERE = 0.4
-"""How near a place is near enough [m]."""
-
-CHOICES = 6
-"""How many places it thinks of at most, until nothing stands where it would go to."""
-
-GIVES_UP = 12.0
-"""After so long it goes elsewhere [s]."""
 
 
 @implements(Wander)
-class Stroll:
-    """Go from place to place."""
+class WanderAround(ConfiguredBehaviour[Wander]):
+    """Stroll from place to place."""
 
-    def __init__(self, words: Wander, mind: Mind) -> None:
-        self.words = words
-        self.home = mind.surroundings.places[mind.me, [0, 2]].copy()
+    def __init__(self, config: Wander, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.home = mind.surroundings.places[mind.number_of_self, [0, 2]].copy()
         self.goal = self.home.copy()
-        self.stands, self.until = 0.0, 0.0
+        self.standing_end, self.walk_end = 0.0, 0.0
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        return 0.2 + 0.2 * mind.traits.curiosity + self.words.urge
+        return 0.2 + 0.2 * mind.traits.curiosity + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        to = self.goal - mind.at
-        if math.hypot(to[0], to[1]) < THERE + 0.1 or mind.now > self.until:
-            if self.stands == 0.0:
-                low, high = STANDS
-                self.stands = mind.now + low + (high - low) * float(mind.rng.random())
-            if mind.now < self.stands:
+        offset = self.goal - mind.at
+        is_there = math.hypot(offset[0], offset[1]) < WANDER_STOP_DISTANCE + 0.1
+        if is_there or mind.now > self.walk_end:
+            if self.standing_end == 0.0:
+                low, high = STANDING_TIME
+                self.standing_end = mind.now + low + (high - low) * float(mind.rng.random())
+            if mind.now < self.standing_end:
                 return MotorCommand()
-            self._choose(mind)
-        return steer(mind, self.goal, THERE, pace=mind.stroll + 0.5 * (mind.pace - mind.stroll))
+            self._choose_goal(mind)
+        pace = mind.stroll + 0.5 * (mind.pace - mind.stroll)
+        return steer(mind, self.goal, WANDER_STOP_DISTANCE, pace=pace)
 
-    def _choose(self, mind: Mind) -> None:
+    def _choose_goal(self, mind: Mind) -> None:
         surroundings = mind.surroundings
-        for _ in range(CHOICES):
+        for _ in range(WANDER_CHOICES):
             angle = 2.0 * math.pi * float(mind.rng.random())
-            reach = self.words.wander * math.sqrt(float(mind.rng.random()))
+            reach = self.config.wander * math.sqrt(float(mind.rng.random()))
             self.goal = self.home + reach * np.array([math.cos(angle), math.sin(angle)])
             self.goal = np.clip(self.goal, surroundings.low + 1.0, surroundings.high - 1.0)
             if has_room(mind, self.goal):
                 break
-        self.stands, self.until = 0.0, mind.now + GIVES_UP
+        self.standing_end, self.walk_end = 0.0, mind.now + WANDER_PATIENCE
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""
-        self.stands, self.until = 0.0, 0.0
+        self.standing_end, self.walk_end = 0.0, 0.0
 
 
 @implements(SitDown)
-class SitAWhile:
-    """Sit down; another behaviour that is chosen gets it up."""
+class SitForAWhile(ConfiguredBehaviour[SitDown]):
+    """Sit down; the next behaviour that is chosen stands up."""
 
-    def __init__(self, words: SitDown, mind: Mind) -> None:
-        self.words = words
-        self.idle = mind.now
+    def __init__(self, config: SitDown, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.idle_since = mind.now
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
         if mind.doing not in ("", "rest"):
-            self.idle = mind.now
-        return 0.12 + self.words.urge if mind.now - self.idle >= self.words.rest else 0.0
+            self.idle_since = mind.now
+        is_idle = mind.now - self.idle_since >= self.config.rest
+        return 0.12 + self.config.urge if is_idle else 0.0
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         return MotorCommand(sits=True)
-
-    def end(self, mind: Mind) -> None:
-        """See `Behaviour`."""

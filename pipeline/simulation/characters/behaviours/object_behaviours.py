@@ -1,4 +1,7 @@
-"""Object behaviours."""
+"""Object behaviours: play with a ball, carry something, push a merry-go-round.
+
+Source: Horswill 2008, "Example application", figure 1 and "Limb control" (grab).
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.simulation.characters.behaviours.potential_field import EDGE, steer
-from pipeline.simulation.characters.behaviours.registry import MotorCommand, implements
+from pipeline.simulation.characters.behaviours.potential_field import EDGE_MARGIN, steer
+from pipeline.simulation.characters.behaviours.registry import (
+    ConfiguredBehaviour,
+    MotorCommand,
+    implements,
+)
 from pipeline.simulation.characters.contact_tasks import Grab
 from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Carry, Play, Push
@@ -16,126 +23,105 @@ from pipeline.spec.behaviour import Carry, Play, Push
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
 
-
+# Activations without curiosity, and the share that curiosity adds.
 PLAY_ACTIVATION, PLAY_CURIOSITY = 0.25, 0.5
-"""Activation of play for one who is not curious, and what curiosity adds."""
+CARRY_ACTIVATION, CARRY_CURIOSITY = 0.4, 0.4
+PUSH_ACTIVATION, PUSH_CURIOSITY = 0.2, 0.35
 
-FORGOTTEN = 0.7
-"""What is left of that for a ball that was not seen for long; it is looked for where it was."""
+# Play.
+LOST_BALL_FRESHNESS = 0.7  # of a ball out of view, which is looked for where it was
+BALL_PREDICTION = 0.35  # [s]
+KICK_APPROACH_DISTANCE = 0.9  # in which the player slows down [m]
+KICK_SPEED = 0.8  # in strolls
+KICK_RANGE = 8.0  # from the edge within which a ball is kicked back: beyond it nobody runs [m]
+BEHIND_BALL = 0.55  # distance behind the ball to start a kick from [m]
+KICK_ALIGNMENT = math.cos(math.radians(40.0))  # behind the ball
 
-FORESEES = 0.35
-"""How far ahead of a ball that rolls somebody runs [s]."""
+# Carry.
+TAKING_GAP = 0.5  # [m]
+GRAB_PATIENCE, GRAB_PAUSE = 5.0, 15.0  # of an attempt, and after a vain one [s]
+LEFT_HAND = 0
 
-KICK_APPROACH_DISTANCE, KICK_SPEED = 0.9, 0.8
-"""How near a ball one slows down [m], and the speed it is kicked with, in strolls."""
-
-ROLLS = 8.0
-"""How far a ball rolls that was kicked: nearer to the edge of the ground it is kicked back, for
-over the edge nobody runs after it [m]."""
-
-BEHIND = 0.55
-"""How far behind it one goes who has to come round it [m]."""
-
-ALIGNED = math.cos(math.radians(40.0))
-"""How well somebody has to stand behind it."""
+# Push.
+PUSH_TIME, PUSH_PAUSE = 7.0, 14.0  # [s]
+PUSH_GAP = 0.12  # to the rim [m]
+RIM_LEAD_ANGLE = 0.55  # ahead along the rim [rad]
 
 
 @implements(Play)
-class PlayBall:
-    """Play with a ball."""
+class PlayBall(ConfiguredBehaviour[Play]):
+    """Run after a ball and kick it; kick it back when it is too far from where it started."""
 
-    def __init__(self, words: Play, mind: Mind) -> None:
-        self.words, self.ball = words, mind.number(words.play)
+    def __init__(self, config: Play, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.ball = mind.number(config.play)
         self.home = mind.place(self.ball).copy()
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        liked = max(float(mind.attention.valence[self.ball]), 0.0)
-        known = max(float(mind.memory.fresh(mind.now)[self.ball]), FORGOTTEN)
-        if not self._in_reach(mind):
+        if not mind.is_on_terrain(mind.place(self.ball), EDGE_MARGIN):
             return 0.0
+        liked = max(float(mind.attention.valence[self.ball]), 0.0)
+        known = max(float(mind.memory.freshness(mind.now)[self.ball]), LOST_BALL_FRESHNESS)
         draw = PLAY_ACTIVATION + PLAY_CURIOSITY * mind.traits.curiosity
         focus = 0.1 if mind.attention.focus == self.ball else 0.0
-        return (draw + focus) * min(liked / 0.8, 1.0) * known + self.words.urge
+        return (draw + focus) * min(liked / 0.8, 1.0) * known + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         at = mind.place(self.ball)
-        ball = at + FORESEES * mind.velocity(self.ball)
-        to = ball - mind.at
-        size = max(math.hypot(to[0], to[1]), 1e-6)
-        aim = self._aim(mind, ball, to / size)
-        if float(aim @ to) > ALIGNED * size:
-            near = size < KICK_APPROACH_DISTANCE
-            pace = KICK_SPEED * mind.stroll if near else mind.pace
-            place = ball + (0.8 if near else 0.0) * aim
+        ball = at + BALL_PREDICTION * mind.velocity(self.ball)
+        offset = ball - mind.at
+        distance = max(math.hypot(offset[0], offset[1]), 1e-6)
+        aim = self._aim(mind, ball, offset / distance)
+        if float(aim @ offset) > KICK_ALIGNMENT * distance:
+            is_near = distance < KICK_APPROACH_DISTANCE
+            pace = KICK_SPEED * mind.stroll if is_near else mind.pace
+            place = ball + (0.8 if is_near else 0.0) * aim
             return steer(mind, place, pace=pace, target=self.ball, touching=True)
-        place = ball - BEHIND * aim
-        if size < 1.2 and float(aim @ to) < 0.0:
-            # Round it, not over it.
+        place = ball - BEHIND_BALL * aim
+        if distance < 1.2 and float(aim @ offset) < 0.0:
+            # Around the ball, not over it.
             across = np.array([-aim[1], aim[0]])
-            place = place + BEHIND * across * (-1.0 if across @ to > 0.0 else 1.0)
+            place = place + BEHIND_BALL * across * (-1.0 if across @ offset > 0.0 else 1.0)
         return steer(mind, place, pace=mind.pace, target=self.ball, touching=True)
 
-    def _in_reach(self, mind: Mind) -> bool:
-        ball, surroundings = mind.place(self.ball), mind.surroundings
-        return bool(
-            (ball > surroundings.low + EDGE).all() and (ball < surroundings.high - EDGE).all()
-        )
-
     def _aim(self, mind: Mind, ball: Array, ahead: Array) -> Array:
-        """Return the direction to kick the ball in: on, or back."""
+        """Return the direction of a kick: ahead, or back home."""
         back = self.home - ball
         far = math.hypot(back[0], back[1])
-        surroundings = mind.surroundings
-        inside = (ball > surroundings.low + ROLLS).all() and (
-            ball < surroundings.high - ROLLS
-        ).all()
-        if (far > self.words.within or not inside) and far > 1e-6:
+        is_inside = mind.is_on_terrain(ball, KICK_RANGE)
+        if (far > self.config.within or not is_inside) and far > 1e-6:
             result: Array = back / far
             return result
         return ahead
 
-    def end(self, mind: Mind) -> None:
-        """See `Behaviour`."""
-
-
-CARRY_ACTIVATION, CARRY_CURIOSITY = 0.4, 0.4
-"""Activation for one who is not curious, and what curiosity adds."""
-
-AT_HAND = 0.5
-"""From this gap on it is taken [m]."""
-
-GRAB_PATIENCE, DISTRACTED = 5.0, 15.0
-"""How long somebody tries to take it, and does something else after that in vain [s]."""
-
-LEFT_HAND = 0
-
 
 @implements(Carry)
-class CarryAlong:
-    """Carry something."""
+class CarryThing(ConfiguredBehaviour[Carry]):
+    """Fetch something, and have it in hand while doing other things."""
 
-    def __init__(self, words: Carry, mind: Mind) -> None:
-        self.words, self.thing = words, mind.number(words.carry)
+    def __init__(self, config: Carry, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.thing = mind.number(config.carry)
         self.grab: Grab | None = None
-        self.began = self.until = -1.0
+        self.began = self.pause_end = -1.0
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        if mind.controller.held(LEFT_HAND) >= 0 or mind.now < self.until:
+        if mind.controller.held_node(LEFT_HAND) >= 0 or mind.now < self.pause_end:
             return 0.0
-        return CARRY_ACTIVATION + CARRY_CURIOSITY * mind.traits.curiosity + self.words.urge
+        return CARRY_ACTIVATION + CARRY_CURIOSITY * mind.traits.curiosity + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        if self.grab is None and mind.gap(self.thing) < AT_HAND:
+        if self.grab is None and mind.gap(self.thing) < TAKING_GAP:
             self.grab, self.began = Grab((LEFT_HAND,), self.thing), mind.now
         if self.grab is None:
             place = mind.place(self.thing)
             return steer(mind, place, 0.3, target=self.thing, touching=True)
         if mind.now - self.began > GRAB_PATIENCE:
-            self.until = mind.now + DISTRACTED
+            self.pause_end = mind.now + GRAB_PAUSE
         return MotorCommand(task=self.grab, pace=mind.stroll, target=self.thing, touching=True)
 
     def end(self, mind: Mind) -> None:
@@ -143,47 +129,33 @@ class CarryAlong:
         self.grab = None
 
 
-PUSH_ACTIVATION, PUSH_CURIOSITY = 0.2, 0.35
-"""Activation for one who is not curious, and what curiosity adds."""
-
-PUSH_TIME, BORED = 7.0, 14.0
-"""How long it is pushed, and left alone after [s]."""
-
-PUSH_GAP = 0.12
-"""Gap to its rim in which it is pushed [m]."""
-
-RIM_LEAD_ANGLE = 0.55
-"""How far ahead along the rim one runs [rad]."""
-
-
 @implements(Push)
-class PushRound:
-    """Push something round."""
+class PushRim(ConfiguredBehaviour[Push]):
+    """Go to a merry-go-round and run along its rim, hands ahead, until it turns."""
 
-    def __init__(self, words: Push, mind: Mind) -> None:
-        self.words, self.thing = words, mind.number(words.push)
-        self.began, self.until = math.inf, -1.0
+    def __init__(self, config: Push, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.thing = mind.number(config.push)
+        self.began, self.pause_end = math.inf, -1.0
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        if mind.now < self.until:
+        if mind.now < self.pause_end:
             return 0.0
-        return PUSH_ACTIVATION + PUSH_CURIOSITY * mind.traits.curiosity + self.words.urge
+        return PUSH_ACTIVATION + PUSH_CURIOSITY * mind.traits.curiosity + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        place = mind.place(self.thing)
-        gap = mind.gap(self.thing)
-        if gap > 6.0 * PUSH_GAP:
-            near = float(mind.surroundings.radius[self.thing]) + mind.slim + 2.0 * PUSH_GAP
-            return steer(mind, place, near, target=self.thing, touching=True)
+        place, radius = mind.place(self.thing), float(mind.surroundings.radius[self.thing])
+        if mind.gap(self.thing) > 6.0 * PUSH_GAP:
+            distance = radius + mind.body_radius + 2.0 * PUSH_GAP
+            return steer(mind, place, distance, target=self.thing, touching=True)
         self.began = min(self.began, mind.now)
         if mind.now - self.began > PUSH_TIME:
-            self.began, self.until = math.inf, mind.now + BORED
-        to = mind.at - place
-        angle = math.atan2(to[1], to[0]) + RIM_LEAD_ANGLE
-        reach = float(mind.surroundings.radius[self.thing]) + PUSH_GAP
-        goal = place + reach * np.array([math.cos(angle), math.sin(angle)])
+            self.began, self.pause_end = math.inf, mind.now + PUSH_PAUSE
+        offset = mind.at - place
+        angle = math.atan2(offset[1], offset[0]) + RIM_LEAD_ANGLE
+        goal = place + (radius + PUSH_GAP) * np.array([math.cos(angle), math.sin(angle)])
         return MotorCommand(
             goal=(float(goal[0]), float(goal[1])),
             pace=mind.stroll,

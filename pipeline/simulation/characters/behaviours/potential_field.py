@@ -1,4 +1,12 @@
-"""Potential field."""
+"""Potential field: walking to a place around what stands in the way.
+
+Where the straight way is not free, the target that pulls is the next place of a `Route`.
+
+Source: Horswill 2008, "Object approach"; Arkin 1998. d_min there is compared with a squared
+    distance; here gaps are between surfaces, and so is it. The curl there always goes the same
+    way round; here it goes round the side on which an obstacle is not, and a walker that gets no
+    farther tries the other way for a while.
+"""
 
 from __future__ import annotations
 
@@ -10,46 +18,36 @@ import numpy as np
 
 from pipeline.simulation.characters.behaviours.registry import MotorCommand
 from pipeline.simulation.characters.body_arrays import IntArray
-from pipeline.simulation.characters.visibility_route import WITHIN, Route, are_free
+from pipeline.simulation.characters.visibility_route import SHRINK_FACTOR, Route, are_free
 from pipeline.simulation.spatial import Array
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
 
-
-REPELS = 0.26
-"""The constant c: at so wide a gap an obstacle pushes as hard as the target pulls [m]."""
-
-LEAST = 0.16
-"""The gap below which it pushes no harder, d_min [m]."""
-
-CUT_OFF = 2.6
-"""Obstacles with a wider gap are ignored [m]."""
-
-EDGE = 0.9
-"""How near the edge of the terrain nobody goes [m]."""
-
-STUCK, TRIES = 1.6, 3.5
-"""How long somebody gets no farther before it tries another way, and for how long [s]."""
+BALANCE_GAP = 0.26  # at which an obstacle pushes as hard as the target pulls, the constant c [m]
+MIN_GAP = 0.16  # below which it pushes no harder, d_min [m]
+MAX_GAP = 2.6  # above which obstacles are ignored [m]
+EDGE_MARGIN = 0.9  # from the edge of the terrain [m]
+STALL_TIME, DETOUR_TIME = 1.6, 3.5  # without progress before a detour, and of the detour [s]
 
 
-def walk_vector(to: Array, away: Array, gaps: Array, senses: Array, pace: float) -> Array:
-    """Return the velocity (2,) to walk with, along x and z [m/s].
+def walk_vector(offset: Array, away: Array, gaps: Array, senses: Array, pace: float) -> Array:
+    """Return the walking velocity (2,) along x and z [m/s].
 
     Args:
-        to: (2,) the way to the target, stop distance taken off [m].
-        away: (n, 2) unit vectors from obstacles to who walks.
+        offset: (2,) to the target, without the stop distance [m].
+        away: (n, 2) unit vectors from obstacles to the walker.
         gaps: (n,) between them [m].
         senses: (n,) way round each, 1 or -1: the sign of the curl.
         pace: of the walk [m/s].
     """
-    size = math.hypot(to[0], to[1])
+    size = math.hypot(offset[0], offset[1])
     if size < 1e-9:
         return np.zeros(2)
-    pull = to * (pace / max(size, 1e-9) * min(size / 0.3, 1.0))
-    # Only what is in the way: behind somebody nothing pushes.
-    ahead = np.clip(0.35 - (away @ to) / size, 0.0, 1.0)
-    push = pace * REPELS * ahead / np.maximum(gaps, LEAST)
+    pull = offset * (pace / max(size, 1e-9) * min(size / 0.3, 1.0))
+    # Only obstacles ahead push.
+    ahead = np.clip(0.35 - (away @ offset) / size, 0.0, 1.0)
+    push = pace * BALANCE_GAP * ahead / np.maximum(gaps, MIN_GAP)
     curl = np.stack([-away[:, 1], away[:, 0]], axis=1)
     result: Array = pull + (push[:, None] * (away + senses[:, None] * curl)).sum(axis=0)
     return result
@@ -57,70 +55,74 @@ def walk_vector(to: Array, away: Array, gaps: Array, senses: Array, pace: float)
 
 @dataclass
 class DetourState:
-    """Somebody's way around things: which way round each, and whether it gets on."""
+    """Progress of a walk, and the way round each obstacle."""
 
     senses: dict[int, float] = field(default_factory=dict)
     nearest: float = math.inf
-    since: float = 0.0
+    progress_time: float = 0.0
     forced: float = 0.0
-    until: float = -1.0
+    forced_until: float = -1.0
     route: Route = field(default_factory=Route)
 
-    def note(self, left: float, now: float) -> None:
-        """Note how far it still is [m], and try the other way round if that gets no less."""
+    def update_progress(self, left: float, now: float) -> None:
+        """Note the remaining way [m], and force a detour if it does not shrink."""
         if left < self.nearest - 0.1 or left > self.nearest + 3.0:
-            self.nearest, self.since = left, now
-        if now - self.since > STUCK and now > self.until:
+            self.nearest, self.progress_time = left, now
+        if now - self.progress_time > STALL_TIME and now > self.forced_until:
             self.forced = -self.forced if self.forced else 1.0
-            self.until, self.since, self.nearest = now + TRIES, now + TRIES, math.inf
+            self.forced_until = now + DETOUR_TIME
+            self.progress_time, self.nearest = now + DETOUR_TIME, math.inf
 
-    def sense(self, which: int, side: float, now: float) -> float:
+    def sense(self, key: int, side: float, now: float) -> float:
         """Return the way round an obstacle on one side of the way to the target."""
-        if now < self.until:
+        if now < self.forced_until:
             return self.forced
-        return self.senses.setdefault(which, 1.0 if side >= 0.0 else -1.0)
+        return self.senses.setdefault(key, 1.0 if side >= 0.0 else -1.0)
 
 
 def steer(
     mind: Mind,
     place: Array,
-    near: float = 0.0,
+    stop_distance: float = 0.0,
     pace: float | None = None,
     target: int = -1,
     touching: bool = False,
 ) -> MotorCommand:
-    """Return the motor vector of one who goes to a place.
+    """Return the motor command of a walk to a place.
 
     Args:
-        mind: whose.
+        mind: of the walker.
         place: x and z [m].
-        near: how far from it to stop [m].
+        stop_distance: from the place [m].
         pace: of the walk, the usual one if left out [m/s].
-        target: number of who is there.
-        touching: whether it is gone up to, and nobody steps aside for it.
+        target: number of the character there.
+        touching: whether the target is approached closely and not stepped aside for.
     """
     pace = mind.pace if pace is None else pace
-    me, surroundings = mind.at, mind.surroundings
-    place = np.clip(place, surroundings.low + EDGE, surroundings.high - EDGE)
-    to = place - me
-    size = math.hypot(to[0], to[1])
-    left = max(size - near, 0.0)
+    at, low, high = mind.at, mind.surroundings.low, mind.surroundings.high
+    place = np.clip(place, low + EDGE_MARGIN, high - EDGE_MARGIN)
+    offset = place - at
+    size = math.hypot(offset[0], offset[1])
+    left = max(size - stop_distance, 0.0)
     if left < 0.1:
         return MotorCommand(facing=mind.heading_to(place), target=target)
-    standing = _in_the_way(mind, target)
-    within = np.stack([surroundings.low + 0.5 * EDGE, surroundings.high - 0.5 * EDGE])
-    first, length = mind.way.route.next(me, place, standing.middles, standing.reaches, within)
-    to = first - me
-    size = max(math.hypot(to[0], to[1]), 1e-9)
-    left = max(length - near, 0.0)
-    away, gaps, senses = _obstacles(mind, standing, to, size)
-    mind.way.note(left, mind.now)
-    w = walk_vector(to * (left / size), away, gaps, senses, pace)
-    w = _inside(w, me, surroundings.low + 0.5 * EDGE, surroundings.high - 0.5 * EDGE)
+    obstacles = _obstacles(mind, target)
+    bounds = np.stack([low + 0.5 * EDGE_MARGIN, high - 0.5 * EDGE_MARGIN])
+    detour = mind.detour
+    first, length = detour.route.next(at, place, obstacles.middles, obstacles.reaches, bounds)
+    offset = first - at
+    size = max(math.hypot(offset[0], offset[1]), 1e-9)
+    left = max(length - stop_distance, 0.0)
+    away, gaps, senses = _near_obstacles(mind, obstacles, offset, size)
+    detour.update_progress(left, mind.now)
+    w = walk_vector(offset * (left / size), away, gaps, senses, pace)
+    # Nothing leads off the terrain.
+    w = np.where((at < bounds[0]) & (w < 0.0), 0.2, w)
+    w = np.where((at > bounds[1]) & (w > 0.0), -0.2, w)
     speed = math.hypot(w[0], w[1])
     if speed < 1e-6:
         return MotorCommand(facing=mind.heading_to(place), target=target)
-    goal = me + w * (max(left, 0.35) if len(gaps) else left) / speed
+    goal = at + w * (max(left, 0.35) if len(gaps) else left) / speed
     return MotorCommand(
         goal=(float(goal[0]), float(goal[1])),
         pace=min(max(speed, 0.35 * pace), pace),
@@ -130,89 +132,83 @@ def steer(
 
 
 @dataclass(frozen=True, slots=True)
-class _Standing:
-    """What one goes round, as circles.
+class _Obstacles:
+    """Circles to walk around.
 
     Attributes:
-        keys: (n,) numbers: of characters, and after these of barriers.
+        keys: (n,) numbers: of characters, and after these of circles of other rooms.
         middles: (n, 2) [m].
-        reaches: (n,) how near to them the middle of who goes can be [m].
-        away: (n,) how far off they are [m].
-        wholes: (n,) circles of one thing have one number.
+        reaches: (n,) distances to which the middle of the walker can come [m].
+        distances: (n,) from the walker [m].
+        things: (n,) numbers of their things.
     """
 
     keys: IntArray
     middles: Array
     reaches: Array
-    away: Array
-    wholes: IntArray
+    distances: Array
+    things: IntArray
 
 
-def _in_the_way(mind: Mind, target: int) -> _Standing:
-    """Return all that one who goes to a target goes round."""
+def _obstacles(mind: Mind, target: int) -> _Obstacles:
+    """Return all obstacles on the way to a target."""
     surroundings, memory = mind.surroundings, mind.memory
-    # People are stepped aside for by those who walk, before they come near.
+    # Walkers step aside for people before they come near.
     walking = surroundings.people & mind.acting
-    mask = ~walking & (memory.away > 1e-6) & mind.solid
-    mask[mind.me] = False
+    mask = ~walking & (memory.distances > 1e-6) & mind.is_obstacle
+    mask[mind.number_of_self] = False
     if target >= 0:
         mask[target] = False
     keys = np.flatnonzero(mask)
-    middles, away = memory.places[keys][:, [0, 2]], memory.away[keys]
-    reaches = surroundings.radius[keys] + mind.slim
-    barriers = surroundings.view.obstacle_circles
-    if not barriers.look():
-        return _Standing(keys, middles, reaches, away, keys)
-    off = barriers.middles - mind.at
-    others = np.sqrt((off * off).sum(axis=1))
-    return _Standing(
-        np.concatenate([keys, len(mask) + barriers.keys]),
-        np.concatenate([middles, barriers.middles]),
-        np.concatenate([reaches, barriers.radii + mind.slim]),
-        np.concatenate([away, np.maximum(others, 1e-6)]),
-        np.concatenate([keys, len(mask) + barriers.wholes]),
+    middles, distances = memory.places[keys][:, [0, 2]], memory.distances[keys]
+    reaches = surroundings.radius[keys] + mind.body_radius
+    circles = surroundings.view.obstacle_circles
+    if not circles.update():
+        return _Obstacles(keys, middles, reaches, distances, keys)
+    offset = circles.middles - mind.at
+    circle_distances = np.sqrt((offset * offset).sum(axis=1))
+    return _Obstacles(
+        np.concatenate([keys, len(mask) + circles.keys]),
+        np.concatenate([middles, circles.middles]),
+        np.concatenate([reaches, circles.radii + mind.body_radius]),
+        np.concatenate([distances, np.maximum(circle_distances, 1e-6)]),
+        np.concatenate([keys, len(mask) + circles.things]),
     )
 
 
 def has_room(mind: Mind, place: Array) -> bool:
-    """Tell whether there is room for somebody at a place (2,), as far as it remembers."""
-    standing = _in_the_way(mind, -1)
-    off = standing.middles - place
-    return bool(((off * off).sum(axis=1) > standing.reaches**2).all())
+    """Tell whether a person has room at a place (2,), as far as the mind remembers."""
+    obstacles = _obstacles(mind, -1)
+    offset = obstacles.middles - place
+    return bool(((offset * offset).sum(axis=1) > obstacles.reaches**2).all())
 
 
-def leads_free(mind: Mind, place: Array) -> bool:
-    """Tell whether nothing stands on the straight way to a place (2,), nor there.
+def is_way_free(mind: Mind, place: Array) -> bool:
+    """Tell whether the straight way to a place (2,) is free.
 
-    Whoever is in the circle around something may go out of that, and not farther in.
+    Inside a circle around something only the way out of it is.
     """
-    standing = _in_the_way(mind, -1)
-    reaches = np.minimum(standing.reaches, WITHIN * standing.away)
-    return bool(are_free(mind.at, place[None], standing.middles, reaches)[0])
+    obstacles = _obstacles(mind, -1)
+    reaches = np.minimum(obstacles.reaches, SHRINK_FACTOR * obstacles.distances)
+    return bool(are_free(mind.at, place[None], obstacles.middles, reaches)[0])
 
 
-def _obstacles(
-    mind: Mind, standing: _Standing, to: Array, size: float
+def _near_obstacles(
+    mind: Mind, obstacles: _Obstacles, offset: Array, size: float
 ) -> tuple[Array, Array, Array]:
-    """Return unit vectors (n, 2) from obstacles that are near, gaps [m] and ways round."""
-    gaps = standing.away - standing.reaches
-    near = np.flatnonzero((gaps < CUT_OFF) & (gaps + mind.slim < size + 0.1))
-    if len(np.unique(standing.wholes[near])) < len(near):
-        # What is long pushes once, from where it is nearest.
+    """Return unit vectors (n, 2) from near obstacles, gaps [m] and ways round."""
+    gaps = obstacles.distances - obstacles.reaches
+    near = np.flatnonzero((gaps < MAX_GAP) & (gaps + mind.body_radius < size + 0.1))
+    if len(np.unique(obstacles.things[near])) < len(near):
+        # A long thing pushes once, from where it is nearest.
         order = near[np.argsort(gaps[near], kind="stable")]
-        near = np.sort(order[np.unique(standing.wholes[order], return_index=True)[1]])
-    keys, gaps = standing.keys[near], gaps[near]
-    offset = standing.middles[near] - mind.at
-    away = -offset / standing.away[near][:, None]
-    side = to[0] * offset[:, 1] - to[1] * offset[:, 0]
-    senses = [mind.way.sense(int(k), float(s), mind.now) for k, s in zip(keys, side, strict=True)]
-    for gone in set(mind.way.senses) - {int(k) for k in keys}:
-        del mind.way.senses[gone]
+        near = np.sort(order[np.unique(obstacles.things[order], return_index=True)[1]])
+    keys, gaps = obstacles.keys[near].tolist(), gaps[near]
+    to = obstacles.middles[near] - mind.at
+    away = -to / obstacles.distances[near][:, None]
+    sides = (offset[0] * to[:, 1] - offset[1] * to[:, 0]).tolist()
+    detour = mind.detour
+    senses = [detour.sense(key, side, mind.now) for key, side in zip(keys, sides, strict=True)]
+    for passed in set(detour.senses) - set(keys):
+        del detour.senses[passed]
     return away, gaps, np.array(senses)
-
-
-def _inside(w: Array, me: Array, low: Array, high: Array) -> Array:
-    """Take out of a velocity what leads off the terrain."""
-    w = np.where((me < low) & (w < 0.0), 0.2, w)
-    result: Array = np.where((me > high) & (w > 0.0), -0.2, w)
-    return result

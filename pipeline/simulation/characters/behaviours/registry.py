@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
 
 from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.person_tasks import Task
@@ -63,10 +63,13 @@ class Behaviour(Protocol):
         """Reset when another behaviour is chosen."""
 
 
-class ConfiguredBehaviour:
+Config = TypeVar("Config", bound=spec.Urge)
+
+
+class ConfiguredBehaviour(Generic[Config]):
     """A behaviour with a model of the scene language and nothing to reset."""
 
-    def __init__(self, config: Any, mind: Mind) -> None:
+    def __init__(self, config: Config, mind: Mind) -> None:
         self.config = config
 
     def end(self, mind: Mind) -> None:

@@ -1,4 +1,9 @@
-"""Social behaviours."""
+"""Social behaviours: run to a caregiver and hug, hug back, and fight.
+
+Source: Horswill 2008, "Hugging", "Grappling" and "Example application"; Bowlby 1969. A child that
+    runs into its caregiver's arms at full speed hurts it there, which turns a sentimental scene
+    into slapstick: here it slows down before, unless the scene asks for that.
+"""
 
 from __future__ import annotations
 
@@ -6,184 +11,177 @@ import math
 from typing import TYPE_CHECKING
 
 from pipeline.simulation.characters.behaviours.potential_field import steer
-from pipeline.simulation.characters.behaviours.registry import MotorCommand, implements
+from pipeline.simulation.characters.behaviours.registry import (
+    ConfiguredBehaviour,
+    MotorCommand,
+    implements,
+)
 from pipeline.simulation.characters.contact_tasks import (
-    BACK,
-    CLOSE,
-    CLOSES,
-    OPEN,
-    Embrace,
+    HUG,
+    OPEN_TIME,
     Grapple,
     Hug,
-    Loosen,
+    LoosenHug,
+    ReturnHug,
 )
 from pipeline.spec.behaviour import Attachment, Comfort, Fight
 
 if TYPE_CHECKING:
     from pipeline.simulation.characters.mind.mind import Mind
 
+# Hugs.
+RESOLVED_ACTIVATION = 0.85  # of a decided return
+SOOTHED_ANXIETY = 0.1  # at which a hug ends
+HUG_GAP = 0.75  # from which arms do the rest [m]
+GENTLE_PACE = 0.5  # of the last steps, in strolls
+SLAPSTICK_OVERSHOOT = 3.0  # behind the partner, aimed at by one that does not slow down [m]
+STEP_BACK = 0.45  # after a hug [m]
+EMBRACE_GAP = 0.2  # from which the partner is embraced [m]
+HANDS_PARTED = 0.12  # distance of joined hands that have opened again [m]
+MIN_HUG_TIME = 0.5  # for the arms to close before a hug ends [s]
 
-RESOLVED, SOOTHED = 0.85, 0.1
-"""Activation of one who has decided to go back, and the anxiety at which it lets go."""
-
-IN_ARMS = 0.75
-"""From this gap on arms do the rest [m]."""
-
-GENTLE = 0.5
-"""How fast the last steps into somebody's arms are, in strolls."""
-
-BEYOND = 3.0
-"""How far behind the other one aims who does not slow down [m]."""
-
-PARTED = 0.12
-"""So far hands have to part again that were joined [m]."""
-
-RESTS = 0.5
-"""How long arms are given to close before anybody lets go again [s]."""
+# Fights.
+PROVOCATION_RANGE = 3.0  # of a rival [m]
+ROUND_TIME, ROUND_PAUSE = 2.2, 2.5  # of shoving, and of keeping a distance after [s]
+SHOVE_GAP = 1.1  # in arm lengths
+STAND_OFF = 1.1  # distance between rounds [m]
 
 
 @implements(Attachment)
-class SafeBase:
-    """Run back to a caregiver."""
+class ReturnToCaregiver(ConfiguredBehaviour[Attachment]):
+    """Run to a caregiver and hug until soothed."""
 
-    def __init__(self, words: Attachment, mind: Mind) -> None:
-        self.words, self.target = words, mind.number(words.attachment)
-        self.hug: Hug | None = None
-        self.loosen: Loosen | None = None
+    def __init__(self, config: Attachment, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.target = mind.number(config.attachment)
         self.size = mind.surroundings.view.size(self.target)
+        self.hug: Hug | None = None
+        self.loosening: LoosenHug | None = None
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        done = self.loosen is not None and self.loosen.time > OPEN
-        wants = mind.anxiety
-        if mind.doing == "attachment" and not done:
-            wants = max(wants, RESOLVED)
-        return wants + self.words.urge
+        is_done = self.loosening is not None and self.loosening.time > OPEN_TIME
+        level = mind.anxiety
+        if mind.doing == "attachment" and not is_done:
+            level = max(level, RESOLVED_ACTIVATION)
+        return level + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        if self.hug is None and mind.gap(self.target) < IN_ARMS:
+        if self.hug is None and mind.gap(self.target) < HUG_GAP:
             self.hug = Hug(self.target, self.size)
-        if self.hug is not None and self.hug.touched > RESTS and mind.anxiety < SOOTHED:
-            self.loosen = self.loosen or Loosen(self.hug, BACK)
-        if self.loosen is not None:
-            return MotorCommand(task=self.loosen, pace=GENTLE * mind.stroll, target=self.target)
+        if self.hug is not None and self.hug.touched > MIN_HUG_TIME:
+            if mind.anxiety < SOOTHED_ANXIETY:
+                self.loosening = self.loosening or LoosenHug(self.hug, STEP_BACK)
+        gentle = GENTLE_PACE * mind.stroll
+        if self.loosening is not None:
+            return MotorCommand(task=self.loosening, pace=gentle, target=self.target)
         if self.hug is not None:
-            pace = mind.pace if mind.slapstick else GENTLE * mind.stroll
+            pace = mind.pace if mind.slapstick else gentle
             return MotorCommand(task=self.hug, pace=pace, target=self.target, touching=True)
         place = mind.place(self.target)
         if mind.slapstick:
-            to = place - mind.at
-            place = place + to * (BEYOND / max(math.hypot(to[0], to[1]), 1e-6))
-        near = 0.0 if mind.slapstick else 0.5 * IN_ARMS
-        return steer(mind, place, near, target=self.target, touching=True)
+            offset = place - mind.at
+            distance = max(math.hypot(offset[0], offset[1]), 1e-6)
+            place = place + offset * (SLAPSTICK_OVERSHOOT / distance)
+        stop_distance = 0.0 if mind.slapstick else 0.5 * HUG_GAP
+        return steer(mind, place, stop_distance, target=self.target, touching=True)
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""
-        self.hug = self.loosen = None
+        self.hug = self.loosening = None
 
 
 @implements(Comfort)
-class HugBack:
-    """Turn to one who comes to be hugged, and close the arms around it."""
+class ComfortChild(ConfiguredBehaviour[Comfort]):
+    """Turn to a child that comes to be hugged, and close the arms around it."""
 
-    def __init__(self, words: Comfort, mind: Mind) -> None:
-        self.words, self.ward = words, mind.number(words.comfort)
-        self.embrace: Embrace | None = None
+    def __init__(self, config: Comfort, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.target = mind.number(config.comfort)
+        self.size = mind.surroundings.view.size(self.target)
+        self.embrace: ReturnHug | None = None
         self.joined = math.inf
-        self.size = mind.surroundings.view.size(self.ward)
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
         if self.embrace is not None or self._arrives(mind):
-            return RESOLVED + self.words.urge
-        near = mind.away(self.ward) < 3.0 and self._comes(mind)
-        return 0.5 + self.words.urge if near else 0.0
+            return RESOLVED_ACTIVATION + self.config.urge
+        is_near = mind.distance_to(self.target) < 3.0 and self._approaches(mind)
+        return 0.5 + self.config.urge if is_near else 0.0
 
     def _arrives(self, mind: Mind) -> bool:
-        """Tell whether the other one is about to put its arms around this one, or has."""
-        return mind.opens_arms(self.ward) and mind.gap(self.ward) < 1.2 * IN_ARMS
+        """Tell whether the child is about to put its arms around this person, or has."""
+        return mind.opens_arms(self.target) and mind.gap(self.target) < 1.2 * HUG_GAP
 
     def _is_let_go(self, mind: Mind) -> bool:
-        """Tell whether the other one opens its arms again, as is felt, or is gone."""
-        apart = mind.hands_apart(self.ward)
-        self.joined = min(self.joined, apart)
-        return apart > self.joined + PARTED or not mind.opens_arms(self.ward)
+        """Tell whether the child opens its arms again, as can be felt, or is gone."""
+        gap = mind.hands_gap(self.target)
+        self.joined = min(self.joined, gap)
+        return gap > self.joined + HANDS_PARTED or not mind.opens_arms(self.target)
 
-    def _comes(self, mind: Mind) -> bool:
-        to, v = mind.at - mind.place(self.ward), mind.velocity(self.ward)
-        return bool(to @ v > 0.7 * math.hypot(to[0], to[1]) * max(math.hypot(v[0], v[1]), 0.4))
+    def _approaches(self, mind: Mind) -> bool:
+        offset, v = mind.at - mind.place(self.target), mind.velocity(self.target)
+        distance, speed = math.hypot(offset[0], offset[1]), math.hypot(v[0], v[1])
+        return bool(offset @ v > 0.7 * distance * max(speed, 0.4))
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
         embrace = self.embrace
         if embrace is not None and not embrace.opens and self._is_let_go(mind):
             embrace.opens, embrace.time = True, 0.0
-        if embrace is not None and embrace.opens and embrace.time > CLOSES + OPEN:
-            self._forget()
-        if self.embrace is None and self._arrives(mind) and mind.gap(self.ward) < CLOSE:
-            self.embrace = Embrace(self.ward, self.size)
+        if embrace is not None and embrace.opens:
+            if embrace.time > HUG.closing_time + OPEN_TIME:
+                self.end(mind)
+        if self.embrace is None and self._arrives(mind) and mind.gap(self.target) < EMBRACE_GAP:
+            self.embrace = ReturnHug(self.target, self.size)
         if self.embrace is not None:
-            return MotorCommand(task=self.embrace, target=self.ward, touching=True)
-        if mind.gap(self.ward) < IN_ARMS:
-            # No step any more: there are toes.
-            return MotorCommand(target=self.ward, touching=True)
-        return MotorCommand(facing=mind.heading_to(mind.place(self.ward)), target=self.ward)
+            return MotorCommand(task=self.embrace, target=self.target, touching=True)
+        if mind.gap(self.target) < HUG_GAP:
+            # Stop short of the child's feet.
+            return MotorCommand(target=self.target, touching=True)
+        heading = mind.heading_to(mind.place(self.target))
+        return MotorCommand(facing=heading, target=self.target)
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""
-        self._forget()
-
-    def _forget(self) -> None:
         self.embrace, self.joined = None, math.inf
 
 
-NEAR = 3.0
-"""From how near a rival provokes somebody [m]."""
-
-ROUND, PAUSE = 2.2, 2.5
-"""How long it shoves, and keeps its distance after, before the next round [s]."""
-
-REACH = 1.1
-"""From this gap on it shoves, in arms."""
-
-STAND_OFF = 1.1
-"""How far apart two who fight stand between rounds [m]."""
-
-
 @implements(Fight)
-class FightIt:
-    """Fight with somebody."""
+class FightRival(ConfiguredBehaviour[Fight]):
+    """Go for a rival and shove, step back, and go for it again while angry."""
 
-    def __init__(self, words: Fight, mind: Mind) -> None:
-        self.words, self.rival = words, mind.number(words.fight)
+    def __init__(self, config: Fight, mind: Mind) -> None:
+        super().__init__(config, mind)
+        self.target = mind.number(config.fight)
         self.grapple: Grapple | None = None
-        self.began, self.until = 0.0, 0.0
+        self.began, self.pause_end = 0.0, 0.0
 
     def activation(self, mind: Mind) -> float:
         """See `Behaviour`."""
-        near = max(1.0 - mind.away(self.rival) / NEAR, 0.0)
-        heat = mind.traits.aggression * (0.35 + 0.65 * near) + mind.anger
-        return heat - 0.5 * float(mind.attention.fears[self.rival]) + self.words.urge
+        nearness = max(1.0 - mind.distance_to(self.target) / PROVOCATION_RANGE, 0.0)
+        heat = mind.traits.aggression * (0.35 + 0.65 * nearness) + mind.anger
+        return heat - 0.5 * float(mind.attention.fears[self.target]) + self.config.urge
 
     def motor(self, mind: Mind) -> MotorCommand:
         """See `Behaviour`."""
-        place = mind.place(self.rival)
-        if mind.now < self.until:
-            near = STAND_OFF + mind.slim + float(mind.surroundings.radius[self.rival])
-            if mind.away(self.rival) > near:
-                return steer(mind, place, near, target=self.rival, pace=mind.stroll)
-            return MotorCommand(facing=mind.heading_to(place), target=self.rival)
-        if self.grapple is None and mind.gap(self.rival) < REACH * mind.controller.arm:
-            self.grapple, self.began = Grapple(self.rival), mind.now
+        place = mind.place(self.target)
+        if mind.now < self.pause_end:
+            distance = STAND_OFF + mind.body_radius + float(mind.surroundings.radius[self.target])
+            if mind.distance_to(self.target) > distance:
+                return steer(mind, place, distance, target=self.target, pace=mind.stroll)
+            return MotorCommand(facing=mind.heading_to(place), target=self.target)
+        if self.grapple is None and mind.gap(self.target) < SHOVE_GAP * mind.controller.arm:
+            self.grapple, self.began = Grapple(self.target), mind.now
         if self.grapple is None:
-            return steer(mind, place, target=self.rival, touching=True)
-        if mind.now - self.began > ROUND:
+            return steer(mind, place, target=self.target, touching=True)
+        if mind.now - self.began > ROUND_TIME:
             self.grapple = None
-            self.until = mind.now + PAUSE * (0.7 + 0.6 * float(mind.rng.random()))
-            return MotorCommand(facing=mind.heading_to(place), target=self.rival)
+            self.pause_end = mind.now + ROUND_PAUSE * (0.7 + 0.6 * float(mind.rng.random()))
+            return MotorCommand(facing=mind.heading_to(place), target=self.target)
         pace = 0.5 * (mind.stroll + mind.pace)
-        return MotorCommand(task=self.grapple, pace=pace, target=self.rival, touching=True)
+        return MotorCommand(task=self.grapple, pace=pace, target=self.target, touching=True)
 
     def end(self, mind: Mind) -> None:
         """See `Behaviour`."""

@@ -1,7 +1,7 @@
-"""Mind: one character that notices, feels, wants and does.
+"""Mind: one character that notices, feels, wants and acts.
 
-It thinks a few times a second and goes on with what it decided in between; only pain is felt
-in every step.
+A mind thinks a few times a second and goes on with its decision in between; only pain is felt in
+every step.
 
 Source: Horswill 2008, "High-level Control" and "Example application".
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,12 +18,12 @@ from pipeline.simulation.characters.behaviours.potential_field import DetourStat
 from pipeline.simulation.characters.behaviours.registry import Behaviour, MotorCommand
 from pipeline.simulation.characters.contact_tasks import Hug
 from pipeline.simulation.characters.mind.perception import (
-    SHOCK,
+    ANXIETY,
     Attention,
     Glances,
     Memory,
     Surroundings,
-    felt,
+    next_anxiety,
 )
 from pipeline.simulation.characters.person_controller import PersonController
 from pipeline.simulation.characters.person_record import HAND, PLACED
@@ -32,211 +33,241 @@ from pipeline.simulation.spatial import Array
 from pipeline.spec.behaviour import Traits
 
 HYSTERESIS = 0.08
-"""What the present behaviour's activation is ahead of others."""
+"""Activation added to the present behaviour."""
 
-STROLL, RUN = 0.36, 0.95
-"""Usual speeds of the slowest and the fastest by nature, as a part of √(g l)."""
+STROLL_FROUDE, RUN_FROUDE = 0.36, 0.95
+"""Usual speeds of the slowest and the fastest characters, in √(g l)."""
 
-BEARS = 2.0
-"""Pain that is borne from whom one has in its arms, for it was expected."""
 
-RETURNING = 0.25
-"""How much less one is afraid that is on its way back."""
+@dataclass(frozen=True)
+class EmotionRates:
+    """How feelings change, beside anxiety away from a caregiver.
 
-FORGETS = 0.12
-"""How fast fear of somebody who has hurt one goes [1/s]."""
+    Attributes:
+        hug_pain: pain that is expected from a hugged partner, and no blow.
+        returning: factor of natural anxiety on the way back to the caregiver.
+        calming: rate of decay of anxiety without a caregiver [1/s].
+        fear_decay: of fear of a character [1/s].
+        fear: by a blow that just hurts.
+        anger: by a blow that just hurts.
+        anger_decay: [1/s].
+    """
 
-ALARM = 0.35
-"""Fear that a blow that just hurts leaves."""
+    hug_pain: float = 2.0
+    returning: float = 0.25
+    calming: float = 0.1
+    fear_decay: float = 0.12
+    fear: float = 0.35
+    anger: float = 0.25
+    anger_decay: float = 0.1
 
-ANGERS, COOLS = 0.25, 0.1
-"""Anger from a blow that just hurts, and how fast it goes [1/s]."""
+
+EMOTION = EmotionRates()
 
 
 class Mind:
-    """One who has a mind.
+    """One mind.
+
+    Args:
+        controller: of the body.
+        surroundings: all characters.
+        traits: of the character.
+        caregiver: number of the caregiver, -1 for none.
+        slapstick: whether the character runs into those it hugs.
+        rng: of the character's choices.
+        acting: (C,) which characters act.
+        records: `PERSON` records of acting people by their number.
 
     Attributes:
-        controller: its body's controls.
-        surroundings: all characters.
-        traits: how it is minded.
-        rng: its chances.
-        slapstick: whether it runs into whom it hugs.
-        memory: where it believes the others to be.
-        attention: what it makes of them.
-        glances: where it looks.
-        way: its way around things.
+        number_of_self: number of the character.
+        body_radius: of the circle on the ground around it [m].
+        is_obstacle: (C,) which characters are walked around.
+        memory: of the other characters.
+        attention: to the other characters.
+        glances: of the eyes.
+        detour: of the present walk.
         anxiety: from 0 to 1.
         anger: from 0 to 1.
-        distance: how far its caregiver is [m], 0 for none.
-        behaviours: name -> behaviour, in the order of the registry.
-        biases: name -> what a script adds to its activation.
-        doing: name of what is done, "" for nothing.
-        cried: when it last cried [s].
+        struck: time of the last blow [s], and the striker's number or -1.
+        caregiver_distance: [m], 0 without a caregiver.
+        behaviours: by name, in the order of the registry.
+        biases: by a script, added to activations by name.
+        doing: name of the present behaviour, "" for none.
+        command: of the present behaviour.
+        cried: time of the last cry [s].
+        froude_speed: √(g l) of its legs [m/s].
     """
 
     def __init__(
-        self, controller: PersonController, surroundings: Surroundings, traits: Traits, bond: int
+        self,
+        controller: PersonController,
+        surroundings: Surroundings,
+        traits: Traits,
+        caregiver: int,
+        slapstick: bool,
+        rng: np.random.Generator,
+        acting: Array,
+        records: Mapping[int, Record],
     ) -> None:
         self.controller, self.surroundings, self.traits = controller, surroundings, traits
-        self.me = int(controller.record.owner)
-        self.rng = np.random.default_rng(0)
-        self.slapstick = False
+        self.slapstick, self.rng, self.acting = slapstick, rng, acting
+        self.number_of_self = int(controller.record.owner)
+        self.body_radius = float(surroundings.radius[self.number_of_self])
+        self.is_obstacle = np.array([kind != "ball" for kind in surroundings.kinds])
+        self._caregiver, self._records = caregiver, records
         self.memory = Memory(surroundings)
-        self.attention = Attention(surroundings.kinds, self.me, bond, traits.curiosity)
-        self.bond = bond
-        self.way = DetourState()
-        self.slim = float(surroundings.radius[self.me])
-        self.solid = np.array([kind != "ball" for kind in surroundings.kinds])
-        self.acting = np.zeros(len(surroundings.kinds), dtype=bool)
-        self.anxiety = self.anger = self.anxious_before = 0.0
+        self.attention = Attention(
+            surroundings.kinds, self.number_of_self, caregiver, traits.curiosity
+        )
+        self.glances = Glances(len(surroundings.kinds), rng)
+        self.detour = DetourState()
+        self.anxiety = self.anger = 0.0
         self.struck: tuple[float, int] = (-math.inf, -1)
         self.cried = -math.inf
         self.behaviours: Mapping[str, Behaviour] = {}
-        self.arms: Mapping[int, Record] = {}
         self.biases: dict[str, float] = {}
-        self.doing = ""
-        self.motor = MotorCommand()
+        self.doing, self.command = "", MotorCommand()
         self.now = 0.0
-        away = surroundings.places[max(bond, 0)] - surroundings.places[self.me]
-        self.distance = math.hypot(away[0], away[2]) if bond >= 0 else 0.0
         self.at = np.zeros(2)
-        self.root = math.sqrt(GRAVITY * float(controller.record.hip_height))
-        self.glances: Glances
+        self.caregiver_distance = 0.0
+        if caregiver >= 0:
+            offset = surroundings.places[caregiver] - surroundings.places[self.number_of_self]
+            self.caregiver_distance = math.hypot(offset[0], offset[2])
+        self.froude_speed = math.sqrt(GRAVITY * float(controller.record.hip_height))
 
-    def begin(self, rng: np.random.Generator, behaviours: Mapping[str, Behaviour]) -> None:
-        """Give it its chances, and what it may do."""
-        self.rng, self.behaviours = rng, behaviours
-        self.glances = Glances(len(self.surroundings.kinds), rng)
-
-    # --- what behaviours ask ---------------------------------------------------------
+    # --- for behaviours -----------------------------------------------------------------
 
     @property
     def pace(self) -> float:
-        """How fast it usually goes [m/s]."""
-        return (STROLL + (RUN - STROLL) * self.traits.speed) * self.root
+        """Usual speed [m/s]."""
+        share = STROLL_FROUDE + (RUN_FROUDE - STROLL_FROUDE) * self.traits.speed
+        return share * self.froude_speed
 
     @property
     def stroll(self) -> float:
-        """How fast it goes at leisure [m/s]."""
-        return STROLL * self.root
+        """Leisurely speed [m/s]."""
+        return STROLL_FROUDE * self.froude_speed
 
     def number(self, name: str) -> int:
         """Return the number of a character."""
         return self.surroundings.view.number(name)
 
     def place(self, owner: int) -> Array:
-        """Return (2,) x and z where it believes a character to be [m]."""
+        """Return (2,) x and z of a character as remembered [m]."""
         result: Array = self.memory.places[owner, [0, 2]]
         return result
 
     def velocity(self, owner: int) -> Array:
-        """Return (2,) how it believes a character to move [m/s]."""
+        """Return (2,) the velocity of a character as remembered [m/s]."""
         result: Array = self.memory.velocities[owner, [0, 2]]
         return result
 
-    def away(self, owner: int) -> float:
-        """Return how far off it believes a character to be [m]."""
-        return float(self.memory.away[owner])
+    def distance_to(self, owner: int) -> float:
+        """Return the distance of a character as remembered [m]."""
+        return float(self.memory.distances[owner])
 
     def gap(self, owner: int) -> float:
-        """Return how far from its own surface that of a character is [m]."""
-        return self.away(owner) - float(self.surroundings.radius[owner]) - self.slim
+        """Return the gap to the surface of a character as remembered [m]."""
+        return self.distance_to(owner) - float(self.surroundings.radius[owner]) - self.body_radius
 
     def heading_to(self, place: Array) -> float:
         """Return the heading of a place."""
         return math.atan2(-(place[1] - self.at[1]), place[0] - self.at[0])
 
+    def is_on_terrain(self, place: Array, margin: float) -> bool:
+        """Tell whether a place (2,) is farther from the edge of the terrain than a margin [m]."""
+        low, high = self.surroundings.low + margin, self.surroundings.high - margin
+        return bool((place > low).all() and (place < high).all())
+
     @property
-    def hugging(self) -> bool:
+    def is_hugging(self) -> bool:
         """Whether it has somebody in its arms."""
-        errand = self.motor.task
-        return isinstance(errand, Hug) and errand.touched > 0.0
+        task = self.command.task
+        return isinstance(task, Hug) and task.touched > 0.0
 
     def opens_arms(self, owner: int) -> bool:
-        """Tell whether another one holds both arms out for somebody, as far as can be seen."""
-        arms = self.arms.get(owner)
-        return arms is not None and min(int(arms.arm_mode[0]), int(arms.arm_mode[1])) >= PLACED
+        """Tell whether a character holds both arms out for somebody, as far as can be seen."""
+        record = self._records.get(owner)
+        return record is not None and bool((record.arm_mode >= PLACED).all())
 
-    def hands_apart(self, owner: int) -> float:
-        """Return how far apart the hands of another one are [m], as somebody in them feels."""
-        arms = self.arms.get(owner)
-        if arms is None:
+    def hands_gap(self, owner: int) -> float:
+        """Return the distance between the hands of a character, as felt in its arms [m]."""
+        record = self._records.get(owner)
+        if record is None:
             return 0.0
-        p, first = self.surroundings.view.arrays.p, int(arms.node) + HAND
-        away = p[first] - p[first + 1]
-        return math.sqrt(float((away * away).sum()))
+        p, first = self.surroundings.view.arrays.p, int(record.node) + HAND
+        offset = p[first] - p[first + 1]
+        return math.sqrt(float((offset * offset).sum()))
 
-    # --- what it goes through --------------------------------------------------------
+    # --- experience ---------------------------------------------------------------------
 
-    def hurt(self, pain: float, by: int, now: float) -> bool:
-        """Feel a blow that hurts so much, struck by a character, or by -1 for none.
+    def feel_blow(self, pain: float, striker: int, now: float) -> bool:
+        """Feel the pain of a blow, struck by a character, or by -1 for none.
 
         Returns:
             Whether it comes as a shock.
         """
-        if (self._embraces(by) and pain < BEARS) or self._holds(by):
+        if (self._embraces(striker) and pain < EMOTION.hug_pain) or self._holds(striker):
             return False
-        self.struck = (now, by)
-        self.anxiety = min(self.anxiety + SHOCK * min(pain, 2.0), 1.0)
-        if by >= 0 and self.surroundings.people[by]:
+        self.struck = (now, striker)
+        self.anxiety = min(self.anxiety + ANXIETY.shock * min(pain, 2.0), 1.0)
+        if striker >= 0 and self.surroundings.people[striker]:
             fears = self.attention.fears
-            fears[by] = min(fears[by] + ALARM * min(pain, 2.0), 1.0)
-            self.anger = min(self.anger + ANGERS * self.traits.aggression * 2.0, 1.0)
+            fears[striker] = min(fears[striker] + EMOTION.fear * min(pain, 2.0), 1.0)
+            self.anger = min(self.anger + EMOTION.anger * self.traits.aggression * 2.0, 1.0)
         return True
 
-    def _embraces(self, by: int) -> bool:
-        """Tell whether it holds somebody, or opens its arms for them, and means no harm."""
-        gentle = self.doing.startswith(("attachment", "comfort")) and self.motor.touching
-        return gentle and self.motor.target == by and not self.slapstick
+    def _embraces(self, owner: int) -> bool:
+        """Tell whether it gently holds a character, or opens its arms for it."""
+        is_gentle = self.doing.startswith(("attachment", "comfort")) and self.command.touching
+        return is_gentle and self.command.target == owner and not self.slapstick
 
     def _holds(self, owner: int) -> bool:
-        """Tell whether it has a character in its hand, which then does not come as a shock."""
+        """Tell whether it has a character in its hand, which then is no shock."""
         nodes = self.surroundings.view.arrays.nodes
-        held = [self.controller.held(k) for k in range(2)]
+        held = [self.controller.held_node(k) for k in range(2)]
         return any(node >= 0 and int(nodes[node].owner) == owner for node in held)
 
     def notice(self, now: float, dt: float) -> None:
-        """See, remember, feel, and attend, `dt` [s] after the last time."""
-        me = self.controller.record
+        """Perceive, remember, feel and attend, `dt` [s] after the last time."""
         self.now = now
-        self.at = self.surroundings.places[self.me, [0, 2]]
-        self.memory.look(self.surroundings, self.me, float(me.gaze[0]))
-        self.attention.fears *= math.exp(-FORGETS * dt)
-        self.anger *= math.exp(-COOLS * dt)
-        if self.bond >= 0:
-            away = self.away(self.bond)
-            to = self.surroundings.places[self.bond, [0, 2]] - self.at
-            self.distance = math.hypot(to[0], to[1])
-            trait = self.traits.anxiety * (RETURNING if self.doing == "attachment" else 1.0)
-            self.anxiety = felt(self.anxiety, trait, away, self.hugging, dt)
+        self.at = self.surroundings.places[self.number_of_self, [0, 2]]
+        gaze = float(self.controller.record.gaze[0])
+        self.memory.look(self.surroundings, self.number_of_self, gaze)
+        self.attention.fears *= math.exp(-EMOTION.fear_decay * dt)
+        self.anger *= math.exp(-EMOTION.anger_decay * dt)
+        if self._caregiver >= 0:
+            offset = self.surroundings.places[self._caregiver, [0, 2]] - self.at
+            self.caregiver_distance = math.hypot(offset[0], offset[1])
+            factor = EMOTION.returning if self.doing == "attachment" else 1.0
+            trait, distance = self.traits.anxiety * factor, self.distance_to(self._caregiver)
+            self.anxiety = next_anxiety(self.anxiety, trait, distance, self.is_hugging, dt)
         else:
-            self.anxiety *= math.exp(-0.1 * dt)
-        chance = 2.0 * self.rng.random(len(self.surroundings.kinds)) - 1.0
-        self.attention.appraise(self.memory, self.anxiety, chance, now)
+            self.anxiety *= math.exp(-EMOTION.calming * dt)
+        noise = 2.0 * self.rng.random(len(self.surroundings.kinds)) - 1.0
+        self.attention.appraise(self.memory, self.anxiety, noise, now)
 
     def choose(self) -> None:
-        """Go on with the behaviour of the highest activation."""
-        best, most = "", 0.0
+        """Follow the behaviour of the highest activation."""
+        best, highest = "", 0.0
         for name, behaviour in self.behaviours.items():
             level = behaviour.activation(self) + self.biases.get(name, 0.0)
             if name == self.doing and level > 0.0:
                 level += HYSTERESIS
-            if level > most:
-                best, most = name, level
+            if level > highest:
+                best, highest = name, level
         if best != self.doing:
-            self.leave()
+            self.end_behaviour()
             self.doing = best
-        self.motor = self.behaviours[best].motor(self) if best else MotorCommand()
+        self.command = self.behaviours[best].motor(self) if best else MotorCommand()
 
-    def leave(self) -> None:
-        """Leave off what is done."""
+    def end_behaviour(self) -> None:
+        """End the present behaviour."""
         if self.doing:
             self.behaviours[self.doing].end(self)
-        self.doing, self.motor, self.way = "", MotorCommand(), DetourState()
+        self.doing, self.command, self.detour = "", MotorCommand(), DetourState()
 
     def look(self, dt: float) -> None:
-        """Choose where to look."""
-        self.glances.look(
-            self.now, dt, self.attention.priority, self.attention.focus, self.motor.target
-        )
+        """Choose where to look for the next `dt` [s]."""
+        attention = self.attention
+        self.glances.look(self.now, dt, attention.priority, attention.focus, self.command.target)

@@ -1,8 +1,11 @@
-"""Mind scheduler."""
+"""Mind scheduler: all minds of a troupe, each of which thinks in its turn.
+
+Source: Horswill 2008, "High-level Control".
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -15,10 +18,12 @@ from pipeline.simulation.characters.body_arrays import NOBODY
 from pipeline.simulation.characters.contact_tasks import Hug
 from pipeline.simulation.characters.mind.mind import Mind
 from pipeline.simulation.characters.mind.perception import Surroundings
-from pipeline.simulation.characters.person_record import REACHING
+from pipeline.simulation.characters.person_controller import PersonController
+from pipeline.simulation.characters.person_record import REACHING, STANDING, SWINGING
 from pipeline.simulation.characters.person_tasks import SitDown
-from pipeline.simulation.characters.step_report import CRIES, WHIMPER, loudness
+from pipeline.simulation.characters.step_report import CRY, hardest_toucher, loudness
 from pipeline.simulation.characters.task_dispatcher import TaskDispatcher
+from pipeline.simulation.dynamics.compiled import Record
 from pipeline.simulation.script import Orders
 from pipeline.simulation.seeds import generator
 from pipeline.simulation.spatial import Array
@@ -27,17 +32,13 @@ from pipeline.spec.behaviour import Attachment, Comfort, Play, Traits, Urge
 from pipeline.spec.character import Character
 from pipeline.spec.script import SetUrges
 
-EVERY = 0.1
-"""How often a mind thinks, about [s]."""
-
-DISTRESS, AGAIN = 0.5, 3.0
-"""Anxiety from which on one who runs back to its caregiver cries, and how often it does [s]."""
-
-BREATH = 0.8
-"""How long a cry lasts, after which the next can come [s]."""
-
-GLANCING_BACK = 1.2
-"""Beyond this angle from the way one goes it stops to look [rad]."""
+THINKING_INTERVAL = 0.1  # of a mind, about [s]
+DISTRESS_ANXIETY = 0.5  # from which a child that returns to its caregiver cries
+DISTRESS_CRY_INTERVAL = 3.0  # [s]
+MIN_CRY_INTERVAL = 0.8  # [s]
+STOPPING_ANXIETY = 0.2  # from which one stops to glance back
+GLANCING_BACK_ANGLE = 1.2  # from the way, beyond which one does [rad]
+MIN_PACE = 0.05  # [m/s]
 
 
 class MindScheduler:
@@ -45,11 +46,15 @@ class MindScheduler:
 
     Args:
         cast: all characters.
-        dispatcher: what the script tells them, and through which minds act.
+        dispatcher: of tasks, through which minds act.
         surroundings: all characters as they are seen.
         seed: of the scene.
         dt: a step [s].
-        sub_step: of it [s].
+        sub_step: [s].
+
+    Attributes:
+        cries: of the last step: index of the controller, number of the character that caused it
+            or -1, strength [m/s].
     """
 
     def __init__(
@@ -61,147 +66,134 @@ class MindScheduler:
         dt: float,
         sub_step: float,
     ) -> None:
-        self.dispatcher, self.surroundings = dispatcher, surroundings
-        self.dt, self.sub_step = dt, sub_step
-        self.every = max(round(EVERY / dt), 1)
-        self.minds: list[Mind] = []
-        self.places: list[int] = []
-        for k, controller in enumerate(dispatcher.controllers):
-            member = cast[int(controller.record.owner)]
-            if member.has_mind:
-                self.minds.append(_mind(member, cast, controller, surroundings, seed))
-                self.places.append(k)
-        dispatcher.minded = frozenset(self.places)
-        acting = np.array([member.acts for member in cast], dtype=bool)
-        arms = {
-            int(controller.record.owner): controller.record for controller in dispatcher.controllers
-        }
-        for mind in self.minds:
-            mind.acting, mind.arms = acting, arms
-        owners = np.array([mind.me for mind in self.minds], dtype=np.int64)
-        self._owners = owners
-        self._pain = np.zeros(len(owners))
-        self._pains_now = surroundings.view.arrays.owners["pain"]
         self.cries: list[tuple[int, int, float]] = []
+        self._dispatcher, self._surroundings = dispatcher, surroundings
+        self._sub_step, self._interval = sub_step, max(round(THINKING_INTERVAL / dt), 1)
+        acting = np.array([member.acts for member in cast], dtype=bool)
+        records = {int(person.record.owner): person.record for person in dispatcher.controllers}
+        members = [cast[int(person.record.owner)] for person in dispatcher.controllers]
+        self._indices = [k for k, member in enumerate(members) if member.has_mind]
+        self.minds = [
+            _mind(members[k], cast, dispatcher.controllers[k], surroundings, acting, records, seed)
+            for k in self._indices
+        ]
+        dispatcher.minded = frozenset(self._indices)
+        self._owners = np.array([mind.number_of_self for mind in self.minds], dtype=np.int64)
+        self._pain: Array = np.zeros(len(self._owners))
+        self._pains_now = surroundings.view.arrays.owners["pain"]
 
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """What of minds is kept in the take."""
+        """Channels of the take."""
         kinds = (("anxiety", "1"), ("distance", "m"), ("focus", "1"), ("gaze", "1"))
         return tuple(
-            Channel(f"{mind.controller.name}.{what}", unit)
+            Channel(f"{mind.controller.name}.{kind}", unit)
             for mind in self.minds
-            for what, unit in (*kinds, ("behaviour", "1"))
+            for kind, unit in (*kinds, ("behaviour", "1"))
         )
 
     def values(self) -> list[float]:
         """Return the values of the channels now.
 
         Focus and gaze are numbers of characters in the order of the cast, behaviours those of
-        the registry; -1 is none.
+        the scene language; -1 is none.
         """
         found = list[float]()
         for mind in self.minds:
-            focus, looks = mind.attention.focus, mind.glances.at
-            found += (mind.anxiety, mind.distance, focus, looks, behaviour_number(mind.doing))
+            focus, looked_at = mind.attention.focus, mind.glances.at
+            behaviour = behaviour_number(mind.doing)
+            found += (mind.anxiety, mind.caregiver_distance, focus, looked_at, behaviour)
         return found
 
     def read(self, orders: Orders) -> None:
-        """Take in what the script gives somebody a mind to."""
+        """Accept the urges that the script sets."""
         for mind in self.minds:
-            for do in orders.get(mind.controller.name, ()):
-                if isinstance(do, SetUrges):
-                    mind.biases = {} if not do.urge else {**mind.biases, **do.urge}
+            for order in orders.get(mind.controller.name, ()):
+                if isinstance(order, SetUrges):
+                    mind.biases = {} if not order.urge else {**mind.biases, **order.urge}
 
     def think(self, step: int, now: float) -> None:
-        """Let those think whose turn it is, or who were hurt in the last step."""
-        hurt = self._feel(now)
-        for n, (k, mind) in enumerate(zip(self.places, self.minds, strict=True)):
-            if (step + n) % self.every and n not in hurt:
+        """Let the minds think whose turn it is, or that were hurt in the last step."""
+        hurt = self._feel_blows(now)
+        for n, (k, mind) in enumerate(zip(self._indices, self.minds, strict=True)):
+            if (step + n) % self._interval and n not in hurt:
                 continue
-            self.surroundings.look(now, self.sub_step)
+            self._surroundings.update(now, self._sub_step)
             dt = now - mind.now
             mind.notice(now, dt)
-            if self.dispatcher.is_told(k):
-                mind.leave()
+            if self._dispatcher.is_ordered(k):
+                mind.end_behaviour()
             else:
                 mind.choose()
                 self._act(k, mind)
-                self._cry(k, mind)
+                self._cry_in_distress(k, mind)
             mind.look(dt)
-            self.dispatcher.glance(k, mind.glances.at)
+            self._dispatcher.glance(k, mind.glances.at)
 
-    def _cry(self, k: int, mind: Mind) -> None:
-        """Let one cry that is on its way back in distress, and not in its caregiver's arms yet."""
-        calm = mind.anxiety < DISTRESS or isinstance(mind.motor.task, Hug)
-        if mind.doing == "attachment" and not calm and mind.now - mind.cried >= AGAIN:
+    def _cry_in_distress(self, k: int, mind: Mind) -> None:
+        """Let a distressed child cry on its way back, until it is in its caregiver's arms."""
+        is_calm = mind.anxiety < DISTRESS_ANXIETY or isinstance(mind.command.task, Hug)
+        is_due = mind.now - mind.cried >= DISTRESS_CRY_INTERVAL
+        if mind.doing == "attachment" and not is_calm and is_due:
             mind.cried = mind.now
-            self.cries.append((k, NOBODY, WHIMPER + mind.anxiety))
+            self.cries.append((k, NOBODY, CRY.faintest + mind.anxiety))
 
-    def _feel(self, now: float) -> set[int]:
-        """Let those feel it who were hurt in the last step; return them."""
+    def _feel_blows(self, now: float) -> set[int]:
+        """Let minds feel the blows of the last step; return the indices of those hurt."""
         self.cries.clear()
         pain = self._pains_now[self._owners]
-        more = pain - self._pain
+        added = pain - self._pain
         self._pain = pain
-        if not len(more) or float(more.max()) <= 0.0:
+        if not len(added) or float(added.max()) <= 0.0:
             return set()
-        hurt = set[int]()
-        for n in np.flatnonzero(more > 0.0).tolist():
-            mind, much = self.minds[n], float(more[n])
-            by = self._by_whom(mind.me)
-            if mind.hurt(much, by, now) and much > CRIES and now - mind.cried >= BREATH:
+        hurt = np.flatnonzero(added > 0.0).tolist()
+        for n in hurt:
+            mind, blow = self.minds[n], float(added[n])
+            arrays = self._surroundings.view.arrays
+            striker = max(hardest_toucher(arrays, mind.number_of_self), NOBODY)
+            is_shock = mind.feel_blow(blow, striker, now)
+            if is_shock and blow > CRY.cry and now - mind.cried >= MIN_CRY_INTERVAL:
                 mind.cried = now
-                self.cries.append((self.places[n], by, loudness(much)))
-            hurt.add(n)
-        return hurt
-
-    def _by_whom(self, owner: int) -> int:
-        """Return whose touch was the hardest in the last step, -1 for the ground's."""
-        arrays = self.surroundings.view.arrays
-        first, count = (int(n) for n in arrays.owners["links"][owner])
-        links = arrays.links[first : first + count]
-        hardest = int(np.argmax(links["energy"]))
-        return max(int(links["touched_owner"][hardest]), NOBODY)
+                self.cries.append((self._indices[n], striker, loudness(blow)))
+        return set(hurt)
 
     def _act(self, k: int, mind: Mind) -> None:
-        """Hand on to the controls what a mind has chosen."""
-        motor, controller, dispatcher = mind.motor, mind.controller, self.dispatcher
-        me = controller.record
-        me.frozen = motor.frozen
-        me.pace = max(motor.pace, 0.05)
-        if motor.sits:
-            if not isinstance(dispatcher.errand(k), SitDown):
+        """Hand the motor command of a mind to the controls."""
+        command, controller, dispatcher = mind.command, mind.controller, self._dispatcher
+        person = controller.record
+        person.frozen = command.frozen
+        person.pace = max(command.pace, MIN_PACE)
+        if command.sits:
+            if not isinstance(dispatcher.task(k), SitDown):
                 dispatcher.begin(k, SitDown())
             return
-        if motor.task is not None:
-            if dispatcher.errand(k) is not motor.task:
-                dispatcher.begin(k, motor.task)
+        if command.task is not None:
+            if dispatcher.task(k) is not command.task:
+                dispatcher.begin(k, command.task)
             return
-        if dispatcher.errand(k) is not None:
+        if dispatcher.task(k) is not None:
             dispatcher.end(k)
-        _walk(mind, motor)
+        _walk(mind, command)
         for hand in range(2):
-            if controller.held(hand) < 0:
-                me.arm_mode[hand] = REACHING if motor.reaching else 0
+            if controller.held_node(hand) < 0:
+                person.arm_mode[hand] = REACHING if command.reaching else SWINGING
 
 
-def _walk(mind: Mind, motor: MotorCommand) -> None:
-    """Walk, or stand, as a motor vector says."""
-    controller = mind.controller
-    goal = motor.goal
-    if goal is not None and mind.glances.glancing and motor.facing is None and mind.anxiety > 0.2:
-        # Who looks back stops for it.
-        place = mind.place(mind.glances.at)
-        turn = abs(_wrapped(mind.heading_to(place) - mind.heading_to(np.array(goal))))
-        goal = None if turn > GLANCING_BACK else goal
+def _walk(mind: Mind, command: MotorCommand) -> None:
+    """Walk or stand, as a motor command says."""
+    controller, goal = mind.controller, command.goal
+    glances_back = mind.glances.glancing and command.facing is None
+    if goal is not None and glances_back and mind.anxiety > STOPPING_ANXIETY:
+        way, place = np.array(goal), mind.place(mind.glances.at)
+        turn = abs(_wrapped(mind.heading_to(place) - mind.heading_to(way)))
+        goal = None if turn > GLANCING_BACK_ANGLE else goal
     if goal is not None:
-        controller.go(*goal, whom=motor.target if motor.touching else NOBODY)
+        controller.go(*goal, partner=command.target if command.touching else NOBODY)
     else:
         controller.stop()
-        controller.record.posture = 0
-    if motor.facing is not None:
-        controller.record.has_facing, controller.record.facing = True, motor.facing
+        controller.record.posture = STANDING
+    if command.facing is not None:
+        controller.record.has_facing, controller.record.facing = True, command.facing
     elif goal is None:
         controller.record.has_facing = False
 
@@ -213,30 +205,39 @@ def _wrapped(angle: float) -> float:
 def _mind(
     member: Character,
     cast: Sequence[Character],
-    controller: object,
+    controller: PersonController,
     surroundings: Surroundings,
+    acting: Array,
+    records: Mapping[int, Record],
     seed: int,
 ) -> Mind:
-    """Return the mind of a member."""
-    asked = member.behaviours or _usual(member, cast)
-    bonds = [one.attachment for one in asked if isinstance(one, Attachment)]
-    bond = surroundings.view.number(bonds[0]) if bonds else NOBODY
-    mind = Mind(controller, surroundings, member.traits or Traits(), bond)  # type: ignore[arg-type]
-    mind.slapstick = member.slapstick
-    mind.begin(generator(seed, f"{member.name}.mind"), behaviours_of(asked, mind))
+    """Return the mind of a member of the cast."""
+    configs = member.behaviours or _default_behaviours(member, cast)
+    bonds = [config.attachment for config in configs if isinstance(config, Attachment)]
+    mind = Mind(
+        controller,
+        surroundings,
+        traits=member.traits or Traits(),
+        caregiver=surroundings.view.number(bonds[0]) if bonds else NOBODY,
+        slapstick=member.slapstick,
+        rng=generator(seed, f"{member.name}.mind"),
+        acting=acting,
+        records=records,
+    )
+    mind.behaviours = behaviours_of(configs, mind)
     return mind
 
 
-def _usual(member: Character, cast: Sequence[Character]) -> list[Urge]:
-    """Return what one does of whom nothing is said but traits."""
-    mine: Array = np.array([member.at[0], member.at[-1]])
+def _default_behaviours(member: Character, cast: Sequence[Character]) -> list[Urge]:
+    """Return the behaviours of a character with traits alone, towards the nearest others."""
 
-    def away(other: Character) -> float:
-        return float(np.hypot(*(np.array([other.at[0], other.at[-1]]) - mine)))
+    def distance(other: Character) -> float:
+        x, z = other.at[0] - member.at[0], other.at[-1] - member.at[-1]
+        return float(np.hypot(x, z))
 
-    others = sorted((one for one in cast if one is not member), key=away)
-    balls = [Play(play=one.name) for one in others if one.character == "ball"]
+    others = sorted((other for other in cast if other is not member), key=distance)
+    balls = [Play(play=other.name) for other in others if other.character == "ball"]
     if member.character == "adult":
-        return [Comfort(comfort=one.name) for one in others if one.character == "child"]
-    adults = [one for one in others if one.character == "adult" and one.acts]
-    return [*(Attachment(attachment=one.name) for one in adults[:1]), *balls[:1]]
+        return [Comfort(comfort=other.name) for other in others if other.character == "child"]
+    adults = [other for other in others if other.character == "adult" and other.acts]
+    return [*(Attachment(attachment=other.name) for other in adults[:1]), *balls[:1]]

@@ -1,0 +1,314 @@
+"""How people walk: feet that stay where they stand, knees, elbows, strides as people have."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters import character_plans
+from pipeline.simulation.characters.characters import Characters
+from pipeline.simulation.characters.gait_timing import duty_factor, stride_rate
+from pipeline.simulation.dynamics.compiled import entry
+from pipeline.simulation.people.proportions import ADULT, CHILD
+from pipeline.simulation.spatial import Array
+from pipeline.simulation.terrain import build_ground
+from pipeline.spec import read_scene
+
+from .character_yard import least_bend, legs_depth
+from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_words
+
+pytestmark = pytest.mark.slow
+
+WHO = {"adult": ADULT, "child": CHILD}
+
+WALKS = [
+    ("adult", 1.35, "flat"),
+    pytest.param("adult", 0.6, "flat", marks=pytest.mark.slow),
+    pytest.param("adult", 1.8, "flat", marks=pytest.mark.slow),
+    pytest.param("adult", 3.2, "flat", marks=pytest.mark.slow),
+    pytest.param("child", 1.0, "flat", marks=pytest.mark.slow),
+    pytest.param("child", 2.2, "flat", marks=pytest.mark.nightly),
+    pytest.param("adult", 1.2, "{preset: hills, height: 0.6}", marks=pytest.mark.slow),
+    pytest.param("child", 0.9, "{preset: hills, height: 0.6}", marks=pytest.mark.nightly),
+]
+
+
+@entry
+def strides_at(speed: float, leg: float) -> tuple[float, float]:
+    """Return the rate of strides, and the part of one for which a foot stands."""
+    return stride_rate(speed, leg), duty_factor(speed, leg)
+
+
+ON_GROUND = 0.006
+"""Height up to which a place on a sole stands [m]."""
+
+
+def soles(play: Play, kind: str, side: str) -> list[Array]:
+    """Return the places of heel and ball (K, 3) as they are seen [m]."""
+    who = WHO[kind]
+    R, p = play.frames[f"a.foot_{side}"]
+    length, ankle = who.foot * who.height, who.ankle * who.height
+    return [p + R @ [x * length, -ankle, 0.0] for x in (-0.24, 0.48)]
+
+
+@pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
+def test_what_stands_of_a_sole_slips_less_than_two_centimetres(
+    kind: str, speed: float, terrain: str
+) -> None:
+    play = walk(kind, speed, terrain)
+    scene = read_scene("pronk: 1\n" + walk_words(kind, speed, terrain))
+    ground = build_ground(scene.terrain, scene.seed)
+    stands = 0
+    for side in "lr":
+        for place in soles(play, kind, side):
+            above = place[:, 1] - ground.height(place[:, 0], place[:, 2])
+            assert above.min() > -0.02
+            for first, last in spells(above < ON_GROUND):
+                stood = place[first : last + 1]
+                stands += last - first > 10
+                slips = np.hypot(stood[:, 0] - stood[0, 0], stood[:, 2] - stood[0, 2])
+                assert slips.max() < 0.02
+    assert stands >= 6
+
+
+@pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
+def test_knees_bend_forward_and_elbows_back(kind: str, speed: float, terrain: str) -> None:
+    play = walk(kind, speed, terrain)
+    for side in "lr":
+        hip, knee, foot = (play.joint("a", f"{n}_{side}") for n in ("hip", "knee", "foot"))
+        along = foot - hip
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        off = knee - hip
+        off = off - (off * along).sum(axis=1)[:, None] * along
+        heading = play.records["heading"][:, 0]
+        ahead = np.stack([np.cos(heading), 0 * heading, -np.sin(heading)], axis=1)
+        # Ahead of the line from hip to foot, or on it.
+        up = np.cross(np.stack([np.sin(heading), 0 * heading, np.cos(heading)], axis=1), along)
+        assert ((off * up).sum(axis=1) > -1e-3).all()
+        assert ((off * ahead).sum(axis=1) > -0.02).all()
+
+
+def corners(kind: str, speed: float, turn_deg: float, every: float = 1.176) -> str:
+    """Return the scene of one who is sent on around sharp corners before it has got there.
+
+    Args:
+        kind: of the person.
+        speed: at which it goes [m/s].
+        turn_deg: of each corner, to the left and to the right in turn.
+        every: after which it is sent on [s].
+    """
+    legs, far, heading, x, z = 4, 1.2 * speed, 0.0, 0.0, 0.0
+    words = f"duration: {1.2 * legs + 2.0}\ncast: [{{name: a, character: {kind}, at: [0, 0]}}]\n"
+    words += f"script:\n  - {{at: 0, who: a, do: {{speed: {speed}}}}}\n"
+    for k in range(legs):
+        x, z = x + far * math.cos(heading), z - far * math.sin(heading)
+        words += f"  - {{at: {every * k:.3f}, who: a, do: {{go_to: [{x:.3f}, {z:.3f}]}}}}\n"
+        heading += math.radians(turn_deg if k % 2 == 0 else -turn_deg)
+    return words
+
+
+def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) -> Array:
+    """Return (K,) how deep the legs of one who goes round `corners` are in one another [m]."""
+    deep: list[float] = []
+
+    def look(troupe: Characters, _: int) -> None:
+        deep.append(legs_depth(troupe.arrays.nodes, troupe.arrays.links))
+
+    play_scene(corners(kind, speed, turn_deg, every), look)
+    return np.array(deep)
+
+
+@pytest.mark.parametrize(
+    ("kind", "speed", "turn_deg", "every"),
+    [
+        ("adult", 1.3, 60.0, 1.176),
+        ("adult", 1.3, 180.0, 1.176),
+        ("child", 1.7, 60.0, 1.176),
+        ("child", 1.0, 180.0, 1.176),
+        ("adult", 1.3, 140.0, 1.176),
+        ("adult", 1.0, 140.0, 1.176),
+        ("adult", 1.6, 140.0, 1.176),
+        ("adult", 1.0, 140.0, 0.95),
+        ("child", 1.4, 140.0, 1.176),
+        ("child", 1.0, 120.0, 1.176),
+        ("child", 1.7, 160.0, 1.05),
+    ],
+)
+def test_legs_go_round_one_another_in_zigzags(
+    kind: str, speed: float, turn_deg: float, every: float
+) -> None:
+    assert depths_in_corners(kind, speed, turn_deg, every).max() < 0.008
+
+
+@pytest.mark.parametrize(("kind", "speed", "most"), [("adult", 1.3, 0.03), ("child", 1.2, 0.008)])
+def test_legs_keep_apart_in_whatever_part_of_a_step_somebody_turns_round(
+    kind: str, speed: float, most: float
+) -> None:
+    """Thighs of a grown-up, 16 cm thick, press one another for a few hundredths of a second.
+
+    A knee that swings is thrown forward past the other one quicker than it is turned outward.
+    """
+    for every in (0.8, 0.87, 0.92, 1.0, 1.08, 1.13, 1.25):
+        deep = depths_in_corners(kind, speed, 150.0, every)
+        assert deep.max() < most
+        assert (deep > 0.008).sum() <= 0.06 * STEPS
+
+
+@pytest.mark.parametrize(("kind", "speed"), [("adult", 1.0), ("adult", 1.3), ("adult", 1.6)])
+def test_who_turns_round_is_not_thrown_by_a_foot_that_comes_down_far_off(
+    kind: str, speed: float
+) -> None:
+    """The pelvis lists by 4 degrees in a walk; who is thrown down on one side, by 30."""
+    play = play_scene(corners(kind, speed, 160.0, 0.95))
+    across = play.joint("a", "hip_r") - play.joint("a", "hip_l")
+    lists = np.arcsin(across[:, 1] / np.linalg.norm(across, axis=1))
+    assert np.abs(lists).max() < math.radians(9.0)
+
+
+def test_no_joint_is_ever_reversed() -> None:
+    from .scripted_people import play_scene
+
+    seen = []
+    play_scene(
+        walk_words("adult", 1.35),
+        lambda troupe, _: seen.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs)),
+    )
+    assert min(seen) > -math.radians(2.0)
+
+
+@pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
+def test_elbows_swing_and_do_not_wiggle(kind: str, speed: float, terrain: str) -> None:
+    """A human elbow goes through some 15 to 30 degrees and back once a stride.
+
+    The bound is the jerk, over differences of three rows, of a wiggle of three degrees at 8 Hz: a
+    swing of 15 degrees at a stride a second has a hundredth of it, and the rest is what a foot
+    shakes that leaves the ground.
+    """
+    play = walk(kind, speed, terrain)
+    bound = math.radians(3.0) * (2.0 * math.sin(math.pi * 8.0 / 32.0)) ** 3 * 32.0**3
+    for side in "lr":
+        upper = play.joint("a", f"elbow_{side}") - play.joint("a", f"shoulder_{side}")
+        lower = play.joint("a", f"hand_{side}") - play.joint("a", f"elbow_{side}")
+        across = np.linalg.norm(np.cross(upper, lower), axis=1)
+        angle = np.arctan2(across, (upper * lower).sum(axis=1))
+        every = angle[:: STEPS // 32]
+        jerk = np.abs(np.diff(every, 3)) * 32.0**3
+        assert jerk.max() < bound
+        assert np.ptp(angle[STEPS:-STEPS]) > math.radians(4.0)
+
+
+def test_steps_come_as_often_as_people_take_them() -> None:
+    # 115 steps a minute at 1.4 m/s; children of six take 140 at 1.0 m/s.
+    assert 120.0 * strides_at(1.4, ADULT.hip * ADULT.height)[0] == pytest.approx(115.0, abs=2.0)
+    assert 120.0 * strides_at(1.0, CHILD.hip * CHILD.height)[0] == pytest.approx(140.0, abs=5.0)
+    play = walk("adult", 1.35)
+    falls = [(c.step + c.fraction) / STEPS for c in play.contacts if c.kind == "touch"]
+    middle = np.diff(falls[2:-3])
+    expected = 1.0 / (2.0 * strides_at(1.35, ADULT.hip * ADULT.height)[0])
+    np.testing.assert_allclose(middle, expected, rtol=0.06)
+
+
+@pytest.mark.parametrize(("speed", "flies"), [(1.35, False), (3.2, True)])
+@pytest.mark.slow
+def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None:
+    play = walk("adult", speed, "flat", 9.0 if flies else 4.0)
+    doing = play.records["foot_state"][:, 0]
+    going = np.hypot(*play.records["velocity"][:, 0].T) > 0.85 * speed
+    assert going.sum() > 20
+    assert bool((doing[going] == 1).all(axis=1).any()) == flies
+    assert (strides_at(speed, ADULT.hip * ADULT.height)[1] < 0.5) == flies
+
+
+def test_arms_go_against_legs_and_the_pelvis_bobs_a_little() -> None:
+    play = walk("adult", 1.35)
+    going = np.hypot(*play.records["velocity"][:, 0].T) > 1.25
+    for arm, leg in (("l", "r"), ("r", "l")):
+        pelvis = play.joint("a", "pelvis")[going, 0]
+        hand = play.joint("a", f"hand_{arm}")[going, 0] - pelvis
+        foot = play.joint("a", f"foot_{leg}")[going, 0] - pelvis
+        assert np.corrcoef(hand, foot)[0, 1] > 0.7
+    height = play.joint("a", "pelvis")[going, 1]
+    assert 0.015 < np.ptp(height) < 0.07
+
+
+def test_who_arrives_stands_there_with_both_feet_side_by_side() -> None:
+    play = walk("adult", 1.35)
+    assert len(play.when("a")) == 1
+    end = play.p[-1]
+    feet = np.array([play.joint("a", f"foot_{side}")[-1] for side in "lr"])
+    assert np.hypot(*(end[0] - [2.0, 0.0, 0.3])[[0, 2]]) < 0.12
+    assert abs(feet[0, 0] - feet[1, 0]) < 0.06
+    assert 0.12 < feet[1, 2] - feet[0, 2] < 0.26
+    speed = np.abs(play.joint("a", "pelvis")[-1] - play.joint("a", "pelvis")[-12]) * 8.0
+    assert speed.max() < 0.01
+
+
+def test_footfalls_are_contacts_with_the_ground() -> None:
+    play = walk("adult", 1.35)
+    falls = [c for c in play.contacts if c.kind == "touch"]
+    assert {c.part for c in falls} == {"a.foot_l", "a.foot_r"}
+    assert {c.other for c in falls} == {"terrain"}
+    sides = [c.part[-1] for c in falls]
+    assert all(a != b for a, b in pairwise(sides))
+    assert all(abs(c.place[1]) < 1e-6 and 0.05 < c.speed < 2.0 and c.energy > 0.0 for c in falls)
+    assert not [c for c in play.contacts if c.other == "terrain" and c.kind != "touch"]
+
+
+def zigzag(kind: str, speed: float, seed: int) -> tuple[float, float]:
+    """Let somebody turn in the middle of steps, for 8 s.
+
+    Returns:
+        Its greatest pain, and how fast its fastest node was [m/s].
+    """
+    rng, heading = np.random.Generator(np.random.PCG64(seed)), 0.0
+    pain, fastest = 0.0, 0.0
+
+    def turn(troupe: Characters, step: int) -> None:
+        nonlocal heading, pain, fastest
+        me = troupe.persons[0]
+        if step % (STEPS // 2) == 0:
+            heading = float(me.heading) + math.radians(float(rng.uniform(-90.0, 90.0)))
+            if math.hypot(*me.at) > 7.0:
+                heading = math.atan2(me.at[1], -me.at[0])
+        me.pace = speed
+        troupe.dispatcher.controllers[0].go(
+            me.at[0] + 5.0 * math.cos(heading), me.at[1] - 5.0 * math.sin(heading)
+        )
+        pain = max(pain, float(troupe.arrays.owners["pain"][0]))
+        gone = np.abs(troupe.arrays.p - troupe.arrays.previous).max()
+        fastest = max(fastest, float(gone) * troupe.count * STEPS)
+
+    terrain = "{kind: flat, size: [24, 24]}"
+    play_scene(f"duration: 8\nterrain: {terrain}\ncast: [{{name: a, character: {kind}}}]\n", turn)
+    return pain, fastest
+
+
+TURNS = [
+    ("child", 1.5, 0),
+    pytest.param("child", 0.8, 1, marks=pytest.mark.slow),
+    pytest.param("child", 2.2, 2, marks=pytest.mark.slow),
+    pytest.param("adult", 1.1, 0, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
+def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float, seed: int) -> None:
+    pain, fastest = zigzag(kind, speed, seed)
+    assert pain == 0.0
+    # Feet and hands swing at a few times the speed of who runs.
+    assert fastest < 5.0 * speed + 5.0
+
+
+@pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
+def test_who_stumbles_over_something_is_not_torn_to_where_its_foot_should_stand(
+    kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What is nearest to stumble over are one's own legs, if they are made to meet.
+    meetings = (*character_plans.MEETINGS, *character_plans.LEGS_MEET)
+    monkeypatch.setattr("pipeline.simulation.characters.character_plans.MEETINGS", meetings)
+    pain, fastest = zigzag(kind, speed, seed)
+    assert pain < 2.0
+    assert fastest < 5.0 * speed + 9.0

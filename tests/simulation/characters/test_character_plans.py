@@ -1,0 +1,91 @@
+"""What characters are made of."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters.body_plan import character_arrays
+from pipeline.simulation.characters.character_plans import LINK_NAMES, person_plan
+from pipeline.simulation.characters.playthings import merry_go_round_plan
+from pipeline.simulation.people.proportions import ADULT, CHILD, JOINTS, SEGMENTS, Proportions
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import read_scene
+
+from .character_yard import attitude, least_bend, yard_of
+from .scripted_people import STEPS, troupe_of
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("who", [ADULT, CHILD])
+def test_a_person_is_sixteen_nodes_and_thirteen_links(who: Proportions) -> None:
+    plan = person_plan(who)
+    assert len(plan.rest) == len(JOINTS) == 16
+    touched = [link for link in plan.links if link.radius > 0.0]
+    # And a skull, which is a ball about a node.
+    assert len([link for link in touched if link.ends[0] != link.ends[1]]) == len(SEGMENTS) == 13
+    assert [name for name in LINK_NAMES if name not in SEGMENTS] == ["skull"]
+    assert plan.mass.sum() == pytest.approx(who.mass, rel=1e-9)
+
+
+def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
+    plan = merry_go_round_plan(1.3, 90.0)
+    assert len(plan.rest) == 18
+    assert len(plan.links) == 41
+    assert len([link for link in plan.links if link.radius > 0.0]) == 25
+
+
+@pytest.mark.parametrize("who", [ADULT, CHILD])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    plan = person_plan(who)
+    turn = attitude(chance)
+    rest = plan.rest.copy()
+    # Knees back and elbows forward by a hand's breadth: the wrong way round.
+    for name, way in (("knee", -0.1), ("elbow", 0.1)):
+        for side in "lr":
+            rest[JOINTS.index(f"{name}_{side}"), 0] += way
+    yard = yard_of([plan], [rest @ turn.T + [0.0, 20.0, 0.0]], gravity=0.0)
+    assert least_bend(yard.arrays.nodes, yard.arrays.limbs) < np.radians(-5.0)
+    yard.step()
+    assert least_bend(yard.arrays.nodes, yard.arrays.limbs) > np.radians(-0.1)
+    # Against the trunk's own axes, whatever they are now: the knee lies before hip and foot.
+    p = {name: yard.arrays.p[k] for k, name in enumerate(JOINTS)}
+    forward = np.cross(p["spine"] - p["pelvis"], p["hip_r"] - p["hip_l"])
+    for side in "lr":
+        hip, knee, foot = (p[f"{name}_{side}"] for name in ("hip", "knee", "foot"))
+        along = (foot - hip) / np.linalg.norm(foot - hip)
+        aside = (knee - hip) - ((knee - hip) @ along) * along
+        assert aside @ forward > -1e-9
+
+
+def test_numbers_count_from_each_ones_first() -> None:
+    plans = [person_plan(CHILD), merry_go_round_plan(1.3, 90.0), person_plan(ADULT)]
+    arrays = character_arrays(plans, [plan.rest for plan in plans])
+    for k, owner in enumerate(arrays.owners):
+        first, count = owner.links
+        links = arrays.links[first : first + count]
+        assert (links.owner == k).all()
+        assert (arrays.nodes.owner[links.ends] == k).all()
+        first, count = owner.pairs
+        assert (arrays.links.owner[arrays.pairs[first : first + count]] == k).all()
+    assert (arrays.links.owner[arrays.nodes.ground_link] == arrays.nodes.owner).all()
+
+
+def test_a_merry_go_round_in_a_scene_stands_on_its_base_and_turns_on() -> None:
+    simulation = Simulation(
+        read_scene(
+            "pronk: 1\nduration: 2\ncast: [{character: merry-go-round, spin_deg: [0, 60, 0]}]\n"
+        )
+    )
+    arrays = troupe_of(simulation).arrays
+    assert arrays.p[:, 1].min() == pytest.approx(0.22, abs=0.001)
+    angles = []
+    while not simulation.finished:
+        simulation.step()
+        angles.append(np.arctan2(-arrays.p[2, 2], arrays.p[2, 0]))
+    rates = np.degrees(np.diff(np.unwrap(angles))) * STEPS
+    # Air alone slows it down.
+    assert rates[-1] == pytest.approx(rates[0] * np.exp(-0.12 * 2.0), rel=0.02)

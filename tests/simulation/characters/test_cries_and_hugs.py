@@ -1,0 +1,165 @@
+"""Voices: cries and hugs are heard, on the frame on which they begin, in score and sound."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import mido
+import numpy as np
+import pytest
+
+from audio.general_midi import program_number
+from audio.midi_file import write_midi
+from audio.notes import notes_of
+from pipeline.production.shots.shot_builder import Shooting
+from pipeline.production.sound.score_builder import build_score
+from pipeline.simulation.characters.mind.mind_scheduler import (
+    DISTRESS_ANXIETY,
+    DISTRESS_CRY_INTERVAL,
+)
+from pipeline.simulation.characters.step_report import CRY, loudness
+from pipeline.simulation.simulate import Simulation
+from pipeline.simulation.take import SoundEvent, Take
+from pipeline.spec import Scene, read_scene
+
+from .mind_scenes import troupe
+
+pytestmark = pytest.mark.slow
+
+BLOW = """pronk: 1
+duration: 2
+cast:
+- {name: a, character: adult, at: [0, 0]}
+- {name: ball, character: ball, scale: 2, at: [-1.5, 1.2, 0], velocity: [14, 1, 0]}
+"""
+
+HUG = """pronk: 1
+duration: 5
+cast:
+- {name: a, character: adult, at: [0, 0]}
+- {name: b, character: child, at: [1.6, 0.1], heading_deg: 180}
+script:
+- {at: 0.2, who: b, do: {hug: a}}
+"""
+
+LOST = """pronk: 1
+duration: 16
+terrain: {kind: flat, size: [30, 30]}
+cast:
+- {name: mum, character: adult, at: [0, 0], traits: {}, behaviours: [{comfort: kid}]}
+- {name: kid, character: child, at: [9, 0], traits: {anxiety: 0.5, speed: 0.3},
+   behaviours: [{attachment: mum}]}
+"""
+
+
+def heard(take: Take, cause: str) -> list[SoundEvent]:
+    return [event for event in take.events if event.cause == cause]
+
+
+def played(words: str) -> tuple[Scene, Take, list[tuple[int, str, str, str]]]:
+    """Return a scene, its take, and what has happened in it: step, kind, who, with whom."""
+    scene = read_scene(words)
+    simulation, happened = Simulation(scene), []
+    while not simulation.finished:
+        simulation.step()
+        step = simulation.step_number
+        happened += [(step, one.kind, one.who, one.other) for one in simulation.signals]
+    return scene, simulation.take(), happened
+
+
+def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path: Path) -> None:
+    """Its note begins at the tick of its frame, on the instrument of its cause."""
+    score, _ = build_score(scene, take, Shooting(scene, take).poses)
+    (note,) = [
+        n for n in notes_of(score) if (n.event.cause, n.event.frame) == (event.cause, event.frame)
+    ]
+    assert note.onset * scene.rate == event.frame - 1
+    write_midi(score, path / "score.mid")
+    file = mido.MidiFile(path / "score.mid")
+    ticks = []
+    for track in file.tracks:
+        now, programs = 0, {}
+        for message in track:
+            now += message.time
+            if message.type == "program_change":
+                programs[message.channel] = message.program
+            elif message.type == "note_on" and message.velocity:
+                if programs.get(message.channel) == program_number(name):
+                    ticks.append(now)
+    # 40 ticks a frame at 24 frames a second.
+    assert (event.frame - 1) * 40 in ticks
+
+
+def test_who_is_hit_hard_cries_on_the_frame_of_the_blow(tmp_path: Path) -> None:
+    scene, take, happened = played(BLOW)
+    first, *_ = heard(take, "cry")
+    blow = next(c for c in take.contacts if {c.performer, c.other} == {"a", "ball"})
+    assert first.frame == 1 + math.ceil((blow.step + blow.fraction) / take.header.steps)
+    assert (first.who, first.other, first.part) == ("a", "ball", "a.head")
+    assert next(one[0] for one in happened if one[1] == "cry") == first.step
+    row = first.track[0]
+    head = take.positions[row, [node.name for node in take.nodes].index("a.head")]
+    assert math.dist(first.place, head) < 0.25
+    assert CRY.faintest < first.strength <= CRY.loudest
+    assert_in_midi(scene, take, first, "choir aahs", tmp_path)
+
+
+def test_what_hurts_more_is_cried_out_louder_up_to_a_scream() -> None:
+    strengths = [loudness(pain) for pain in (0.0, 0.5, 1.0, 2.0)]
+    assert strengths[0] == CRY.faintest
+    assert all(a < b for a, b in pairwise(strengths))
+    assert loudness(100.0) == CRY.loudest
+
+
+def test_a_hug_is_heard_once_when_the_arms_have_closed(tmp_path: Path) -> None:
+    scene, take, happened = played(HUG)
+    (event,) = heard(take, "hug")
+    ((step, _, who, whom),) = [one for one in happened if one[1] == "hug"]
+    assert (event.step, event.who, event.other) == (step, who, whom) == (step, "b", "a")
+    assert event.frame == 1 + math.ceil(step / take.header.steps)
+    assert 0.1 < event.strength < 0.6
+    assert_in_midi(scene, take, event, "voice oohs", tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("words", "cause", "left"),
+    [
+        ("{cry: {heard: false}}", "cry", False),
+        ("{cry: {above: 100}}", "cry", False),
+        ("{cry: {who: b}}", "cry", False),
+        ("{cry: {who: a, above: 0.5}}", "cry", True),
+        ("{hug: {heard: false}}", "hug", False),
+        ("{hug: {who: 'b*'}}", "hug", True),
+    ],
+)
+def test_the_author_says_what_of_it_is_heard(words: str, cause: str, left: bool) -> None:
+    base = BLOW.replace("{name: ball", "{name: b") if cause == "cry" else HUG
+    _, take, _ = played(f"{base}sound: {{detect: {words}}}\n")
+    assert bool(heard(take, cause)) == left
+
+
+def test_one_in_distress_cries_on_the_way_back_and_not_in_arms() -> None:
+    simulation = Simulation(read_scene(LOST))
+    minds = troupe(simulation).minds
+    assert minds is not None
+    kid = next(mind for mind in minds.minds if mind.controller.name == "kid")
+    kid.anxiety = 0.9
+    levels, hugging = [], []
+    while not simulation.finished:
+        simulation.step()
+        levels.append(kid.anxiety)
+        hugging.append(kid.is_hugging)
+    take = simulation.take()
+    cries = [event for event in heard(take, "cry") if event.who == "kid"]
+    steps = take.header.steps * float(take.header.rate)
+    times = np.array([event.step / steps for event in cries])
+    home = hugging.index(True) / steps
+    assert len(cries) >= 2
+    assert times.min() < 0.5
+    assert (np.diff(times) >= DISTRESS_CRY_INTERVAL - 1e-9).all()
+    assert times.max() < home
+    assert all(levels[event.step - 1] >= DISTRESS_ANXIETY for event in cries)
+    # It sinks to no more than that in arms.
+    assert min(levels[hugging.index(True) :]) < 0.2

@@ -1,0 +1,102 @@
+"""Those who go about by themselves do not go through one another, nor through things."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters.character_plans import LINK_NAMES
+from pipeline.simulation.characters.characters import Characters
+from pipeline.simulation.characters.playthings import CORNERS
+from pipeline.simulation.spatial import Array
+
+from .character_yard import depth
+from .mind_scenes import simulation, steps, troupe
+
+pytestmark = pytest.mark.slow
+
+WALKERS, BOXES = 6, ("box", "crate", "bench")
+
+THINGS = """
+- {name: box, character: box, at: [0, 0]}
+- {name: crate, character: box, at: [2, -1.4], heading_deg: 30}
+- {name: bench, character: bench, at: [-1.8, 1.4], heading_deg: 50}
+- {name: carousel, character: merry-go-round, at: [-1.2, -1.8]}
+- {name: ball, character: ball, at: [1.2, 1.5]}
+"""
+
+RESTS, DEEPEST = 0.005, 0.025
+"""How deep bodies are in one another that touch, and when two run into one another [m]."""
+
+
+def yard() -> str:
+    """Return a cast of six who wander across a yard with things in it, all at other speeds."""
+    people = [
+        f"- {{name: w{k}, character: {'adult' if k % 3 == 0 else 'child'}, "
+        f"at: [{5.0 * math.cos(k):.2f}, {5.0 * math.sin(k):.2f}], "
+        f"traits: {{curiosity: 0.9, speed: {0.2 + 0.12 * k:.2f}}}, behaviours: [{{wander: 9}}]}}"
+        for k in range(WALKERS)
+    ]
+    return "\n".join(people) + THINGS
+
+
+def depth_in_box(characters: Characters, name: str) -> float:
+    """Return how deep links of people are in a box, at most, 0 or less if none is [m]."""
+    arrays = characters.arrays
+    owner = [member.name for member in characters.cast].index(name)
+    first = int(arrays.owners["nodes"][owner, 0])
+    corners = arrays.p[first : first + 8]
+    middle = corners.mean(axis=0)
+    # From one side to the other, along Y, X and Z of the box at rest.
+    ways = np.array(
+        [
+            corners[CORNERS[:, k] == top].mean(axis=0) - corners[CORNERS[:, k] != top].mean(axis=0)
+            for k, top in ((1, 1.0), (0, 0.5), (2, 0.5))
+        ]
+    )
+    sizes = np.linalg.norm(ways, axis=1)
+    own = arrays.owners["links"][:WALKERS, 0][:, None] + np.arange(len(LINK_NAMES))
+    links = arrays.links[own.ravel()]
+    a, b = (arrays.p[links["ends"][:, k]] for k in range(2))
+    along = np.linspace(0.0, 1.0, 9)[:, None, None]
+    at = (a + along * (b - a) - middle) @ (ways / sizes[:, None]).T
+    over = np.abs(at) - 0.5 * sizes
+    gap = np.linalg.norm(np.maximum(over, 0.0), axis=-1) + np.minimum(over.max(axis=-1), 0.0)
+    return float((links["radius"] + arrays.owners["edge_radius"][owner] - gap).max())
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(3, marks=pytest.mark.slow),
+        pytest.param(1, marks=pytest.mark.slow),
+        pytest.param(4, marks=pytest.mark.nightly),
+    ],
+)
+def test_nobody_goes_through_anybody_or_anything_in_a_minute(seed: int) -> None:
+    depths, gone = [], np.zeros(WALKERS)
+    before: Array | None = None
+    for n, characters in enumerate(steps(simulation(yard(), 60, f"seed: {seed}"))):
+        if n % 4:
+            continue
+        in_boxes = [depth_in_box(characters, name) for name in BOXES]
+        depths.append(max(depth(characters.arrays.nodes, characters.arrays.links), *in_boxes))
+        at = characters.persons["at"].copy()
+        gone += 0.0 if before is None else np.linalg.norm(at - before, axis=1)
+        before = at
+    assert max(depths) < DEEPEST
+    assert np.mean(np.array(depths) > RESTS) < 0.005
+    # All were on their way, most of the time.
+    assert gone.min() > 12.0
+
+
+def test_a_box_is_deep_in_where_it_is() -> None:
+    characters = troupe(simulation(yard(), 1))
+    arrays = characters.arrays
+    assert depth_in_box(characters, "box") < -2.0
+    # Its edges' radius is not part of the corners' box.
+    middle = arrays.p[arrays.owners["nodes"][WALKERS, 0] :][:8].mean(axis=0)
+    arrays.nodes["p"][:16] += middle - arrays.p[0]
+    assert 0.25 < depth_in_box(characters, "box") < 0.45

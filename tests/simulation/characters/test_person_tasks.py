@@ -1,0 +1,421 @@
+"""What people are told, they do: sit, stand, look, reach, hold, hug, freeze, turn, give way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.errors import SceneError
+from pipeline.simulation.characters.characters import Characters
+from pipeline.simulation.people.proportions import ADULT
+from pipeline.simulation.simulate import Simulation
+from pipeline.spec import read_scene
+from pipeline.spec.scene_library import library
+from pipeline.spec.scene_loader import load_scene
+
+from .character_yard import least_bend
+from .scripted_people import STEPS, J, play_scene, troupe_of
+
+pytestmark = pytest.mark.slow
+
+SIT = """
+duration: 6.5
+cast: [{name: a, character: adult}, {name: b, character: child, at: [3, 3]},
+  {name: bench, character: bench, at: [3, 2.2], heading_deg: 90}]
+script:
+  - {at: 0.1, who: a, do: sit}
+  - {at: 3.6, who: a, do: stand}
+  - {at: 0.1, who: b, do: {sit: bench}}
+"""
+
+
+def test_who_is_told_to_sits_down_and_stands_up() -> None:
+    bends = []
+    play = play_scene(
+        SIT, lambda troupe, _: bends.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs))
+    )
+    pelvis = play.joint("a", "pelvis")[:, 1]
+    assert len(play.when("a")) == 2
+    assert 1.2 < play.when("a")[0] < 2.0
+    assert pelvis[int(3.4 * STEPS)] == pytest.approx(0.062 * ADULT.height, abs=0.02)
+    assert pelvis[-1] == pytest.approx(ADULT.hip * ADULT.height, abs=0.02)
+    # Weight goes over the feet on the way up: the shoulders lean far ahead of the pelvis.
+    lean = play.joint("a", "shoulders")[:, 0] - play.joint("a", "pelvis")[:, 0]
+    assert lean[int(3.7 * STEPS) : int(4.8 * STEPS)].max() > 0.15
+    for side in "lr":
+        foot = play.joint("a", f"foot_{side}")
+        assert np.abs(foot - foot[0]).max() < 0.02
+    assert min(bends) > -math.radians(2.0)
+    # On the bench, facing away from it.
+    assert len(play.when("b")) == 1
+    seat = play.joint("b", "pelvis")[-1]
+    assert abs(seat[1] - 0.42 - 0.062 * 1.15) < 0.04
+    assert abs(seat[2] - 2.2) < 0.25
+
+
+MEET = """
+duration: 7
+cast: [{name: a, character: adult, at: [-1.2, 0]},
+  {name: b, character: child, at: [1.2, 0.1], heading_deg: 180}]
+script:
+  - {at: 0, who: b, do: {hug: a}}
+  - {when: {touch: [a, b]}, who: a, do: {hug: b}}
+  - {at: 5, who: a, do: let_go}
+  - {at: 5, who: b, do: let_go}
+"""
+
+
+def test_two_hug_with_arms_around_one_another() -> None:
+    play = play_scene(MEET)
+    assert play.when("a")
+    assert play.when("b")
+    row = int(4.9 * STEPS)
+    for who, other in (("a", "b"), ("b", "a")):
+        back = 0.5 * (play.joint(other, "spine")[row] + play.joint(other, "shoulders")[row])
+        way = (play.joint(other, "pelvis")[row] - play.joint(who, "pelvis")[row]) * [1.0, 0.0, 1.0]
+        way /= np.hypot(*way[[0, 2]])
+        hands = [play.joint(who, f"hand_{side}")[row] for side in "lr"]
+        # Around the other: both hands lie behind the middle of the other's chest.
+        assert min((hand - back) @ way for hand in hands) > 0.05
+        assert min(math.dist(hand, back) for hand in hands) < 0.3
+    # Arms too short to close behind a grown-up end on its back, and not in the air.
+    a, b = (play.joint(who, "pelvis")[row] for who in "ab")
+    way = (a - b) * [1.0, 0.0, 1.0] / np.hypot(*(a - b)[[0, 2]])
+    assert max((play.joint("b", f"hand_{s}")[row] - a) @ way for s in "lr") < 0.11
+    # The longer arms meet behind the back of the smaller one, and hold one another.
+    hands = [play.joint("a", f"hand_{side}")[row] for side in "lr"]
+    assert math.dist(*hands) < 1e-3
+    away = play.joint("a", "pelvis")[row] - play.joint("b", "pelvis")[row]
+    assert np.hypot(away[0], away[2]) < 0.5
+    assert (play.records["arm_mode"][-1] == 0).all()
+
+
+HOLD = """
+duration: 6
+cast: [{name: a, character: child, at: [-1.3, 0.15]}, {name: doll, character: ragdoll}]
+script:
+  - {at: 0, who: a, do: {grab: doll, part: foot_l, hand: left}}
+  - {when: {arrived: a}, who: a, do: {go_to: [1.5, 0.6]}}
+  - {at: 5.2, who: a, do: let_go}
+"""
+
+
+def test_what_is_held_hangs_from_the_hand_until_it_is_let_go() -> None:
+    grips = []
+
+    def look(troupe: Characters, _: int) -> None:
+        hand, held = (int(n) for n in troupe.arrays.grips[0])
+        p = troupe.arrays.p
+        grips.append((held, math.dist(p[hand], p[held]) if held >= 0 else math.nan))
+
+    play = play_scene(HOLD, look)
+    held = np.array([node for node, _ in grips])
+    apart = np.array([far for _, far in grips])[held >= 0]
+    assert (held >= 0).sum() > STEPS
+    assert (held[-20:] == -1).all()
+    # It is drawn in when it is taken, no faster than a meter a second, and stays.
+    assert np.abs(np.diff(apart)).max() * STEPS < 1.1
+    assert apart[10:].max() < 1e-3
+    first = play.firsts["doll"]
+    doll = play.p[:, first : first + 16, 1].mean(axis=1)
+    assert doll[int(5.1 * STEPS)] > 0.2 > doll[-1]
+
+
+@pytest.mark.slow
+def test_a_girl_takes_her_doll_and_a_merry_go_round_and_both_are_in_her_hands() -> None:
+    simulation = Simulation(load_scene(library() / "merry_go_round.yaml"))
+    troupe = troupe_of(simulation)
+    arrays, first = troupe.arrays, int(troupe.persons[0].grip)
+    grips = arrays.grips[first : first + 2]
+    rim = [int(arrays.owners["nodes"][0, 0]) + k for k in (0, 2)]
+    apart: list[list[float]] = [[], []]
+    angles = []
+    while not simulation.finished:
+        simulation.step()
+        spoke = arrays.p[rim[1]] - arrays.p[rim[0]]
+        angles.append(math.atan2(-spoke[2], spoke[0]))
+        for k in range(2):
+            if grips[k, 0] >= 0:
+                apart[k].append(math.dist(*arrays.p[grips[k]]))
+    for gaps, seconds in zip(apart, (3.0, 8.0), strict=True):
+        assert len(gaps) > seconds * STEPS
+        assert max(gaps[10:]) < 1e-3
+    assert np.ptp(np.unwrap(angles)) > math.radians(60.0)
+
+
+LOOK = """
+duration: 5
+cast: [{name: a, character: adult}, {name: b, character: child, at: [0, 2.5]}]
+script:
+  - {at: 0.1, who: a, do: {look_at: b}}
+  - {at: 1.5, who: a, do: {look_at: [1.0, 2.2, -1.5]}}
+  - {at: 3, who: a, do: {look: ahead}}
+  - {at: 0.1, who: b, do: {reach: [0.2, 0.5, 2.4], hand: left}}
+  - {at: 2.5, who: b, do: {reach: [0.25, 0.08, 2.4], hand: right}}
+"""
+
+
+def test_heads_turn_smoothly_and_hands_come_where_they_are_told() -> None:
+    play = play_scene(LOOK)
+    gaze = play.records["gaze"][:, 0]
+    head = play.joint("a", "head")
+    for row, target in ((int(1.4 * STEPS), play.joint("b", "head")), (int(2.9 * STEPS), None)):
+        at = np.array([1.0, 2.2, -1.5]) if target is None else target[row]
+        way = at - head[row]
+        assert gaze[row, 0] == pytest.approx(math.atan2(-way[2], way[0]), abs=0.06)
+        assert gaze[row, 1] == pytest.approx(
+            math.atan2(way[1], math.hypot(way[0], way[2])), abs=0.06
+        )
+    assert abs(gaze[-1, 0]) < 0.02
+    assert np.abs(np.diff(gaze[:, 0])).max() * STEPS < 9.0
+    # Shoulders go along, at most a quarter turn.
+    twist = play.records["twist"][:, 0]
+    assert 0.2 < np.abs(twist).max() < math.pi / 2.0
+    left, right = (play.joint("b", f"hand_{side}") for side in "lr")
+    assert math.dist(left[int(2.4 * STEPS)], [0.2, 0.5, 2.4]) < 0.03
+    assert math.dist(right[-1], [0.25, 0.08, 2.4]) < 0.08
+
+
+STILL = """
+duration: 6
+cast: [{name: a, character: adult}, {name: b, character: adult, at: [0, 3]}]
+script:
+  - {at: 0, who: a, do: {go_to: [4, 0]}}
+  - {at: 1.5, who: a, do: freeze}
+  - {at: 2.5, who: a, do: walk}
+  - {at: 0.2, who: b, do: {turn_deg: 170}}
+"""
+
+
+def test_who_freezes_is_still_and_who_turns_does_not_cross_its_feet() -> None:
+    play = play_scene(STILL)
+    first = play.firsts["a"]
+    frozen = play.p[int(1.9 * STEPS) : int(2.5 * STEPS), first : first + 16]
+    assert np.abs(frozen - frozen[0]).max() < 2e-3
+    # Setting out again is no knock.
+    assert play.records["stun"][int(2.4 * STEPS) :, 0].max() < 0.2
+    assert play.when("a")
+    heading = play.records["heading"][:, 1]
+    assert heading[-1] == pytest.approx(math.radians(170.0), abs=0.06)
+    right = np.stack([np.sin(heading), np.cos(heading)], axis=1)
+    feet = [play.joint("b", f"foot_{side}")[:, [0, 2]] for side in "lr"]
+    assert ((feet[1] - feet[0]) * right).sum(axis=1).min() > 0.02
+    assert play.when("b")[0] < 3.0
+
+
+@pytest.mark.parametrize("way", [(2.0, 0.6), (-1.2, 1.2)])
+def test_who_is_shoved_staggers_and_stands_again(way: tuple[float, float]) -> None:
+    def shove(troupe: Characters, step: int) -> None:
+        if step == 48:
+            own = slice(0, 16)
+            troupe.arrays.nodes["previous"][own, 0] -= way[0] * troupe.world.clock.dt / troupe.count
+            troupe.arrays.nodes["previous"][own, 2] -= way[1] * troupe.world.clock.dt / troupe.count
+
+    play = play_scene("duration: 4.5\ncast: [{name: a, character: adult}]\n", shove)
+    pelvis = play.joint("a", "pelvis")
+    went = np.hypot(pelvis[-1, 0], pelvis[-1, 2])
+    assert 0.1 < went < 1.5
+    assert play.joint("a", "head")[:, 1].min() > 1.35
+    assert sum(c.kind == "touch" for c in play.contacts) >= 2
+    assert not play.records["stepping"][-1, 0]
+    assert np.abs(pelvis[-1] - pelvis[-25]).max() < 0.01
+
+
+def test_breath_lifts_the_shoulders_and_more_in_a_walk() -> None:
+    words = "duration: 5\ncast: [{name: a, character: adult}]\n"
+    rest = play_scene(words)
+    lift = rest.joint("a", "shoulders")[:, 1] - rest.joint("a", "spine")[:, 1]
+    assert 0.006 < np.ptp(lift[STEPS:]) < 0.02
+    walk = "script: [{at: 0, who: a, do: walk}]\n"
+    faster = play_scene(words + walk)
+    gone = [np.unwrap(2 * np.pi * one.records["breath"][:, 0])[-1] for one in (rest, faster)]
+    assert gone[1] > 1.3 * gone[0]
+
+
+POSED = """
+duration: 4
+cast:
+  - name: a
+    character: adult
+    at: [0, 0]
+    heading_deg: 90
+    pose:
+      - {at: 1, limb: arm_r, reach: [0.3, 1.7, 0.35]}
+      - {at: 1.5, limb: arm_r, reach: [0.3, 1.7, 0.6]}
+      - {at: 3, release: arm_r}
+      - {at: 1.5, node: hand_l, reach: [-0.3, 1.0, -0.4], frame: world}
+"""
+
+
+def test_hands_go_along_the_keys_of_a_pose() -> None:
+    play = play_scene(POSED)
+    row = int(2.8 * STEPS)
+    # Ahead of one who looks along -Z is -Z, and to the right +X.
+    assert math.dist(play.joint("a", "hand_r")[row], [0.6, 1.7, -0.3]) < 0.04
+    assert math.dist(play.joint("a", "hand_l")[row], [-0.3, 1.0, -0.4]) < 0.04
+    assert play.joint("a", "hand_r")[-1, 1] < 1.1
+
+
+def crossing(count: int) -> str:
+    """Return the words of so many who cross the way of as many others."""
+    lanes = [f"{1.0 * (k - (count - 1) / 2)}" for k in range(count)]
+    cast = [f"  - {{name: e{k}, character: adult, at: [-4, {z}]}}" for k, z in enumerate(lanes)]
+    cast += [
+        f"  - {{name: n{k}, character: child, at: [{z}, 4.3], heading_deg: 90}}"
+        for k, z in enumerate(lanes)
+    ]
+    script = [f"  - {{at: 0, who: e{k}, do: {{go_to: [4, {z}]}}}}" for k, z in enumerate(lanes)]
+    script += [f"  - {{at: 0, who: n{k}, do: {{go_to: [{z}, -4]}}}}" for k, z in enumerate(lanes)]
+    return "\n".join(["duration: 12", "cast:", *cast, "script:", *script])
+
+
+@pytest.mark.slow
+def test_people_who_cross_step_aside_for_one_another() -> None:
+    play = play_scene(crossing(3))
+    names = [name for name in play.firsts if name[0] in "en"]
+    assert sorted(name for _, name in play.arrived) == sorted(names)
+    pelvis = np.array([play.joint(name, "pelvis") for name in names])[:, :, [0, 2]]
+    apart = np.linalg.norm(pelvis[:, None] - pelvis[None], axis=-1)
+    apart += 10.0 * np.eye(len(names))[:, :, None]
+    assert apart.min() > 0.22
+    # Nobody falls, nor trips over its own feet: each comes down on its own side of the other.
+    heights = {"e": 1.72, "n": 1.15}
+    fastest = np.abs(np.diff(play.p, axis=0)).max() * STEPS
+    assert fastest < 10.0
+    for k, name in enumerate(names):
+        assert play.joint(name, "head")[:, 1].min() > 0.8 * heights[name[0]]
+        heading = play.records["heading"][:, k]
+        right = np.stack([np.sin(heading), np.cos(heading)], axis=1)
+        feet = [play.joint(name, f"foot_{side}")[:, [0, 2]] for side in "lr"]
+        stands = (play.records["foot_state"][:, k] == 0).all(axis=1)
+        assert ((feet[1] - feet[0]) * right).sum(axis=1)[stands].min() > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["fight", "square"])
+def test_nobodys_limbs_fly_in_a_throng(name: str) -> None:
+    """Who runs has feet of ten meters a second; a foot put elsewhere at once had two hundred."""
+    simulation = Simulation(load_scene(library() / f"{name}.yaml"))
+    troupe = troupe_of(simulation)
+    people = np.stack([np.arange(p.node, p.node + len(J)) for p in troupe.persons])
+    before, fastest = troupe.arrays.p[people], np.zeros(len(people))
+    while not simulation.finished:
+        simulation.step()
+        now = troupe.arrays.p[people]
+        speeds = np.linalg.norm(now - before, axis=2).max(axis=1) * STEPS
+        fastest, before = np.maximum(fastest, speeds), now
+    # One in a throng of fifty may be wrung off its feet between others, and spring back.
+    assert (fastest > 25.0).sum() <= len(people) // 25
+
+
+def test_who_is_far_from_all_others_moves_to_the_last_bit_as_alone() -> None:
+    alone = "duration: 2\ncast:\n  - {name: a, character: adult}\n"
+    other = "  - {name: b, character: child, at: [20, 20]}\n"
+    script = "script:\n  - {at: 0, who: a, do: {go_to: [2, 1]}}\n"
+    one, two = play_scene(alone + script), play_scene(alone + other + script)
+    np.testing.assert_array_equal(one.p, two.p[:, :16])
+    first = play_scene(alone.replace("cast:\n", "cast:\n" + other) + script)
+    np.testing.assert_array_equal(one.p, first.p[:, 16:])
+
+
+CAST = """pronk: 1
+duration: 1
+cast: [{name: a, character: adult}, {name: doll, character: ragdoll, at: [1, 1]},
+  {name: ball, character: ball, at: [2, 2]}, {name: bug, figure: beetle, walk: {}, at: [-3, 3]},
+  {name: pebble, body: {shape: sphere, radius: 0.1}, at: [4, 0.1, 4]},
+  {name: gate, prop: {shape: box}, at: [5, 5]}]
+script: [%s]
+"""
+
+
+@pytest.mark.parametrize(
+    ("member", "said"),
+    [
+        ("{character: adult, pose: [{at: 0, limb: leg_l, reach: [0, 0, 0]}]}", "hands are posed"),
+        ("{character: adult, pose: [{at: 0, joints: {elbow_r_deg: 4}}]}", "hands are posed"),
+        ("{character: ragdoll, pose: [{at: 0, limb: arm_l, reach: [0, 0, 0]}]}", "holds no pose"),
+    ],
+)
+def test_only_hands_of_people_are_posed(member: str, said: str) -> None:
+    with pytest.raises(SceneError, match=said):
+        read_scene(f"pronk: 1\nduration: 1\ncast: [{member}]\n")
+
+
+HUGGED = """
+duration: 6
+cast: [{name: a, character: adult, at: [0, 0]},
+  {name: b, character: child, at: [1.6, 0.1], heading_deg: 180},
+  {name: c, character: child, at: [0, 3]}]
+script:
+  - {at: 0.2, who: b, do: {hug: a}}
+  - {when: {hug: [a, b]}, who: c, do: {go_to: [3, 3]}}
+  - {when: {hug: [b, a]}, who: c, do: {go_to: [-1, 3]}}
+"""
+
+
+def test_a_hug_is_waited_for_and_it_matters_who_hugs_whom() -> None:
+    hugs = []
+    simulation = Simulation(read_scene("pronk: 1\n" + HUGGED))
+    while not simulation.finished:
+        simulation.step()
+        step = simulation.step_number
+        hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
+    told = [order for order in simulation.recorder.orders if order.who == "c"]
+    (step, who, whom), *others = hugs
+    assert (who, whom, others) == ("b", "a", [])
+    # In the next step, once, and not what waits for a hug the other way round.
+    assert [(order.step, order.text) for order in told] == [(step, "go_to [-1, 3]")]
+    assert 0.9 < step / STEPS < 3.0
+
+
+@pytest.mark.parametrize(
+    ("entry", "said"),
+    [
+        ("{at: 0, who: a, do: {hug: doo}}", "nobody in the cast is called 'doo'"),
+        ("{at: 0, who: a, do: {hug: ball}}", "'ball' is a ball; name a child"),
+        ("{at: 0, who: a, do: {hug: a}}", "'a' cannot do that to itself"),
+        ("{at: 0, who: a, do: {grab: doll, part: arm}}", "no part of 'doll' is called 'arm'"),
+        ("{at: 0, who: a, do: {grab: ball, part: head}}", "'ball' has no parts with names"),
+        ("{at: 0, who: a, do: {sit: doll}}", "'doll' is a ragdoll; name a box or a bench"),
+        ("{at: 0, who: a, do: hop}", "'a' is a person, who can be told go_to"),
+        ("{at: 0, who: doll, do: stop}", "'doll' is a ragdoll, which no script moves"),
+        ("{at: 0, who: bug, do: sit}", "'bug' is a creature; only a child or an adult"),
+        ("{at: 0, who: a, do: {look_at: bug}}", "'bug' is no character"),
+        ("{when: {touch: [a, pebble]}, who: a, do: stop}", "'pebble' is nothing that a character"),
+        (
+            "{when: {touch: [gate, bug]}, who: a, do: stop}",
+            "neither 'gate' nor 'bug' is a",
+        ),
+        ("{when: {touch: [a, gat]}, who: a, do: stop}", "is called 'gat', did you mean 'gate'"),
+        ("{when: {touch: [a, a]}, who: a, do: stop}", "'a' cannot touch itself"),
+        ("{when: {}, who: a, do: stop}", "should have one of arrived, touch and hug"),
+        ("{when: {arrived: a, hug: [a, doll]}, who: a, do: stop}", "should have one of arrived"),
+        ("{when: {hug: [a, dol]}, who: a, do: stop}", "is called 'dol', did you mean 'doll'"),
+        ("{when: {hug: [aa, doll]}, who: a, do: stop}", "nobody in the cast is called 'aa'"),
+        ("{when: {hug: [doll, a]}, who: a, do: stop}", "'doll' is a ragdoll; name a child or an"),
+        ("{when: {hug: [a, a]}, who: a, do: stop}", "'a' cannot do that to itself"),
+        ("{when: {hug: [a, ball]}, who: a, do: stop}", "'ball' is a ball; name a child"),
+        ("{when: {hug: [bug, a]}, who: a, do: stop}", "'bug' is no character; name a child or"),
+        ("{at: 0, who: a, do: {let_go: up}}", "must be 'left', 'right' or 'both'"),
+    ],
+)
+def test_what_people_cannot_do_is_refused_with_its_place(entry: str, said: str) -> None:
+    with pytest.raises(SceneError, match=r"script\[0\]") as caught:
+        read_scene(CAST % entry)
+    assert said in str(caught.value)
+
+
+def test_a_slip_in_a_kind_is_told_once_and_not_wherever_it_is_named() -> None:
+    text = CAST % "{when: {hug: [a, doll]}, who: a, do: {hug: doll}}"
+    with pytest.raises(SceneError) as caught:
+        read_scene(text.replace("character: adult", "character: adlt"))
+    assert len(caught.value.problems) == 1
+    assert "did you mean 'adult'" in str(caught.value)
+
+
+def test_parts_have_the_names_of_joints() -> None:
+    from pipeline.spec.character import PARTS
+
+    assert set(PARTS) == set(J)

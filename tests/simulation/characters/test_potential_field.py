@@ -1,0 +1,150 @@
+"""Approach: the potential field by closed forms, and ways around obstacles."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.simulation.characters.behaviours.potential_field import (
+    BALANCE_GAP,
+    MIN_GAP,
+    DetourState,
+    walk_vector,
+)
+from pipeline.simulation.characters.visibility_route import (
+    CLEARANCES,
+    RING_PLACES,
+    Route,
+    are_free,
+    shortest_way,
+)
+from tests.simulation.characters.mind_scenes import layout, simulation, steps, troupe
+
+pytestmark = pytest.mark.slow
+
+EMPTY = np.zeros((0, 2)), np.zeros(0), np.zeros(0)
+
+
+def test_without_obstacles_it_goes_straight_and_no_faster_than_its_pace() -> None:
+    for to in ([3.0, 4.0], [30.0, 40.0], [0.3, 0.4]):
+        w = walk_vector(np.array(to), *EMPTY, 1.5)
+        np.testing.assert_allclose(w, np.array([0.9, 1.2]), rtol=1e-12)
+    assert math.hypot(*walk_vector(np.array([0.03, 0.0]), *EMPTY, 1.5)) == pytest.approx(0.15)
+    assert not walk_vector(np.zeros(2), *EMPTY, 1.5).any()
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_an_obstacle_ahead_pushes_back_and_round(sense: float) -> None:
+    to, away = np.array([5.0, 0.0]), np.array([[-1.0, 0.0]])
+    for gap in (0.05, 0.5, 1.0):
+        w = walk_vector(to, away, np.array([gap]), np.array([sense]), 1.0)
+        push = BALANCE_GAP / max(gap, MIN_GAP)
+        np.testing.assert_allclose(w, [1.0 - push, -sense * push], rtol=1e-12)
+
+
+def test_what_lies_behind_does_not_push() -> None:
+    to, away = np.array([5.0, 0.0]), np.array([[1.0, 0.0]])
+    w = walk_vector(to, away, np.array([0.2]), np.array([1.0]), 1.0)
+    np.testing.assert_allclose(w, [1.0, 0.0])
+
+
+def test_who_gets_no_farther_tries_one_way_and_then_the_other() -> None:
+    way = DetourState()
+    forced = []
+    for k in range(200):
+        way.update_progress(3.0, 0.1 * k)
+        if 0.1 * k < way.forced_until and (not forced or way.forced != forced[-1]):
+            forced.append(way.forced)
+    assert forced[:3] == [1.0, -1.0, 1.0]
+
+
+WIDE = np.array([[-20.0, -20.0], [20.0, 20.0]])
+
+
+def length_of(way: np.ndarray, start: np.ndarray) -> float:
+    return float(np.linalg.norm(np.diff(np.vstack([start, way]), axis=0), axis=1).sum())
+
+
+def test_lines_are_free_that_pass_all_circles() -> None:
+    start, ends = np.zeros(2), np.array([[4.0, 0.0], [1.2, 0.0], [0.0, 4.0], [4.0, 4.0]])
+    middles, reaches = np.array([[2.0, 0.0], [2.0, 3.0]]), np.array([0.9, 0.8])
+    np.testing.assert_array_equal(
+        are_free(start, ends, middles, reaches), [False, False, True, False]
+    )
+    assert are_free(start, ends, middles, 0.5 * reaches).tolist() == [False, True, True, True]
+
+
+def test_the_way_round_a_circle_is_little_longer_than_a_thread() -> None:
+    start, goal, radius = np.array([-3.0, 0.0]), np.array([3.0, 0.0]), 1.0
+    way = shortest_way(start, goal, np.zeros((1, 2)), np.array([radius]), WIDE)
+    np.testing.assert_array_equal(way[-1], goal)
+    thread = 2.0 * math.sqrt(9.0 - 1.0) + (math.pi - 2.0 * math.acos(1.0 / 3.0))
+    assert thread < length_of(way, start) < 1.03 * thread
+    for a, b in zip(np.vstack([start, way]), way, strict=False):
+        along = a + np.linspace(0.0, 1.0, 200)[:, None] * (b - a)
+        assert np.hypot(*along.T).min() > radius - 1e-6
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_no_way_is_shorter_than_the_straight_one_and_all_lead_past_circles(seed: int) -> None:
+    rng = np.random.Generator(np.random.PCG64(seed))
+    start, goal = np.array([-4.0, 0.0]), np.array([4.0, 0.0])
+    middles, reaches = rng.uniform(-3.0, 3.0, (6, 2)), rng.uniform(0.2, 0.9, 6)
+    way = shortest_way(start, goal, middles, reaches, WIDE)
+    assert 0 < len(way) <= 6 * RING_PLACES + 1
+    assert length_of(way, start) >= 8.0 - 1e-9
+    for a, b in zip(np.vstack([start, way]), way, strict=False):
+        assert are_free(a, b[None], middles, reaches)[0]
+
+
+def test_narrow_ways_are_gone_only_where_there_are_no_others_and_walls_have_none() -> None:
+    start, goal = np.array([-3.0, 0.0]), np.array([3.0, 0.0])
+    wall = np.stack([np.zeros(41), np.linspace(-20.0, 20.0, 41)], axis=1)
+    assert len(shortest_way(start, goal, wall, np.full(41, 0.6), WIDE)) == 0
+    # A gap of 2 x 0.1 m at z = 4: nothing wider leads through.
+    reaches = np.full(41, 0.6)
+    reaches[[24]] = 0.0
+    reaches[[23, 25]] = 0.9
+    place, length = Route().next(start, goal, wall[reaches > 0], reaches[reaches > 0], WIDE)
+    assert 0.1 < CLEARANCES[1]
+    assert length > 9.9
+    assert place[1] > 1.0
+
+
+def test_a_way_is_kept_until_something_moves() -> None:
+    route, goal = Route(), np.array([3.0, 0.02])
+    middles, reaches = np.zeros((1, 2)), np.array([0.5])
+    first, _ = route.next(np.array([-3.0, 0.0]), goal, middles, reaches, WIDE)
+    # As good the other way now, but it has begun.
+    again, _ = route.next(np.array([-2.9, -0.05]), goal, middles, reaches, WIDE)
+    np.testing.assert_array_equal(first, again)
+    moved, length = route.next(np.array([-2.9, 0.0]), goal, middles + 9.0, reaches, WIDE)
+    np.testing.assert_array_equal(moved, goal)
+    assert length == pytest.approx(5.9, abs=1e-3)
+
+
+COUNTS = [
+    pytest.param(range(3), id="3"),
+    pytest.param(range(20), marks=pytest.mark.slow, id="20"),
+    pytest.param(range(200), marks=pytest.mark.nightly, id="200"),
+]
+
+
+@pytest.mark.parametrize("seeds", COUNTS)
+def test_it_finds_its_way_around_obstacles(seeds: range) -> None:
+    failed = []
+    for seed in seeds:
+        made = simulation(layout(seed), 24, f"seed: {seed}\nsteps: 1\nrows_per_frame: 1")
+        characters = troupe(made)
+        minds = characters.minds
+        assert minds is not None
+        for _ in steps(made):
+            if minds.minds[0].gap(1) < 0.45:
+                break
+        else:
+            failed.append((seed, characters.persons[0].at.tolist()))
+        places = characters.arrays.p[:, [0, 2]]
+        assert np.abs(places).max() < 12.0
+    assert len(failed) <= 0.03 * len(seeds), f"these do not arrive: {failed}"

@@ -23,7 +23,7 @@ from pipeline.simulation.dynamics.mass import MassProperties, mass_of_solid
 from pipeline.simulation.keyframe_track import CyclicTrack, Key, Track, rotation_from_angles
 from pipeline.simulation.spatial import Array
 from pipeline.spec.keyframes import Keyframe
-from pipeline.spec.prop import ForceKey, ForceWords, Prop, Shape, VelocityKey
+from pipeline.spec.prop import ForceKey, ForceMotion, Prop, Shape, VelocityKey
 
 ZERO_VECTOR = (0.0, 0.0, 0.0)
 
@@ -78,7 +78,7 @@ class ForcePath:
     """Motion by given force and torque."""
 
     def __init__(
-        self, config: ForceWords, mass: MassProperties, start: Array, angles: Array
+        self, config: ForceMotion, mass: MassProperties, start: Array, angles: Array
     ) -> None:
         keys, weight = config.keys, np.array([0.0, GRAVITY if config.gravity else 0.0, 0.0])
         force = _track(keys, "force") or _constant_track(np.array(config.force or ZERO_VECTOR))
@@ -136,7 +136,7 @@ def _repeated(member: Prop, track: Track) -> Track | CyclicTrack:
     return CyclicTrack.of(track, first, last - first)
 
 
-def prop_mass(shape: Shape, config: ForceWords) -> MassProperties:
+def prop_mass(shape: Shape, config: ForceMotion) -> MassProperties:
     """Returns the mass properties of a prop, by its shape."""
     solid = prop_solid(shape)
     own = mass_of_solid(solid.vertices, solid.faces, config.density)

@@ -8,9 +8,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from pipeline.spec.behaviour import Behaviour, Traits
-from pipeline.spec.keyframes import TURN, PoseKey, Turn
+from pipeline.spec.keyframes import PoseKey, Turn
 from pipeline.spec.model_base import Fault, Number, raise_faults
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
+from render.config.base import TURN_DESCRIPTION
 
 PEOPLE = ("child", "adult")
 """Kinds that act."""
@@ -52,7 +53,8 @@ class Character(Performer):
     )
     rotation_deg: Turn = Field(
         (0.0, 0.0, 0.0),
-        description=f"How what does not hold itself begins turned, before its heading: {TURN}.",
+        description="How what does not hold itself begins turned, before its heading: "
+        f"{TURN_DESCRIPTION}.",
     )
     velocity: Velocity = Field(
         (0.0, 0.0, 0.0),

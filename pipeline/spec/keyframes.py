@@ -16,9 +16,21 @@ from pipeline.spec.model_base import (
     Number,
     raise_faults,
 )
-from render.config.ease import EASE, HELD_EASE, TURN, Ease
+from render.config.base import (
+    EASE_DESCRIPTION,
+    HELD_EASE_DESCRIPTION,
+    TURN_DESCRIPTION,
+    Ease,
+)
 
-__all__ = ["EASE", "TURN", "Ease", "Keyframe", "SmoothEase", "faults_of_order"]
+__all__ = [
+    "EASE_DESCRIPTION",
+    "TURN_DESCRIPTION",
+    "Ease",
+    "Keyframe",
+    "SmoothEase",
+    "faults_of_order",
+]
 
 SmoothEase = Literal["spline", "linear", "in", "out", "in-out"]
 """The eases of what must not jump, such as joints."""
@@ -60,14 +72,15 @@ class Keyframe(ConfigModel):
     at: Time = Field(description="When [s].")
     position: Place | None = Field(None, description="Where its origin is, [x, y, z] [m].")
     rotation_deg: Turn | None = Field(
-        None, description=f"How it is turned: {TURN}. More than 360 is more than one turn."
+        None,
+        description=f"How it is turned: {TURN_DESCRIPTION}. More than 360 is more than one turn.",
     )
     scale: Scale | None = Field(
         None,
         description="Factor on its own lengths, one or one for each of its axes; its children "
         "keep theirs.",
     )
-    ease: Ease = Field("spline", description=HELD_EASE)
+    ease: Ease = Field("spline", description=HELD_EASE_DESCRIPTION)
     tangent: Tangent | None = Field(
         None,
         description="How fast a spline goes through here; found from the keys beside it "
@@ -149,7 +162,7 @@ class BodyKey(ConfigModel):
         (0.0, 0.0, 0.0), description="Forward, up and to the right of its heading [m]."
     )
     turn_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"About its forward x, up y and right z: {TURN}."
+        (0.0, 0.0, 0.0), description=f"About its forward x, up y and right z: {TURN_DESCRIPTION}."
     )
 
 
@@ -168,7 +181,7 @@ class PoseKey(ConfigModel):
         None, description="Where the link that ends there is to point, as a direction."
     )
     turn_deg: Turn | None = Field(
-        None, description=f"How that link is turned from the way it was drawn: {TURN}."
+        None, description=f"How that link is turned from the way it was drawn: {TURN_DESCRIPTION}."
     )
     frame: Frame = Field(
         "feet",
@@ -198,7 +211,7 @@ class PoseKey(ConfigModel):
         description="How long the first key takes over from what was done before, ending at `at`, "
         "and how long a release takes, beginning there [s].",
     )
-    ease: SmoothEase = Field("spline", description=f"{EASE}.")
+    ease: SmoothEase = Field("spline", description=f"{EASE_DESCRIPTION}.")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, Self, TypeGuard
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pipeline.spec.keyframes import (
-    TURN,
     Keyframe,
     Rates,
     Time,
@@ -27,7 +26,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.performer import MAX_KEYFRAMES, At, Performer, Velocity
-from render.config.ease import EASE, Ease
+from render.config.base import EASE_DESCRIPTION, TURN_DESCRIPTION, Ease
 
 
 class BoxShape(ConfigModel):
@@ -105,7 +104,7 @@ class Hold(ConfigModel):
 Push = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Pushes = tuple[Push, Push, Push]
 
-DRIVEN_EASE = f"{EASE}, hold keeps the value before until then."
+DRIVEN_EASE = f"{EASE_DESCRIPTION}, hold keeps the value before until then."
 
 
 class VelocityKey(ConfigModel):
@@ -204,7 +203,7 @@ class Prop(Performer):
         "origin of its parent [m].",
     )
     rotation_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN}."
+        (0.0, 0.0, 0.0), description=f"How it is turned, before its heading: {TURN_DESCRIPTION}."
     )
     keyframes: Annotated[tuple[Keyframe, ...], Field(max_length=MAX_KEYFRAMES)] = Field(
         (),

@@ -14,7 +14,7 @@ from pipeline.production.run.progress import Reporter, stage
 from pipeline.production.shots.shot_builder import Shooting
 from render.backend import choose
 from render.config import FullFilm
-from render.renderer import Renderer, Split
+from render.renderer import Renderer, Timings
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,16 +75,16 @@ def measure(order: Order, presets: Sequence[str], frames: int, reporter: Reporte
                             _ = picture.srgb8
                     seconds.append(time.perf_counter() - began)
                     if done == 1:
-                        renderer.split = Split()
+                        renderer.timings = Timings()
                     current.advance(done)
-                split, count = renderer.split, order.scene.n_frames
+                split, count = renderer.timings, order.scene.n_frames
                 found.append(_speed(preset, film.resolved(), seconds, split, count))
                 current.result = f"{found[-1].frame:.2f} s a frame"
     return found
 
 
 def _speed(
-    preset: str, film: FullFilm, seconds: Sequence[float], split: Split, count: int
+    preset: str, film: FullFilm, seconds: Sequence[float], split: Timings, count: int
 ) -> Speed:
     # A scene of one frame has only its first.
     later = list(seconds[1:]) or list(seconds)

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from pipeline.spec.keyframes import TURN, Turn
+from pipeline.spec.keyframes import Turn
 from pipeline.spec.model_base import (
     ConfigModel,
     Fault,
@@ -22,6 +22,7 @@ from pipeline.spec.model_base import (
     raise_faults,
 )
 from pipeline.spec.performer import At, Performer, Velocity
+from render.config.base import TURN_DESCRIPTION
 
 AROUND_IT = "Diameter of the sphere around it [m]."
 
@@ -303,7 +304,8 @@ class Body(Performer):
         description="Centre of mass at the start, [x, y, z]; [x, z] puts it on the ground [m].",
     )
     rotation_deg: Turn = Field(
-        (0.0, 0.0, 0.0), description=f"Its rotation at the start, before its heading: {TURN}."
+        (0.0, 0.0, 0.0),
+        description=f"Its rotation at the start, before its heading: {TURN_DESCRIPTION}.",
     )
     velocity: Velocity = Field((0.0, 0.0, 0.0), description="At the start, [x, y, z] [m/s].")
     spin_deg: Turn = Field(

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from pipeline.spec.model_base import Name, Number, fault_error
-from render.config.base import PresetWords
+from render.config.base import PresetModel
 
 Factor = Annotated[Number, Field(ge=0.05, le=20)]
 Tilt = Annotated[Number, Field(ge=-80, le=80)]
@@ -52,7 +52,7 @@ MOODS: Mapping[str, Mapping[str, float]] = {
 """The library of moods."""
 
 
-class Mood(PresetWords):
+class Mood(PresetModel):
     """A mood: factors on the gait of a creature, and its posture.
 
     Keys that are left out change nothing. At half its weight a mood changes half as much:

@@ -10,14 +10,13 @@ import numpy as np
 from pipeline.simulation.dancers.torso import HANDS, LINKS, Torso
 from pipeline.simulation.dynamics.linkage import Capsule
 from pipeline.simulation.figures.solids import Solid, loft
-from pipeline.simulation.obstacles import directions
+from pipeline.simulation.inventory import Inventory
+from pipeline.simulation.obstacles import Obstacle, directions
 from pipeline.simulation.people.body_frames import FRAMES, frame_origins
 from pipeline.simulation.people.person_mesh import Clothes, layer_parts, person_layers
 from pipeline.simulation.people.proportions import JOINTS, Proportions
-from pipeline.simulation.solid import Obstacle
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.take import Channel, Mesh, Node, Part
-from pipeline.simulation.troupe import Inventory
 from pipeline.spec.dance import Drum
 
 AROUND, RIM = 48, 0.006

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from audio.config.sound import Sound
+from audio.harmony import Scale
 from audio.score import Score, ScoreEvent
 from audio.wav_file import write_wav
 
@@ -123,6 +124,11 @@ def parse_wav(path: Path) -> Any:
     whole = np.zeros((raw.shape[0], 4), np.uint8)
     whole[:, 1:] = raw
     return (whole.view("<i4")[:, 0] / 2**31).reshape(-1, 2)
+
+
+def is_on_scale(pitch: int, scale: Scale) -> bool:
+    """Return whether a MIDI pitch belongs to a scale."""
+    return (pitch - scale.root) % 12 in scale.intervals
 
 
 _END = 0xFF2F

@@ -124,7 +124,7 @@ def test_the_svg_has_a_bar_for_every_contact(creatures: list[CreatureStances]) -
         "- {figure: inchworm, walk: {}}\n",
     ],
 )
-def test_a_scene_without_walkers_is_told_so(cast: str) -> None:
+def test_a_scene_without_walkers_is_refused(cast: str) -> None:
     with pytest.raises(UsageError, match=r"nobody in this scene walks on legs.*walk: \{\}"):
         walkers_of(read_scene(HEAD + cast))
 

@@ -19,7 +19,7 @@ LLVM = Backend("llvm_ad_rgb", "", "23.1", "for a test")
 SAID = "jit_malloc(): out of memory! Could not allocate 2147483648 bytes of device memory."
 
 
-def test_what_drjit_says_becomes_an_error_of_its_own() -> None:
+def test_a_drjit_message_becomes_a_typed_error() -> None:
     with pytest.raises(DeviceMemoryShort, match="2147483648 bytes"), device_memory_errors():
         raise RuntimeError(SAID)
     loop = RuntimeError("dr.while_loop(): encountered an exception.")
@@ -51,7 +51,7 @@ def test_the_processor_goes_on_and_it_is_reported(monkeypatch: pytest.MonkeyPatc
     assert "going on with llvm_ad_rgb" in stream.getvalue()
 
 
-def test_filming_lets_the_lack_of_memory_through_and_no_other_error() -> None:
+def test_rendering_passes_only_the_lack_of_memory_through() -> None:
     for error, seen in (
         (DeviceMemoryShort("short"), DeviceMemoryShort),
         (ShotError("x"), FilmingError),

@@ -1,4 +1,4 @@
-"""In whole scenes our tracer sees as much light as Mitsuba's own."""
+"""Tracers: pronk's and Mitsuba's agree on the light of whole scenes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def shot_of(name: str) -> Shot:
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("name", SCENES)
-def test_as_much_light_in_shipped_scenes(renderer: Renderer, name: str) -> None:
+def test_equal_light_in_shipped_scenes(renderer: Renderer, name: str) -> None:
     """Within 0.2 % in the mean, and at most four standard errors apart."""
     from render.mitsuba_scene import MitsubaScene
     from render.tracing.path_tracer import PathTracer

@@ -5,50 +5,46 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from pipeline.errors import Problem, SceneError
-from pipeline.simulation.attachment import node_number
-from pipeline.simulation.figures.figure import build_figure
-from pipeline.simulation.take import Node
+from pipeline.simulation.node_names import NodeNames
 from pipeline.spec.scene import Scene
 from render.config import Camera
 
 
-def camera_parents(scene: Scene, nodes: Sequence[Node]) -> list[int]:
+def camera_parents(scene: Scene, names: NodeNames) -> list[int]:
     """Return the node that carries the camera of each cut, -1 for none.
 
     Args:
         scene: that defines the cameras.
-        nodes: of its take.
+        names: of the nodes of its take.
 
     Raises:
         SceneError: the parent of a camera does not exist.
     """
-    return resolve_parents(scene, nodes, {path: cut.parent for path, cut in _cuts(scene)})
+    return resolve_parents(scene, names, {path: cut.parent for path, cut in _cuts(scene)})
 
 
-def resolve_parents(
-    scene: Scene, nodes: Sequence[Node], parents: Mapping[str, str | None]
-) -> list[int]:
+def resolve_parents(scene: Scene, names: NodeNames, parents: Mapping[str, str | None]) -> list[int]:
     """Return the node of each parent, -1 for none.
 
     Args:
         scene: that defines the children.
-        nodes: of its take.
+        names: of the nodes of its take.
         parents: names of parents by the path of the child in the scene; None for no parent.
 
     Raises:
         SceneError: a parent does not exist.
     """
     named = [(f"{path}.parent", parent) for path, parent in parents.items() if parent is not None]
-    found = iter(_numbers(scene, nodes, named))
+    found = iter(_numbers(scene, names, named))
     return [-1 if parent is None else next(found) for parent in parents.values()]
 
 
-def focus_nodes(scene: Scene, nodes: Sequence[Node]) -> dict[str, int]:
+def focus_nodes(scene: Scene, names: NodeNames) -> dict[str, int]:
     """Return the node of each link or node, such as bug.head, that a camera focuses on.
 
     Args:
         scene: that defines the cameras.
-        nodes: of its take.
+        names: of the nodes of its take.
 
     Raises:
         SceneError: the focus of a camera does not exist.
@@ -60,7 +56,7 @@ def focus_nodes(scene: Scene, nodes: Sequence[Node]) -> dict[str, int]:
             (f"{path}.keyframes[{k}].focus", key.focus) for k, key in enumerate(cut.keyframes)
         ]
         named += [(place, word) for place, word in given if isinstance(word, str) and "." in word]
-    return {word: n for (_, word), n in zip(named, _numbers(scene, nodes, named), strict=True)}
+    return {word: n for (_, word), n in zip(named, _numbers(scene, names, named), strict=True)}
 
 
 def _cuts(scene: Scene) -> list[tuple[str, Camera]]:
@@ -70,16 +66,9 @@ def _cuts(scene: Scene) -> list[tuple[str, Camera]]:
     return [(f"camera[{i}]", cut) for i, cut in enumerate(scene.camera)]
 
 
-def _numbers(scene: Scene, nodes: Sequence[Node], named: Sequence[tuple[str, str]]) -> list[int]:
+def _numbers(scene: Scene, names: NodeNames, named: Sequence[tuple[str, str]]) -> list[int]:
     """Return the numbers of the nodes `named` by (path in the scene, name)."""
-    numbers = {node.name: i for i, node in enumerate(nodes)}
-    wanted = {name.partition(".")[0] for _, name in named}
-    figures = {
-        member.name: build_figure(member.figure, scene.figures[member.figure], member.scale)
-        for _, member in scene.creatures
-        if member.name in wanted
-    }
-    found = [(place, node_number(name, figures, numbers)) for place, name in named]
+    found = [(place, names.find(name)) for place, name in named]
     problems = [Problem(place, fault) for place, fault in found if isinstance(fault, str)]
     if problems:
         raise scene.source_map.with_locations(SceneError(problems))

@@ -15,6 +15,7 @@ from pipeline.production.shots.ground_mesh import ground_meshes
 from pipeline.production.shots.lamp_placement import CarriedLamps
 from pipeline.production.shots.skinning import Skin, pattern_coordinates, visible_parts
 from pipeline.simulation.clock import Clock
+from pipeline.simulation.node_names import NodeNames
 from pipeline.simulation.take import Take
 from pipeline.spec.scene import Scene
 from render.config import MATERIALS, Material
@@ -38,7 +39,8 @@ class ShotBuilder:
         header = take.header
         self.clock = Clock(header.rate, header.frames, header.steps, header.samples)
         aspect = self.film.size[0] / self.film.size[1]
-        mounts, focus = camera_parents(scene, take.nodes), focus_nodes(scene, take.nodes)
+        names = NodeNames.of(take)
+        mounts, focus = camera_parents(scene, names), focus_nodes(scene, names)
         self.poses = camera_poses(take, scene.camera, aspect, mounts, focus)
         self._interpolator = PoseInterpolator(self.poses, first_frames(scene.camera, header.rate))
         self.materials = _materials(scene, take)

@@ -187,7 +187,6 @@ def _damp_and_push(
 
 @inlined
 def _is_hinged(nodes: Records, link: Record) -> bool:
-    """Tell whether exactly one end of a link is held."""
     hinged: bool = (nodes[link.ends[0]].mobility == 0.0) != (nodes[link.ends[1]].mobility == 0.0)
     return hinged
 

@@ -169,7 +169,6 @@ def _below_elbow(build: BodyMeasures, net: Surface) -> Array:
 
 
 def _palm(build: BodyMeasures) -> list[Field]:
-    """Return the palm and the thumb of a right hand, the palm towards the thigh."""
     g, z = build.girth, build.shoulders
     level = build.level
     palm = round_cone(
@@ -273,7 +272,6 @@ def _spread(build: BodyMeasures, y: Array) -> Array:
 
 
 def _skinned_trousers(build: BodyMeasures, places: Array, surface: Surface) -> SkinnedPatch:
-    """Return the surface of the legs, between pelvis, thighs and shins."""
     x, y, z = places.T
     girth = build.girth
     right = z > 0.0

@@ -18,7 +18,7 @@ from pipeline.simulation.terrain import build_ground
 from pipeline.spec import read_scene
 
 from .character_yard import least_bend, legs_depth
-from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_words
+from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_scene
 
 pytestmark = pytest.mark.slow
 
@@ -55,11 +55,9 @@ def soles(play: Play, kind: str, side: str) -> list[Array]:
 
 
 @pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
-def test_what_stands_of_a_sole_slips_less_than_two_centimetres(
-    kind: str, speed: float, terrain: str
-) -> None:
+def test_stance_soles_slip_less_than_two_centimetres(kind: str, speed: float, terrain: str) -> None:
     play = walk(kind, speed, terrain)
-    scene = read_scene("pronk: 1\n" + walk_words(kind, speed, terrain))
+    scene = read_scene("pronk: 1\n" + walk_scene(kind, speed, terrain))
     ground = build_ground(scene.terrain, scene.seed)
     stands = 0
     for side in "lr":
@@ -137,14 +135,14 @@ def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) ->
         ("child", 1.7, 160.0, 1.05),
     ],
 )
-def test_legs_go_round_one_another_in_zigzags(
+def test_legs_do_not_collide_on_zigzag_routes(
     kind: str, speed: float, turn_deg: float, every: float
 ) -> None:
     assert depths_in_corners(kind, speed, turn_deg, every).max() < 0.008
 
 
 @pytest.mark.parametrize(("kind", "speed", "most"), [("adult", 1.3, 0.03), ("child", 1.2, 0.008)])
-def test_legs_keep_apart_in_whatever_part_of_a_step_somebody_turns_round(
+def test_legs_do_not_collide_for_a_turn_at_any_gait_phase(
     kind: str, speed: float, most: float
 ) -> None:
     """Thighs of a grown-up, 16 cm thick, press one another for a few hundredths of a second.
@@ -158,9 +156,7 @@ def test_legs_keep_apart_in_whatever_part_of_a_step_somebody_turns_round(
 
 
 @pytest.mark.parametrize(("kind", "speed"), [("adult", 1.0), ("adult", 1.3), ("adult", 1.6)])
-def test_who_turns_round_is_not_thrown_by_a_foot_that_comes_down_far_off(
-    kind: str, speed: float
-) -> None:
+def test_a_far_landing_place_in_a_turn_does_not_throw_the_body(kind: str, speed: float) -> None:
     """The pelvis lists by 4 degrees in a walk; who is thrown down on one side, by 30."""
     play = play_scene(corners(kind, speed, 160.0, 0.95))
     across = play.joint("a", "hip_r") - play.joint("a", "hip_l")
@@ -168,19 +164,19 @@ def test_who_turns_round_is_not_thrown_by_a_foot_that_comes_down_far_off(
     assert np.abs(lists).max() < math.radians(9.0)
 
 
-def test_no_joint_is_ever_reversed() -> None:
+def test_joints_never_bend_backwards() -> None:
     from .scripted_people import play_scene
 
     seen = []
     play_scene(
-        walk_words("adult", 1.35),
+        walk_scene("adult", 1.35),
         lambda troupe, _: seen.append(least_bend(troupe.arrays.nodes, troupe.arrays.limbs)),
     )
     assert min(seen) > -math.radians(2.0)
 
 
 @pytest.mark.parametrize(("kind", "speed", "terrain"), WALKS)
-def test_elbows_swing_and_do_not_wiggle(kind: str, speed: float, terrain: str) -> None:
+def test_elbows_swing_smoothly(kind: str, speed: float, terrain: str) -> None:
     """A human elbow goes through some 15 to 30 degrees and back once a stride.
 
     The bound is the jerk, over differences of three rows, of a wiggle of three degrees at 8 Hz: a
@@ -200,7 +196,7 @@ def test_elbows_swing_and_do_not_wiggle(kind: str, speed: float, terrain: str) -
         assert np.ptp(angle[STEPS:-STEPS]) > math.radians(4.0)
 
 
-def test_steps_come_as_often_as_people_take_them() -> None:
+def test_step_rate_matches_measured_walking() -> None:
     # 115 steps a minute at 1.4 m/s; children of six take 140 at 1.0 m/s.
     assert 120.0 * strides_at(1.4, ADULT.hip * ADULT.height)[0] == pytest.approx(115.0, abs=2.0)
     assert 120.0 * strides_at(1.0, CHILD.hip * CHILD.height)[0] == pytest.approx(140.0, abs=5.0)
@@ -213,7 +209,7 @@ def test_steps_come_as_often_as_people_take_them() -> None:
 
 @pytest.mark.parametrize(("speed", "flies"), [(1.35, False), (3.2, True)])
 @pytest.mark.slow
-def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None:
+def test_walkers_always_have_stance_and_runners_have_flight(speed: float, flies: bool) -> None:
     play = walk("adult", speed, "flat", 9.0 if flies else 4.0)
     doing = play.records["foot_state"][:, 0]
     going = np.hypot(*play.records["velocity"][:, 0].T) > 0.85 * speed
@@ -222,7 +218,7 @@ def test_walkers_always_stand_and_runners_fly(speed: float, flies: bool) -> None
     assert (strides_at(speed, ADULT.hip * ADULT.height)[1] < 0.5) == flies
 
 
-def test_arms_go_against_legs_and_the_pelvis_bobs_a_little() -> None:
+def test_arms_swing_against_legs_and_the_pelvis_bobs() -> None:
     play = walk("adult", 1.35)
     going = np.hypot(*play.records["velocity"][:, 0].T) > 1.25
     for arm, leg in (("l", "r"), ("r", "l")):
@@ -234,7 +230,7 @@ def test_arms_go_against_legs_and_the_pelvis_bobs_a_little() -> None:
     assert 0.015 < np.ptp(height) < 0.07
 
 
-def test_who_arrives_stands_there_with_both_feet_side_by_side() -> None:
+def test_an_arriving_walker_closes_the_feet() -> None:
     play = walk("adult", 1.35)
     assert len(play.when("a")) == 1
     end = play.p[-1]
@@ -295,7 +291,7 @@ TURNS = [
 
 
 @pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
-def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float, seed: int) -> None:
+def test_turning_in_mid_step_does_not_trip(kind: str, speed: float, seed: int) -> None:
     pain, fastest = zigzag(kind, speed, seed)
     assert pain == 0.0
     # Feet and hands swing at a few times the speed of who runs.
@@ -303,7 +299,7 @@ def test_who_turns_in_the_middle_of_steps_does_not_trip(kind: str, speed: float,
 
 
 @pytest.mark.parametrize(("kind", "speed", "seed"), TURNS)
-def test_who_stumbles_over_something_is_not_torn_to_where_its_foot_should_stand(
+def test_a_stopped_foot_is_not_pulled_to_its_target_at_once(
     kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What is nearest to stumble over are one's own legs, if they are made to meet.

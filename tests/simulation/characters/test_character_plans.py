@@ -38,7 +38,7 @@ def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
 
 @pytest.mark.parametrize("who", [ADULT, CHILD])
 @pytest.mark.parametrize("seed", range(4))
-def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: int) -> None:
+def test_reversed_knees_and_elbows_recover(who: Proportions, seed: int) -> None:
     chance = np.random.default_rng(seed)
     plan = person_plan(who)
     turn = attitude(chance)
@@ -61,7 +61,7 @@ def test_a_knee_or_elbow_that_is_bent_back_is_put_right(who: Proportions, seed: 
         assert aside @ forward > -1e-9
 
 
-def test_numbers_count_from_each_ones_first() -> None:
+def test_node_and_link_numbers_are_offset_by_each_characters_first() -> None:
     plans = [person_plan(CHILD), merry_go_round_plan(1.3, 90.0), person_plan(ADULT)]
     arrays = character_arrays(plans, [plan.rest for plan in plans])
     for k, owner in enumerate(arrays.owners):
@@ -74,7 +74,7 @@ def test_numbers_count_from_each_ones_first() -> None:
     assert (arrays.links.owner[arrays.nodes.ground_link] == arrays.nodes.owner).all()
 
 
-def test_a_merry_go_round_in_a_scene_stands_on_its_base_and_turns_on() -> None:
+def test_a_merry_go_round_rests_on_its_base_and_keeps_turning() -> None:
     simulation = Simulation(
         read_scene(
             "pronk: 1\nduration: 2\ncast: [{character: merry-go-round, spin_deg: [0, 60, 0]}]\n"

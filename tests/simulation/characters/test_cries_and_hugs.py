@@ -1,4 +1,4 @@
-"""Voices: cries and hugs are heard, on the frame on which they begin, in score and sound."""
+"""Cries and hugs in events, score and sound, on the frame of their onset."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def assert_in_midi(scene: Scene, take: Take, event: SoundEvent, name: str, path:
     assert (event.frame - 1) * 40 in ticks
 
 
-def test_who_is_hit_hard_cries_on_the_frame_of_the_blow(tmp_path: Path) -> None:
+def test_a_hard_blow_is_cried_out_on_its_frame(tmp_path: Path) -> None:
     scene, take, happened = played(BLOW)
     first, *_ = heard(take, "cry")
     blow = next(c for c in take.contacts if {c.performer, c.other} == {"a", "ball"})
@@ -106,7 +106,7 @@ def test_who_is_hit_hard_cries_on_the_frame_of_the_blow(tmp_path: Path) -> None:
     assert_in_midi(scene, take, first, "choir aahs", tmp_path)
 
 
-def test_what_hurts_more_is_cried_out_louder_up_to_a_scream() -> None:
+def test_cries_grow_louder_with_pain_up_to_a_limit() -> None:
     strengths = [loudness(pain) for pain in (0.0, 0.5, 1.0, 2.0)]
     assert strengths[0] == CRY.faintest
     assert all(a < b for a, b in pairwise(strengths))
@@ -134,13 +134,13 @@ def test_a_hug_is_heard_once_when_the_arms_have_closed(tmp_path: Path) -> None:
         ("{hug: {who: 'b*'}}", "hug", True),
     ],
 )
-def test_the_author_says_what_of_it_is_heard(words: str, cause: str, left: bool) -> None:
+def test_detection_options_select_cries_and_hugs(words: str, cause: str, left: bool) -> None:
     base = BLOW.replace("{name: ball", "{name: b") if cause == "cry" else HUG
     _, take, _ = played(f"{base}sound: {{detect: {words}}}\n")
     assert bool(heard(take, cause)) == left
 
 
-def test_one_in_distress_cries_on_the_way_back_and_not_in_arms() -> None:
+def test_a_distressed_child_cries_on_the_way_back_and_not_in_arms() -> None:
     simulation = Simulation(read_scene(LOST))
     minds = troupe(simulation).minds
     assert minds is not None

@@ -39,7 +39,7 @@ def test_every_behaviour_has_a_model_an_implementation_and_a_scene() -> None:
     assert {key for key in FORMS if f"{{{key}: " in text} == set(FORMS)
 
 
-def test_a_second_behaviour_of_a_kind_counts_as_the_kind() -> None:
+def test_numbered_behaviours_share_the_number_of_their_kind() -> None:
     assert behaviour_number("comfort 2") == behaviour_number("comfort") == NAMES.index("comfort")
     assert behaviour_number("") == -1
 
@@ -59,7 +59,7 @@ def test_anxiety_grows_with_distance_and_trait_and_falls_by_a_closed_form_in_a_h
     assert exposure(ANXIETY.exposed) == 1.0
 
 
-def test_glances_come_as_often_as_the_priority_says() -> None:
+def test_glance_rate_grows_with_priority() -> None:
     def seen(priority: float) -> int:
         glances = Glances(3, np.random.Generator(np.random.PCG64(1)))
         count, before = 0, False
@@ -75,7 +75,7 @@ def test_glances_come_as_often_as_the_priority_says() -> None:
     assert all(np.diff(counts) > 0)
 
 
-def test_what_was_out_of_view_for_long_is_forgotten() -> None:
+def test_characters_out_of_view_are_forgotten() -> None:
     cast = """
 - {name: one, character: child, at: [0, 0], traits: {}, behaviours: [{wander: 0}]}
 - {name: ball, character: ball, at: [-6, 0]}
@@ -100,9 +100,7 @@ def test_what_was_out_of_view_for_long_is_forgotten() -> None:
         ("{fight: ball}", "behaviours[0].fight", "name a child, an adult or a ragdoll"),
     ],
 )
-def test_behaviours_towards_who_is_not_fit_for_them_are_refused(
-    words: str, where: str, told: str
-) -> None:
+def test_behaviours_with_unsuitable_targets_are_rejected(words: str, where: str, told: str) -> None:
     cast = f"""
 - {{name: one, character: child, behaviours: [{words}]}}
 - {{name: mum, character: adult, at: [3, 0]}}
@@ -114,7 +112,7 @@ def test_behaviours_towards_who_is_not_fit_for_them_are_refused(
     assert told in str(caught.value)
 
 
-def test_things_have_no_mind_and_urges_need_one() -> None:
+def test_things_have_no_mind_and_urges_need_a_mind() -> None:
     with pytest.raises(SceneError, match="has no mind"):
         read_scene("pronk: 1\ncast:\n- {character: ball, traits: {}}")
     script = "script:\n- {at: 1, who: a, do: {urge: {play: 1}}}"
@@ -147,7 +145,7 @@ script:
     assert did[8 * a_second] == ""
 
 
-def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
+def test_a_blow_causes_withdrawal_from_the_striker() -> None:
     cast = "- {name: one, character: child, traits: {}, behaviours: [{wander: 0}]}\n"
     cast += "- {name: two, character: child, at: [0.8, 0]}"
     made = simulation(cast, 1.5)
@@ -165,7 +163,7 @@ def test_who_is_hurt_steps_back_at_once_and_away_from_it() -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_who_is_hurt_does_not_step_back_into_what_stands_there(seed: int) -> None:
+def test_withdrawal_avoids_obstacles(seed: int) -> None:
     cast = "- {name: one, character: child, traits: {}, behaviours: [{wander: 0}]}\n"
     cast += "- {name: two, character: child, at: [0.8, 0]}\n"
     cast += "- {name: carousel, character: merry-go-round, at: [-1.9, 0]}"
@@ -184,7 +182,7 @@ def test_who_is_hurt_does_not_step_back_into_what_stands_there(seed: int) -> Non
     assert math.hypot(x - 0.8, z) > 1.2
 
 
-def test_nobody_strolls_to_where_something_stands() -> None:
+def test_wandering_avoids_occupied_places() -> None:
     cast = "- {name: one, character: child, at: [3, 0], behaviours: [{wander: 3.5}]}\n"
     cast += "- {name: carousel, character: merry-go-round, at: [0.9, 0]}"
     made = simulation(cast, 1.0)
@@ -206,7 +204,7 @@ def test_nobody_strolls_to_where_something_stands() -> None:
 
 
 @pytest.mark.slow
-def test_a_hug_at_full_speed_does_not_hurt_unless_it_is_to() -> None:
+def test_a_running_hug_hurts_only_in_slapstick() -> None:
     cast = """
 - {name: mum, character: adult, at: [0, 0], traits: {}, behaviours: [{comfort: kid}]}
 - {name: kid, character: child, at: [6, 0.5], heading_deg: 180, slapstick: SLAP,

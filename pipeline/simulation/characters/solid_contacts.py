@@ -14,10 +14,12 @@ from typing import NamedTuple
 
 from pipeline.simulation.characters.body_arrays import NOBODY, SOLID
 from pipeline.simulation.characters.box_contacts import (
-    MIN_DAMPED_WEIGHT,
     Box,
     box_of,
+    corner_mobility,
     corner_weights,
+    damp_corners,
+    move_corners,
     nearest_corner,
     nearest_on_box,
 )
@@ -281,22 +283,17 @@ def _meet_corner(
         _wake_by_solid(nodes, owner, solid, depth, approach / sub_step.h)
     owner.penetration = max(owner.penetration, depth)
     nearest = nodes[first + nearest_corner(weights)]
-    own, against = 0.0, mobility_at(solid, arm, normal)
-    for k in range(8):
-        own += weights[k] ** 2 * nodes[first + k].mobility
-        if weights[k] > MIN_DAMPED_WEIGHT and _max_speed(solid) < FIXED_WAKE_SPEED:
-            damp_resting(nodes[first + k], owner, approach / sub_step.h)
+    own, against = corner_mobility(nodes, first, weights), mobility_at(solid, arm, normal)
+    if _max_speed(solid) < FIXED_WAKE_SPEED:
+        damp_corners(nodes, owner, weights, approach / sub_step.h)
     kept = support_factor(nearest, nearest, normal[1], own, against)
     if kept * own + against == 0.0:
         return
     pair, mobilities = (owner.links[0], s), (own, kept, against)
     contact = Contact(at, depth, approach, moved, normal, arm)
-    move, part, back = _respond(
-        links[pair[0]], owner, solids, pair, contact, mobilities, sub_step, log
-    )
-    for k in range(8):
-        corner = nodes[first + k]
-        move_node(corner, kept * corner.mobility * weights[k], move, part, back)
+    link = links[pair[0]]
+    moves = _respond(link, owner, solids, pair, contact, mobilities, sub_step, log)
+    move_corners(nodes, first, weights, kept, moves)
 
 
 @inlined

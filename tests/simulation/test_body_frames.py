@@ -99,7 +99,7 @@ def test_frames_lie_along_their_bones(limb: str) -> None:
 
 
 def _fastest(joints: Array, gaze: Array | None = None) -> float:
-    """Return by how much any frame turns from one row to the next at most [rad]."""
+    """Return the largest rotation of any frame between rows [rad]."""
     R, _ = frames_from_joints(joints, gaze)
     step = np.swapaxes(R[:-1], -1, -2) @ R[1:]
     trace = np.clip((np.trace(step, axis1=-2, axis2=-1) - 1.0) / 2.0, -1.0, 1.0)

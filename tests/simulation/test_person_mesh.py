@@ -120,7 +120,7 @@ def test_meshes_are_small_and_follow_adjacent_frames(
         assert mesh.nodes.shape == mesh.weights.shape == (len(mesh.vertices), 2)
         for pair in {tuple(pair) for pair in mesh.nodes[mesh.weights[:, 1] > 0].tolist()}:
             assert pair[0] == pair[1] or pair in beside or pair[::-1] in beside
-        # What follows a frame of one side lies on that side.
+        # Vertices of a frame of one side lie on that side.
         names = np.array([f"{name:_>12}"[-2:] for name in FRAMES])[mesh.nodes[:, 0]]
         z = mesh.vertices[:, 2]
         assert (z[names == "_r"] > -1e-6).all()

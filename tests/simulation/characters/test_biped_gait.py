@@ -22,7 +22,7 @@ from .scripted_people import STEPS, Play, play_scene, spells, walk, walk_scene
 
 pytestmark = pytest.mark.slow
 
-WHO = {"adult": ADULT, "child": CHILD}
+BODIES = {"adult": ADULT, "child": CHILD}
 
 WALKS = [
     ("adult", 1.35, "flat"),
@@ -38,7 +38,7 @@ WALKS = [
 
 @entry
 def strides_at(speed: float, leg: float) -> tuple[float, float]:
-    """Return the rate of strides, and the part of one for which a foot stands."""
+    """Return the stride rate and the duty factor."""
     return stride_rate(speed, leg), duty_factor(speed, leg)
 
 
@@ -48,9 +48,9 @@ ON_GROUND = 0.006
 
 def soles(play: Play, kind: str, side: str) -> list[Array]:
     """Return the places of heel and ball (K, 3) as they are seen [m]."""
-    who = WHO[kind]
+    body = BODIES[kind]
     R, p = play.frames[f"a.foot_{side}"]
-    length, ankle = who.foot * who.height, who.ankle * who.height
+    length, ankle = body.foot * body.height, body.ankle * body.height
     return [p + R @ [x * length, -ankle, 0.0] for x in (-0.24, 0.48)]
 
 
@@ -90,7 +90,7 @@ def test_knees_bend_forward_and_elbows_back(kind: str, speed: float, terrain: st
 
 
 def corners(kind: str, speed: float, turn_deg: float, every: float = 1.176) -> str:
-    """Return the scene of one who is sent on around sharp corners before it has got there.
+    """Return the scene of a walker that is sent on around sharp corners before arriving.
 
     Args:
         kind: of the person.
@@ -99,17 +99,17 @@ def corners(kind: str, speed: float, turn_deg: float, every: float = 1.176) -> s
         every: after which it is sent on [s].
     """
     legs, far, heading, x, z = 4, 1.2 * speed, 0.0, 0.0, 0.0
-    words = f"duration: {1.2 * legs + 2.0}\ncast: [{{name: a, character: {kind}, at: [0, 0]}}]\n"
-    words += f"script:\n  - {{at: 0, who: a, do: {{speed: {speed}}}}}\n"
+    scene = f"duration: {1.2 * legs + 2.0}\ncast: [{{name: a, character: {kind}, at: [0, 0]}}]\n"
+    scene += f"script:\n  - {{at: 0, who: a, do: {{speed: {speed}}}}}\n"
     for k in range(legs):
         x, z = x + far * math.cos(heading), z - far * math.sin(heading)
-        words += f"  - {{at: {every * k:.3f}, who: a, do: {{go_to: [{x:.3f}, {z:.3f}]}}}}\n"
+        scene += f"  - {{at: {every * k:.3f}, who: a, do: {{go_to: [{x:.3f}, {z:.3f}]}}}}\n"
         heading += math.radians(turn_deg if k % 2 == 0 else -turn_deg)
-    return words
+    return scene
 
 
 def depths_in_corners(kind: str, speed: float, turn_deg: float, every: float) -> Array:
-    """Return (K,) how deep the legs of one who goes round `corners` are in one another [m]."""
+    """Return (K,) the overlap of the legs of a walker around `corners` [m]."""
     deep: list[float] = []
 
     def look(troupe: Characters, _: int) -> None:
@@ -145,7 +145,7 @@ def test_legs_do_not_collide_on_zigzag_routes(
 def test_legs_do_not_collide_for_a_turn_at_any_gait_phase(
     kind: str, speed: float, most: float
 ) -> None:
-    """Thighs of a grown-up, 16 cm thick, press one another for a few hundredths of a second.
+    """Thighs of an adult, 16 cm thick, press one another for a few hundredths of a second.
 
     A knee that swings is thrown forward past the other one quicker than it is turned outward.
     """
@@ -157,7 +157,7 @@ def test_legs_do_not_collide_for_a_turn_at_any_gait_phase(
 
 @pytest.mark.parametrize(("kind", "speed"), [("adult", 1.0), ("adult", 1.3), ("adult", 1.6)])
 def test_a_far_landing_place_in_a_turn_does_not_throw_the_body(kind: str, speed: float) -> None:
-    """The pelvis lists by 4 degrees in a walk; who is thrown down on one side, by 30."""
+    """The pelvis tilts by 4 degrees in a walk, and by 30 in a fall to one side."""
     play = play_scene(corners(kind, speed, 160.0, 0.95))
     across = play.joint("a", "hip_r") - play.joint("a", "hip_l")
     lists = np.arcsin(across[:, 1] / np.linalg.norm(across, axis=1))
@@ -254,7 +254,7 @@ def test_footfalls_are_contacts_with_the_ground() -> None:
 
 
 def zigzag(kind: str, speed: float, seed: int) -> tuple[float, float]:
-    """Let somebody turn in the middle of steps, for 8 s.
+    """Turn a person in mid-step, for 8 s.
 
     Returns:
         Its greatest pain, and how fast its fastest node was [m/s].
@@ -294,7 +294,7 @@ TURNS = [
 def test_turning_in_mid_step_does_not_trip(kind: str, speed: float, seed: int) -> None:
     pain, fastest = zigzag(kind, speed, seed)
     assert pain == 0.0
-    # Feet and hands swing at a few times the speed of who runs.
+    # Feet and hands swing at a few times the running speed.
     assert fastest < 5.0 * speed + 5.0
 
 
@@ -302,7 +302,7 @@ def test_turning_in_mid_step_does_not_trip(kind: str, speed: float, seed: int) -
 def test_a_stopped_foot_is_not_pulled_to_its_target_at_once(
     kind: str, speed: float, seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # What is nearest to stumble over are one's own legs, if they are made to meet.
+    # The nearest things to stumble over are the own legs, if they are made to touch.
     meetings = (*character_plans.MEETINGS, *character_plans.LEGS_MEET)
     monkeypatch.setattr("pipeline.simulation.characters.character_plans.MEETINGS", meetings)
     pain, fastest = zigzag(kind, speed, seed)

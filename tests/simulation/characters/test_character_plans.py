@@ -18,15 +18,15 @@ from .scripted_people import STEPS, troupe_of
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize("who", [ADULT, CHILD])
-def test_a_person_is_sixteen_nodes_and_thirteen_links(who: Proportions) -> None:
-    plan = person_plan(who)
+@pytest.mark.parametrize("body", [ADULT, CHILD])
+def test_a_person_is_sixteen_nodes_and_thirteen_links(body: Proportions) -> None:
+    plan = person_plan(body)
     assert len(plan.rest) == len(JOINTS) == 16
     touched = [link for link in plan.links if link.radius > 0.0]
     # And a skull, which is a ball about a node.
     assert len([link for link in touched if link.ends[0] != link.ends[1]]) == len(SEGMENTS) == 13
     assert [name for name in LINK_NAMES if name not in SEGMENTS] == ["skull"]
-    assert plan.mass.sum() == pytest.approx(who.mass, rel=1e-9)
+    assert plan.mass.sum() == pytest.approx(body.mass, rel=1e-9)
 
 
 def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
@@ -36,11 +36,11 @@ def test_a_merry_go_round_is_eighteen_nodes_and_forty_one_links() -> None:
     assert len([link for link in plan.links if link.radius > 0.0]) == 25
 
 
-@pytest.mark.parametrize("who", [ADULT, CHILD])
+@pytest.mark.parametrize("body", [ADULT, CHILD])
 @pytest.mark.parametrize("seed", range(4))
-def test_reversed_knees_and_elbows_recover(who: Proportions, seed: int) -> None:
+def test_reversed_knees_and_elbows_recover(body: Proportions, seed: int) -> None:
     chance = np.random.default_rng(seed)
-    plan = person_plan(who)
+    plan = person_plan(body)
     turn = attitude(chance)
     rest = plan.rest.copy()
     # Knees back and elbows forward by a hand's breadth: the wrong way round.

@@ -28,11 +28,11 @@ THINGS = """
 """
 
 RESTS, DEEPEST = 0.005, 0.025
-"""How deep bodies are in one another that touch, and when two run into one another [m]."""
+"""Overlap of resting contacts, and of collisions [m]."""
 
 
 def yard() -> str:
-    """Return a cast of six who wander across a yard with things in it, all at other speeds."""
+    """Return a cast of six wanderers of different speeds in a yard with things."""
     people = [
         f"- {{name: w{k}, character: {'adult' if k % 3 == 0 else 'child'}, "
         f"at: [{5.0 * math.cos(k):.2f}, {5.0 * math.sin(k):.2f}], "

@@ -1,4 +1,4 @@
-"""Whatever is thrown together stays whole, comes to rest, and lies beside one another."""
+"""Many characters: random heaps stay whole, come to rest, and do not interpenetrate."""
 
 from __future__ import annotations
 

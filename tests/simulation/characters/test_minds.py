@@ -92,7 +92,7 @@ def test_characters_out_of_view_are_forgotten() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "where", "told"),
+    ("behaviour", "where", "message"),
     [
         ("{attachment: nobody}", "behaviours[0].attachment", "nobody in the cast is called"),
         ("{attachment: one}", "behaviours[0].attachment", "cannot do that to itself"),
@@ -100,16 +100,18 @@ def test_characters_out_of_view_are_forgotten() -> None:
         ("{fight: ball}", "behaviours[0].fight", "name a child, an adult or a ragdoll"),
     ],
 )
-def test_behaviours_with_unsuitable_targets_are_rejected(words: str, where: str, told: str) -> None:
+def test_behaviours_with_unsuitable_targets_are_rejected(
+    behaviour: str, where: str, message: str
+) -> None:
     cast = f"""
-- {{name: one, character: child, behaviours: [{words}]}}
+- {{name: one, character: child, behaviours: [{behaviour}]}}
 - {{name: mum, character: adult, at: [3, 0]}}
 - {{name: ball, character: ball, at: [5, 0]}}
 """
     with pytest.raises(SceneError) as caught:
         read_scene(f"pronk: 1\ncast:\n{cast}")
     assert where in str(caught.value)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_things_have_no_mind_and_urges_need_a_mind() -> None:
@@ -118,9 +120,9 @@ def test_things_have_no_mind_and_urges_need_a_mind() -> None:
     script = "script:\n- {at: 1, who: a, do: {urge: {play: 1}}}"
     with pytest.raises(SceneError, match="does only what it is told"):
         read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child}}\n{script}")
-    told = script.replace("play", "pley")
+    misspelt = script.replace("play", "pley")
     with pytest.raises(SceneError, match="no behaviour is called 'pley'"):
-        read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child, traits: {{}}}}\n{told}")
+        read_scene(f"pronk: 1\ncast:\n- {{name: a, character: child, traits: {{}}}}\n{misspelt}")
 
 
 def test_scripts_override_minds_and_urges_bias_them() -> None:
@@ -178,7 +180,7 @@ def test_withdrawal_avoids_obstacles(seed: int) -> None:
         x, z = characters.persons[0].at
         nearest = min(nearest, math.hypot(x + 1.9, z))
     assert nearest > 1.5
-    # Away from who has hurt it, all the same.
+    # Away from the striker all the same.
     assert math.hypot(x - 0.8, z) > 1.2
 
 
@@ -246,9 +248,9 @@ def test_the_schoolyard_is_a_safe_home_base(seed: int) -> None:
     assert len(soothed) >= 2
     assert left >= 2
     # In between it plays.
-    assert sum(one == "play" for one in did) * dt > 10.0
+    assert sum(name == "play" for name in did) * dt > 10.0
     # It looks back more often the farther it is.
-    away = np.array([one in ("play", "carry") for one in did])
+    away = np.array([name in ("play", "carry") for name in did])
     begins = np.append(False, (gaze[1:] == 0) & (gaze[:-1] != 0))
     near, far = away & (distance < 4.0), away & (distance >= 4.0)
     rates = [float(begins[where].sum() / (where.sum() * dt)) for where in (near, far)]

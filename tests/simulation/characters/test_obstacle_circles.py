@@ -91,9 +91,9 @@ def test_low_high_light_and_absent_solids_are_no_obstacles() -> None:
 
 
 def touches(simulation: Simulation) -> list[Contact]:
-    """Return what ann touches but the ground."""
+    """Return the contacts of ann except with the ground."""
     contacts = simulation.take().contacts
-    return [one for one in contacts if one.performer == "ann" and one.other != "terrain"]
+    return [c for c in contacts if c.performer == "ann" and c.other != "terrain"]
 
 
 THINGS = {
@@ -112,9 +112,9 @@ THINGS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", THINGS)
 def test_go_to_avoids_obstacles(thing: str) -> None:
-    words, aside = THINGS[thing]
+    member, aside = THINGS[thing]
     simulation = played(
-        f"- {{name: ann, character: adult, at: [-2.8, 0.1]}}\n- {{name: it, {words}, at: [0, 0]}}",
+        f"- {{name: ann, character: adult, at: [-2.8, 0.1]}}\n- {{name: it, {member}, at: [0, 0]}}",
         9,
         "- {at: 0, who: ann, do: {go_to: [2.4, 0.1]}}",
     )
@@ -154,18 +154,18 @@ def test_a_person_with_a_mind_avoids_obstacles(thing: str) -> None:
 @pytest.mark.parametrize("height", [0.01, 0.05])
 def test_a_rug_does_not_disturb_a_walk(height: float) -> None:
     cast = "- {name: ann, character: adult, at: [-2, 0.1]}"
-    told = "- {at: 0, who: ann, do: {go_to: [2, 0.1]}}"
+    script = "- {at: 0, who: ann, do: {go_to: [2, 0.1]}}"
     rug = f"- {{name: rug, prop: {{shape: box, size: [1.5, {height}, 3]}}, at: [0, 0]}}"
-    free, over = (path(played(one, 5, told), "ann") for one in (cast, f"{cast}\n{rug}"))
+    free, over = (path(played(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{rug}"))
     assert np.abs(free - over)[:, [0, 2]].max() < 0.1
 
 
 @pytest.mark.slow
 def test_a_free_straight_way_is_kept() -> None:
     cast = "- {name: ann, character: adult, at: [-2, 0]}"
-    told = "- {at: 0, who: ann, do: {go_to: [2, 0]}}"
+    script = "- {at: 0, who: ann, do: {go_to: [2, 0]}}"
     beside = "- {name: it, prop: {shape: box, size: [1, 1, 1]}, at: [0, -1.2]}"
-    free, past = (path(played(one, 5, told), "ann") for one in (cast, f"{cast}\n{beside}"))
+    free, past = (path(played(cast, 5, script), "ann") for cast in (cast, f"{cast}\n{beside}"))
     np.testing.assert_array_equal(free, past)
 
 

@@ -1,4 +1,4 @@
-"""What people are told, they do: sit, stand, look, reach, hold, hug, freeze, turn, give way."""
+"""Person tasks: sitting, looking, reaching, holding, hugging, freezing, turning, stepping aside."""
 
 from __future__ import annotations
 
@@ -72,16 +72,16 @@ def test_a_mutual_hug_closes_both_pairs_of_arms() -> None:
     assert play.when("a")
     assert play.when("b")
     row = int(4.9 * STEPS)
-    for who, other in (("a", "b"), ("b", "a")):
+    for name, other in (("a", "b"), ("b", "a")):
         back = 0.5 * (play.joint(other, "spine")[row] + play.joint(other, "shoulders")[row])
-        way = (play.joint(other, "pelvis")[row] - play.joint(who, "pelvis")[row]) * [1.0, 0.0, 1.0]
+        way = (play.joint(other, "pelvis")[row] - play.joint(name, "pelvis")[row]) * [1.0, 0.0, 1.0]
         way /= np.hypot(*way[[0, 2]])
-        hands = [play.joint(who, f"hand_{side}")[row] for side in "lr"]
+        hands = [play.joint(name, f"hand_{side}")[row] for side in "lr"]
         # Around the other: both hands lie behind the middle of the other's chest.
         assert min((hand - back) @ way for hand in hands) > 0.05
         assert min(math.dist(hand, back) for hand in hands) < 0.3
     # Arms too short to close behind a grown-up end on its back, and not in the air.
-    a, b = (play.joint(who, "pelvis")[row] for who in "ab")
+    a, b = (play.joint(name, "pelvis")[row] for name in "ab")
     way = (a - b) * [1.0, 0.0, 1.0] / np.hypot(*(a - b)[[0, 2]])
     assert max((play.joint("b", f"hand_{s}")[row] - a) @ way for s in "lr") < 0.11
     # The longer arms meet behind the back of the smaller one, and hold one another.
@@ -224,13 +224,13 @@ def test_a_shoved_person_staggers_and_recovers(way: tuple[float, float]) -> None
 
 
 def test_breath_lifts_the_shoulders_more_in_walking() -> None:
-    words = "duration: 5\ncast: [{name: a, character: adult}]\n"
-    rest = play_scene(words)
+    scene = "duration: 5\ncast: [{name: a, character: adult}]\n"
+    rest = play_scene(scene)
     lift = rest.joint("a", "shoulders")[:, 1] - rest.joint("a", "spine")[:, 1]
     assert 0.006 < np.ptp(lift[STEPS:]) < 0.02
     walk = "script: [{at: 0, who: a, do: walk}]\n"
-    faster = play_scene(words + walk)
-    gone = [np.unwrap(2 * np.pi * one.records["breath"][:, 0])[-1] for one in (rest, faster)]
+    faster = play_scene(scene + walk)
+    gone = [np.unwrap(2 * np.pi * play.records["breath"][:, 0])[-1] for play in (rest, faster)]
     assert gone[1] > 1.3 * gone[0]
 
 
@@ -252,14 +252,14 @@ cast:
 def test_posed_hands_follow_their_keys() -> None:
     play = play_scene(POSED)
     row = int(2.8 * STEPS)
-    # Ahead of one who looks along -Z is -Z, and to the right +X.
+    # A person who faces -Z has -Z ahead and +X to the right.
     assert math.dist(play.joint("a", "hand_r")[row], [0.6, 1.7, -0.3]) < 0.04
     assert math.dist(play.joint("a", "hand_l")[row], [-0.3, 1.0, -0.4]) < 0.04
     assert play.joint("a", "hand_r")[-1, 1] < 1.1
 
 
 def crossing(count: int) -> str:
-    """Return the words of so many who cross the way of as many others."""
+    """Return the scene of a number of walkers who cross the way of as many others."""
     lanes = [f"{1.0 * (k - (count - 1) / 2)}" for k in range(count)]
     cast = [f"  - {{name: e{k}, character: adult, at: [-4, {z}]}}" for k, z in enumerate(lanes)]
     cast += [
@@ -362,11 +362,11 @@ def test_a_hug_trigger_distinguishes_the_two_people() -> None:
         simulation.step()
         step = simulation.step_number
         hugs += [(step, h.who, h.other) for h in simulation.signals if h.kind == "hug"]
-    told = [order for order in simulation.recorder.orders if order.who == "c"]
-    (step, who, whom), *others = hugs
-    assert (who, whom, others) == ("b", "a", [])
-    # In the next step, once, and not what waits for a hug the other way round.
-    assert [(order.step, order.text) for order in told] == [(step, "go_to [-1, 3]")]
+    followed = [order for order in simulation.recorder.orders if order.who == "c"]
+    (step, hugger, hugged), *others = hugs
+    assert (hugger, hugged, others) == ("b", "a", [])
+    # In the next step, once; the trigger of the reverse hug does not fire.
+    assert [(order.step, order.text) for order in followed] == [(step, "go_to [-1, 3]")]
     assert 0.9 < step / STEPS < 3.0
 
 

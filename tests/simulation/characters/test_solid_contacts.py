@@ -24,11 +24,11 @@ pytestmark = pytest.mark.slow
 WALL = "{name: wall, prop: {shape: box, size: [0.4, 1, 3]}, at: [0, 0]}"
 
 
-def played(cast: str, seconds: float, script: str = "", **words: object) -> Simulation:
+def played(cast: str, seconds: float, script: str = "", **settings: object) -> Simulation:
     """Return the finished simulation of a scene."""
-    more = "".join(f"{word}: {value}\n" for word, value in words.items())
-    told = f"script:\n{script}" if script else ""
-    scene = read_scene(f"pronk: 1\nduration: {seconds}\n{more}cast:\n{cast}\n{told}")
+    more = "".join(f"{key}: {value}\n" for key, value in settings.items())
+    orders = f"script:\n{script}" if script else ""
+    scene = read_scene(f"pronk: 1\nduration: {seconds}\n{more}cast:\n{cast}\n{orders}")
     simulation = Simulation(scene)
     while not simulation.finished:
         simulation.step()
@@ -39,7 +39,7 @@ def path(simulation: Simulation, performer: str, name: str = "") -> Array:
     """Return (K, 3) the places of a performer's node, the first unless it is named [m]."""
     take = simulation.take()
     nodes = enumerate(take.nodes)
-    node = next(k for k, one in nodes if one.performer == performer and name in ("", one.name))
+    node = next(k for k, n in nodes if n.performer == performer and name in ("", n.name))
     return np.array(take.positions[:, node])
 
 
@@ -209,10 +209,10 @@ def test_a_horse_pushes_people_out_of_its_way() -> None:
     contacts = simulation.take().contacts
     touches = [c for c in contacts if c.performer == "doll" and c.other.startswith("horse.")]
     assert touches
-    # A link is not told of each limb that it slides along.
+    # A link does not touch anew each limb that it slides along.
     when = [c.step for c in touches if c.part == touches[0].part]
     assert len(when) == 1 or min(np.diff(when)) > 0.08 * STEPS - 1
-    # The horse goes its way, and who stands there backs off.
+    # The horse keeps its way, and the person there backs off.
     horse, bob = path(simulation, "horse"), path(simulation, "bob")
     assert horse[-1, 0] == pytest.approx(4.2, abs=0.2)
     assert np.linalg.norm(horse - bob, axis=1).min() > 0.3
@@ -341,7 +341,7 @@ def test_links_sense_the_solids_they_touch() -> None:
     assert pairs[0] == ("ball", "table")
 
 
-# --- nothing explodes, and nobody pays for what is not there ------------------------------------
+# --- stability and batches ---------------------------------------------------------------
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -402,11 +402,11 @@ def test_a_lone_character_has_no_coupling_and_large_batches() -> None:
 
 
 def test_fixed_obstacles_are_updated_once_and_keep_large_batches() -> None:
-    words = (
+    text = (
         "pronk: 1\nduration: 1\ncast:\n- {name: doll, character: ragdoll, at: [0, 0.7, 0]}\n"
         "- {name: table, prop: {shape: box, size: [1, 0.5, 1]}, at: [0, 0]}"
     )
-    once, always = Simulation(read_scene(words)), Simulation(read_scene(words))
+    once, always = Simulation(read_scene(text)), Simulation(read_scene(text))
     assert once.scheduler.batch_size > 16
     assert always.coupling is not None
     always.coupling.still, always.scheduler.batch_size = False, 1
@@ -417,7 +417,7 @@ def test_fixed_obstacles_are_updated_once_and_keep_large_batches() -> None:
 
 
 def test_moving_obstacles_give_the_same_take_in_any_batch_size() -> None:
-    words = (
+    text = (
         "pronk: 1\nduration: 1.5\ncast:\n- {name: doll, character: ragdoll, at: [0, 0.7, 0]}\n"
         "- {name: bob, character: child, at: [-1, 0]}\n"
         "- {name: table, prop: {shape: box, size: [1, 0.5, 1]}, at: [0, 0], spin_deg: [0, 40, 0]}\n"
@@ -426,7 +426,7 @@ def test_moving_obstacles_give_the_same_take_in_any_batch_size() -> None:
         " velocity: [4, 1, 0]}\n"
         "- {name: fly, prop: {shape: ball, radius: 0.03}, at: [0, 0.2, 0], parent: rock}"
     )
-    often, seldom = Simulation(read_scene(words)), Simulation(read_scene(words))
+    often, seldom = Simulation(read_scene(text)), Simulation(read_scene(text))
     assert seldom.scheduler.batch_size > 4
     often.scheduler.batch_size = 1
     for simulation in (often, seldom):

@@ -59,7 +59,7 @@ def test_a_free_person_keeps_its_momentum() -> None:
 
 
 def test_colliding_people_keep_their_momentum() -> None:
-    plans = [free(person_plan(who)) for who in (ADULT, CHILD)]
+    plans = [free(person_plan(body)) for body in (ADULT, CHILD)]
     places = [plans[0].rest + HIGH, plans[1].rest + HIGH + [1.0, 0.2, 0.1]]
     yard = yard_of(plans, places, gravity=0.0)
     v = np.zeros_like(yard.arrays.p)

@@ -31,7 +31,7 @@ from pipeline.simulation.take import (
 )
 from pipeline.simulation.terrain import Ground
 from pipeline.simulation.troupe import Rows
-from pipeline.spec.script import said
+from pipeline.spec.script import order_text
 
 
 class Recorder:
@@ -181,7 +181,7 @@ class Recorder:
     def add_orders(self, step: int, orders: Orders) -> None:
         """Adds the orders that the script gave at `step`."""
         for performer, given in orders.items():
-            self.orders.extend(Told(step, performer, said(order)) for order in given)
+            self.orders.extend(Told(step, performer, order_text(order)) for order in given)
 
     def take(self) -> Take:
         """Returns the finished take."""

@@ -1,4 +1,4 @@
-"""Whoever comes in, by whatever door, and however it goes away: a finished take is left."""
+"""Transports: every connection, however it ends, leaves a finished take."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from pipeline.production.direct.transport import (
 from pipeline.production.run.progress import Reporter
 from pipeline.simulation.simulate import Simulation
 from pipeline.simulation.take_store import read_take
-from tests.production.directing import STAGE, replayed, request, stage
+from tests.production.direct_client import STAGE, replayed, request, stage
 
 ROOT = Path(__file__).parents[2]
 PRONK = [sys.executable, "-c", "from pipeline.cli import main; main()"]
@@ -91,7 +91,7 @@ def test_a_port_is_open_to_this_machine_alone_and_to_one_program(tmp_path: Path)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reset", [False, True])
-def test_who_vanishes_in_the_middle_leaves_a_finished_take(reset: bool, tmp_path: Path) -> None:
+def test_a_lost_connection_leaves_a_finished_take(reset: bool, tmp_path: Path) -> None:
     def client(place: str) -> None:
         with _come_in(place) as one:
             one.sendall(request("subscribe", events=["*"]) + b"\n")
@@ -105,7 +105,7 @@ def test_who_vanishes_in_the_middle_leaves_a_finished_take(reset: bool, tmp_path
     assert reset or read_take(kept.take).told[0].text == "turn_deg 90"
 
 
-def test_browsers_are_turned_away(tmp_path: Path) -> None:
+def test_browsers_are_refused(tmp_path: Path) -> None:
     seen: list[object] = []
     order = request("end", at="now") + b"\n"
 
@@ -126,7 +126,7 @@ def test_browsers_are_turned_away(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_local_socket_is_its_owners_and_goes_with_the_run(tmp_path: Path) -> None:
+def test_a_local_socket_is_private_and_removed_at_the_end(tmp_path: Path) -> None:
     place = tmp_path / "s"
     seen: list[object] = []
 
@@ -142,7 +142,7 @@ def test_a_local_socket_is_its_owners_and_goes_with_the_run(tmp_path: Path) -> N
     _whole(kept)
 
 
-def test_a_socket_that_nobody_waits_at_is_cleared_away_and_nothing_else(tmp_path: Path) -> None:
+def test_only_a_stale_socket_is_removed(tmp_path: Path) -> None:
     left, other = tmp_path / "left", tmp_path / "other"
     with socket.socket(socket.AF_UNIX) as one:
         one.bind(str(left))
@@ -161,7 +161,7 @@ def test_a_socket_that_nobody_waits_at_is_cleared_away_and_nothing_else(tmp_path
         (None, None, "0.0.0.0", "give --port as well"),
     ],
 )
-def test_doors_that_there_are_none_of(
+def test_conflicting_transports_are_refused(
     path: Path | None, number: int | None, host: str, right: str
 ) -> None:
     with pytest.raises(UsageError, match=right):
@@ -169,7 +169,7 @@ def test_doors_that_there_are_none_of(
 
 
 @pytest.mark.parametrize("host", ["no such host", "192.0.2.1"])
-def test_addresses_that_are_not_of_this_machine_are_refused(host: str, tmp_path: Path) -> None:
+def test_foreign_addresses_are_refused(host: str, tmp_path: Path) -> None:
     with (
         pytest.raises((UsageError, StoreError), match=host),
         transport_for(None, 0, host)(lambda text: None),
@@ -178,12 +178,12 @@ def test_addresses_that_are_not_of_this_machine_are_refused(host: str, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "..", ".hidden"])
-def test_names_that_are_none_are_refused(name: str, tmp_path: Path) -> None:
+def test_invalid_names_are_refused(name: str, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="is no name"):
         recorder_for(Path("stage.yaml"), name, tmp_path, True, False)
 
 
-def test_what_cannot_be_written_is_said_before_anybody_comes_in(tmp_path: Path) -> None:
+def test_an_unwritable_folder_is_refused_before_a_connection(tmp_path: Path) -> None:
     (tmp_path / "out").write_text("in the way")
 
     @contextmanager
@@ -223,7 +223,7 @@ def _ended(folder: Path, run: subprocess.Popen[bytes], text: bytes = b"") -> tup
 
 
 @pytest.mark.slow
-def test_standard_output_is_for_messages_alone(folder: Path) -> None:
+def test_standard_output_has_only_messages(folder: Path) -> None:
     text = b"\n".join([b"nonsense", request("step", 1, frames=3), request("end", 2)])
     code, out, err = _ended(folder, _started(folder, "--name", "other", "-v"), text)
     assert code == 0, err
@@ -235,7 +235,7 @@ def test_standard_output_is_for_messages_alone(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("presses", [[10], [10, 20]])
-def test_a_second_ctrl_c_gives_up_what_goes_to_its_end(
+def test_a_second_ctrl_c_drops_the_take(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, presses: list[int]
 ) -> None:
     class Pressed(Simulation):

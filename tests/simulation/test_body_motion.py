@@ -102,19 +102,19 @@ PLACES = [(6, 1, 2), (6, 1, -4), (8, 0, -6), (8, 0.5, 0)]
 @pytest.mark.parametrize(
     "name", ["antelope", "beetle", "camel", "centipede", "horse", "kangaroo", "ostrich", "person"]
 )
-def test_looks_at_what_it_is_told_to(name: str, place: tuple[float, float, float]) -> None:
+def test_gaze_meets_an_ordered_place(name: str, place: tuple[float, float, float]) -> None:
     seen = Seen(f"{{figure: {name}, look_at: {list(place)}}}", duration=1, wander=0.0)
     eyes, look = seen.look
     assert angle(look, place - eyes).max() < 1.0
 
 
-def test_looks_at_a_thing_that_it_passes() -> None:
+def test_gaze_follows_a_passed_place() -> None:
     seen = Seen("{figure: horse, look_at: [14, 1, 6], walk: {gait: walk}}", wander=0.0)
     eyes, look = seen.look
     assert angle(look, np.array([14, 1, 6]) - eyes).max() < 1.0
 
 
-def test_looks_at_another_and_ahead_again_without_a_jolt() -> None:
+def test_gaze_changes_target_without_a_jolt() -> None:
     other = "\n- {figure: beetle, name: bug, at: [6, 3], walk: {}}"
     script = "script:\n- {at: 1, who: horse, do: {look_at: bug}}\n"
     script += "- {at: 3, who: horse, do: {look: ahead}}"
@@ -128,7 +128,7 @@ def test_looks_at_another_and_ahead_again_without_a_jolt() -> None:
 
 
 @pytest.mark.parametrize("angle_deg", [150, -150])
-def test_a_head_turns_before_its_body_does(angle_deg: int) -> None:
+def test_head_turns_before_the_body(angle_deg: int) -> None:
     script = "script:\n- {at: 0.5, who: beetle, do: stop}\n"
     script += f"- {{at: 3, who: beetle, do: {{turn_deg: {angle_deg}}}}}"
     seen = Seen("{figure: beetle, walk: {}}", duration=5, more=script, wander=0.0)
@@ -141,14 +141,14 @@ def test_a_head_turns_before_its_body_does(angle_deg: int) -> None:
     assert np.argmax(yaw > 0.1) < np.argmax(turned > 0.2)
 
 
-def test_a_head_turns_into_a_curve() -> None:
+def test_head_turns_into_a_curve() -> None:
     words = "{figure: person, walk: {path: [[2, 0], [2, 2]]}}"
     ahead, not_ahead = (Seen(words, wander=0.0, head_turn=t).joint("head.base_yaw") for t in (1, 0))
     assert ahead.min() < -0.4
     assert np.abs(not_ahead).max() < 0.1
 
 
-def test_a_head_stays_level_on_a_body_that_does_not() -> None:
+def test_head_stays_level_on_a_pitching_body() -> None:
     hills = "{kind: hills, height: 1.4, spacing: 4}"
     seen = Seen("{figure: camel, scale: 0.4, walk: {}}", hills, duration=4, wander=0.0)
     _, look = seen.look
@@ -166,7 +166,7 @@ def test_a_head_stays_level_on_a_body_that_does_not() -> None:
         ("{figure: inchworm, walk: {}, look_at: [1, 1, 1]}", "looks nowhere"),
     ],
 )
-def test_refuses_looks_that_nobody_can_have(words: str, message: str) -> None:
+def test_refuses_impossible_look_targets(words: str, message: str) -> None:
     with pytest.raises(SceneError, match=message):
         Simulation(scene_of(words, duration=1))
 
@@ -176,7 +176,7 @@ def test_refuses_looks_that_nobody_can_have(words: str, message: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LIBRARY)
-def test_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
+def test_free_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
     seen = Seen(f"{{figure: {name}, walk: {{}}}}", duration=2)
     limits = seen.walkers.poses.free_limbs.joints.limits
     assert (seen.q > limits.lower).all()
@@ -185,7 +185,7 @@ def test_joints_keep_their_limits_and_move_smoothly(name: str) -> None:
 
 
 @pytest.mark.parametrize("looseness", [0.0, 2.0, 30.0])
-def test_however_loose_joints_keep_their_limits(looseness: float) -> None:
+def test_joint_limits_hold_at_any_looseness(looseness: float) -> None:
     seen = Seen("{figure: horse, walk: {gait: bound}}", looseness=looseness, tail_raise=3.0)
     limits = seen.walkers.poses.free_limbs.joints.limits
     assert (seen.q > limits.lower).all()
@@ -193,7 +193,7 @@ def test_however_loose_joints_keep_their_limits(looseness: float) -> None:
 
 
 @pytest.mark.slow
-def test_who_rests_does_not_move_but_of_its_own_accord() -> None:
+def test_creature_at_rest_has_only_idle_motion() -> None:
     for name in ("horse", "scorpion", "person"):
         still = Seen(f"{{figure: {name}}}", duration=1, wander=0.0)
         assert np.abs(still.q - still.q[0]).max() < 1e-12
@@ -203,7 +203,7 @@ def test_who_rests_does_not_move_but_of_its_own_accord() -> None:
 
 
 @pytest.mark.slow
-def test_a_tail_comes_later_the_farther_out() -> None:
+def test_tail_lags_more_towards_its_tip() -> None:
     """Overlap: at the rhythm of a bound each joint lags behind the one before."""
     seen = Seen("{figure: horse, walk: {gait: bound}}", duration=6, wander=0.0, sway=0.0)
     cycle = seen.walkers.herd.cycle[0]
@@ -219,7 +219,7 @@ def test_a_tail_comes_later_the_farther_out() -> None:
 
 
 @pytest.mark.slow
-def test_a_stiff_tail_does_not_swing() -> None:
+def test_looseness_scales_the_swing_of_a_tail() -> None:
     words = "{figure: horse, walk: {gait: bound}}"
     stiff, usual, floppy = (
         np.ptp(Seen(words, sway=0.0, wander=0.0, looseness=loose).joint("tail.joint2_bend"))
@@ -229,7 +229,7 @@ def test_a_stiff_tail_does_not_swing() -> None:
     assert floppy > 1.5 * usual > 0.1
 
 
-def test_a_tail_swings_on_when_its_creature_has_stopped() -> None:
+def test_tail_swings_on_after_a_stop() -> None:
     script = "script:\n- {at: 1, who: kangaroo, do: stop}"
     seen = Seen("{figure: kangaroo, walk: {gait: hop}}", duration=5, more=script, wander=0.0)
     body = seen.recorder.positions[:, 0]
@@ -244,7 +244,7 @@ def test_a_tail_swings_on_when_its_creature_has_stopped() -> None:
 # --- bodies -----------------------------------------------------------------------
 
 
-def test_a_body_dips_its_nose_when_it_brakes() -> None:
+def test_body_pitches_down_when_braking() -> None:
     script = "script:\n- {at: 1, who: horse, do: stop}\n- {at: 4, who: horse, do: walk}"
     seen = Seen("{figure: horse, walk: {gait: trot}}", duration=6, more=script)
     assert -4.0 < seen.pitch[96:200].min() < -0.5
@@ -252,7 +252,7 @@ def test_a_body_dips_its_nose_when_it_brakes() -> None:
     assert np.abs(seen.pitch[370:384]).max() < 0.2
 
 
-def test_a_body_is_held_nose_up_and_its_feet_stay_below_it() -> None:
+def test_pitched_body_keeps_its_feet_below_it() -> None:
     level, proud = (
         Seen("{figure: horse, walk: {}}", duration=3, body_pitch=held) for held in (0.0, 0.15)
     )
@@ -267,7 +267,7 @@ def test_a_body_is_held_nose_up_and_its_feet_stay_below_it() -> None:
     assert not [note for note in proud.simulation.take().notes if note.kind == "clamped"]
 
 
-def test_no_bearing_holds_a_body_steeper_than_its_bound() -> None:
+def test_style_pitch_is_bounded() -> None:
     seen = Seen("{figure: beetle, walk: {}}", duration=1, body_pitch=9.0)
     assert np.abs(seen.pitch).max() < 17.0
 
@@ -277,7 +277,7 @@ def test_no_bearing_holds_a_body_steeper_than_its_bound() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["horse", "camel", "kangaroo", "centipede", "ostrich"])
-def test_a_raised_head_is_higher(name: str) -> None:
+def test_head_raise_lifts_the_head(name: str) -> None:
     words = f"{{figure: {name}, walk: {{}}}}"
     low, usual, high = (
         Seen(words, duration=1, head_raise=raised).look for raised in (-0.3, 0.0, 0.3)
@@ -287,20 +287,20 @@ def test_a_raised_head_is_higher(name: str) -> None:
         assert (higher[0][:, 1] - lower[0][:, 1]).mean() > 0.005 * tall
 
 
-def test_a_raised_head_on_an_upright_neck_looks_up() -> None:
+def test_head_raise_turns_an_upright_neck_up() -> None:
     low, high = (
         Seen("{figure: person}", duration=1, head_raise=r, wander=0.0).look for r in (0.0, 0.3)
     )
     assert np.degrees(np.arcsin(high[1][:, 1] - low[1][:, 1])).min() > 4.0
 
 
-def test_a_raised_tail_is_higher() -> None:
+def test_tail_raise_lifts_the_tail() -> None:
     down, up = (Seen("{figure: horse}", duration=1, tail_raise=r) for r in (0.0, 0.4))
     raised = (up.joint("tail.base_pitch") - down.joint("tail.base_pitch")).mean()
     assert 0.35 < raised <= 0.4
 
 
-def test_a_mood_may_change_from_moment_to_moment() -> None:
+def test_motion_styles_of_several_moments_stack() -> None:
     moments = [MotionStyle.neutral(3), MotionStyle.neutral(3)]
     moments[1] = replace(moments[1], sway=np.array([0.0, 2.0, 1.0]))
     stacked = MotionStyle.stacked(moments)
@@ -329,7 +329,7 @@ def _lowest(part: str) -> float:
     return float((tip[:, 1] - height).min()) - limb.tip_radius
 
 
-def test_feelers_are_raised_where_the_ground_rises_before_the_feet(
+def test_feelers_rise_over_ground_ahead_of_the_feet(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert _lowest("feeler_r1") > 0.02
@@ -347,7 +347,7 @@ CAST = (
 
 
 @pytest.mark.slow
-def test_rows_do_not_depend_on_how_many_are_written_at_once(
+def test_rows_do_not_depend_on_batch_size(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     found = []
@@ -360,7 +360,7 @@ def test_rows_do_not_depend_on_how_many_are_written_at_once(
 
 
 @pytest.mark.slow
-def test_another_frame_rate_shows_the_same_motion() -> None:
+def test_frame_rate_does_not_change_the_motion() -> None:
     takes = [simulation.simulate(scene_of(*CAST, more=f"fps: {fps}")) for fps in (24, 48)]
     slow, quick = takes[0].values, takes[1].values[::2]
     idle = [

@@ -60,7 +60,7 @@ def dragging(request: pytest.FixtureRequest, walk_through: Callable[..., object]
     return walk_through(scene(request.param, "0.004"))
 
 
-def test_a_foot_scuffs_once_a_swing_at_most(dragging: object) -> None:
+def test_foot_scuffs_at_most_once_a_swing(dragging: object) -> None:
     """Swings are told apart by the poses' own record of who was in the air."""
     assert len(scuffs_of(dragging.take)) > 5
     swings = np.cumsum(np.diff(np.array(dragging.swinging).astype(int), axis=0) == 1, axis=0)
@@ -74,7 +74,7 @@ def test_a_foot_scuffs_once_a_swing_at_most(dragging: object) -> None:
     assert max(heard.values()) == 1
 
 
-def test_a_scuff_is_on_the_ground_below_the_foot_and_as_quick(dragging: object) -> None:
+def test_scuff_has_place_and_speed_of_the_foot(dragging: object) -> None:
     take, herd = dragging.take, dragging.walkers.herd
     ground = dragging.simulation.world.ground
     names = [f"{herd.names[c]}.{leg}" for leg, c in zip(herd.leg_names, herd.owner, strict=True)]
@@ -112,7 +112,7 @@ def test_normal_steps_do_not_scuff(figure: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("step", ["0.004", "0.02"])
-def test_no_frame_rate_changes_when_feet_scuff(step: str) -> None:
+def test_frame_rate_does_not_change_scuffs(step: str) -> None:
     film = simulate(scene("beetle", step, "flat"))
     for fps in ("25", "'30000/1001'", "60"):
         other = simulate(scene("beetle", step, "flat", fps))
@@ -126,7 +126,7 @@ def test_no_frame_rate_changes_when_feet_scuff(step: str) -> None:
 
 
 @pytest.mark.parametrize("slope", [0.0, 0.5])
-def test_a_foot_that_is_drawn_straight_over_a_plane(slope: float) -> None:
+def test_scuff_over_a_plane(slope: float) -> None:
     """It scuffs by the speed along the plane, the more the lower it goes."""
     down = np.hypot(1.0, slope)
     x = np.linspace(-0.2, 0.2, len(MID_SWING))
@@ -145,7 +145,7 @@ def test_a_foot_that_is_drawn_straight_over_a_plane(slope: float) -> None:
     assert scuff_in_swing(plane(slope), drawn(0.0101), MID_SWING, 0.03, 0.01) is None
 
 
-def test_it_scuffs_at_the_bump_in_its_way() -> None:
+def test_scuff_is_at_the_bump() -> None:
     heights = np.zeros((3, 41))
     heights[:, 26] = 0.05
     ground = Ground(HeightField(heights, (0.4, 1.0)), np.zeros((2, 40), dtype=bool), "rock")
@@ -155,16 +155,14 @@ def test_it_scuffs_at_the_bump_in_its_way() -> None:
     assert scuff.place[0] == pytest.approx(0.06, abs=0.4 / 64)
 
 
-def test_a_foot_that_slides_as_it_comes_down_scuffs() -> None:
+def test_scuff_of_a_foot_that_slides_at_touchdown() -> None:
     tips = np.array([[0.0, 0.01, 0.0], [0.006, 0.0, 0.008]])
     scuff = scuff_at_touchdown(tips, np.array([0.99, 1.0]), np.zeros(3), np.array([0.0, 1.0, 0.0]))
     assert scuff.way == pytest.approx(1.0)
     assert scuff.part == 1.0
 
 
-def test_a_take_keeps_its_scuffs_and_older_ones_stay_as_they_are(
-    dragging: object, tmp_path: Path
-) -> None:
+def test_take_stores_scuffs(dragging: object, tmp_path: Path) -> None:
     take = dragging.take
     write_take(take, tmp_path / "take.zarr")
     again = read_take(tmp_path / "take.zarr")
@@ -179,7 +177,7 @@ def test_a_take_keeps_its_scuffs_and_older_ones_stay_as_they_are(
     assert plain.digest != take.digest
 
 
-def test_feet_that_do_not_come_to_rest_scuff_as_they_touch(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_feet_that_do_not_come_to_rest_scuff_at_touchdown(monkeypatch: pytest.MonkeyPatch) -> None:
     """As if feet went evenly from foothold to foothold."""
 
     def even(start: Array, end: Array, height: Array, s: Array, bend: object = None) -> Array:

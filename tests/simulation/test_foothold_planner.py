@@ -14,7 +14,7 @@ from pipeline.simulation.locomotion.foot_placement.foothold_planner import Footh
 from pipeline.simulation.locomotion.foot_placement.foothold_search import Foothold
 from pipeline.simulation.locomotion.foot_placement.step_batch import StepBatch, StepRequest
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.locomotion.routes.route_progress import SLOPE_SAMPLES_PER_SECOND
+from pipeline.simulation.locomotion.routes.speed_control import SLOPE_SAMPLES_PER_SECOND
 from pipeline.simulation.locomotion.walking import Walkers
 from pipeline.simulation.simulate import Simulation
 from pipeline.spec import read_scene

@@ -58,7 +58,7 @@ def change_legs(change: Gait | GaitTransition) -> Array:
 
 
 @given(changes())
-def test_clocks_of_legs_never_go_back_nor_stand_still(change: GaitTransition) -> None:
+def test_leg_clocks_always_advance(change: GaitTransition) -> None:
     phases = np.linspace(change.start - 1.0, change.end + 1.0, 400)
     speed = np.diff(change.leg_phase(phases), axis=0) / np.diff(phases)[:, None]
     assert speed.min() > MIN_CLOCK_RATE - 1e-6
@@ -68,7 +68,7 @@ def test_clocks_of_legs_never_go_back_nor_stand_still(change: GaitTransition) ->
 @pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
-def test_feet_go_up_and_come_down_in_turn_once_a_cycle_of_their_own(change: GaitTransition) -> None:
+def test_feet_lift_and_land_once_per_leg_cycle(change: GaitTransition) -> None:
     for leg, steps in enumerate(course(change, change.start - 2.0, change.end + 2.0)):
         moments = np.array(steps).ravel()
         assert (np.diff(moments) > 0.0).all()
@@ -81,7 +81,7 @@ def test_feet_go_up_and_come_down_in_turn_once_a_cycle_of_their_own(change: Gait
 @pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
-def test_before_and_after_it_is_the_two_gaits(change: GaitTransition) -> None:
+def test_transition_starts_and_ends_with_the_two_gaits(change: GaitTransition) -> None:
     steps = course(change, change.start - 3.0, change.end + 3.0)
     for leg, (before, after) in enumerate(
         zip(
@@ -104,7 +104,7 @@ def test_before_and_after_it_is_the_two_gaits(change: GaitTransition) -> None:
 @pytest.mark.slow
 @settings(max_examples=30)
 @given(changes())
-def test_the_gait_of_the_moment_goes_over_without_a_jump(change: GaitTransition) -> None:
+def test_blended_gait_is_continuous(change: GaitTransition) -> None:
     phases = np.linspace(change.start - 0.1, change.end + 0.1, 500)
     up = np.stack([change.at(float(phase)).up for phase in phases])
     swing = np.stack([change.at(float(phase)).swing for phase in phases])
@@ -116,7 +116,7 @@ def test_the_gait_of_the_moment_goes_over_without_a_jump(change: GaitTransition)
 
 
 @given(changes())
-def test_legs_go_the_shorter_way_round(change: GaitTransition) -> None:
+def test_legs_shift_the_shorter_way_round(change: GaitTransition) -> None:
     assert np.abs(change.shift).max() <= 0.5
     off = np.mod(change.before.up + change.shift - change.after.up + 0.5, 1.0) - 0.5
     assert np.abs(off).max() < 1e-12
@@ -124,9 +124,7 @@ def test_legs_go_the_shorter_way_round(change: GaitTransition) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("first", "second"), PAIRS)
-def test_named_gaits_go_over_into_one_another_and_swings_stay_what_they_are(
-    first: str, second: str
-) -> None:
+def test_swing_durations_stay_bounded_between_named_gaits(first: str, second: str) -> None:
     change = GaitTransition(FOUR[first], FOUR[second], 3.0, 3.0)
     quick = 0.5 * MAX_EASE_SLOPE / 3.0
     swings = np.concatenate([change.before.swing, change.after.swing])
@@ -136,13 +134,13 @@ def test_named_gaits_go_over_into_one_another_and_swings_stay_what_they_are(
         assert found.max() <= swings.max() / (1.0 - quick) + 1e-9
 
 
-def test_a_change_to_the_same_gait_changes_nothing() -> None:
+def test_transition_to_the_same_gait_changes_nothing() -> None:
     change = GaitTransition(FOUR["walk"], FOUR["walk"], 1.3, 1.0)
     both = zip(course(change, 0.0, 5.0), course(FOUR["walk"], 0.0, 5.0), strict=True)
     assert all(np.allclose(a, b, atol=1e-9) for a, b in both)
 
 
-def test_a_change_that_hurries_the_legs_is_refused() -> None:
+def test_refuses_too_short_transitions() -> None:
     with pytest.raises(ValueError, match=r"take .* or more"):
         GaitTransition(FOUR["trot"], FOUR["pace"], 0.0, 0.3)
     with pytest.raises(ValueError, match="4 legs to one of 2 legs"):

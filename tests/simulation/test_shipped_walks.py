@@ -41,7 +41,7 @@ def left_alone(walk: Walk) -> Array:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in shipped_scenes() if walked(name)])
-def test_walkers_of_shipped_scenes_keep_what_walking_promises(name: str) -> None:
+def test_shipped_scenes_keep_the_invariants_of_walking(name: str) -> None:
     walk = walk_through(load_scene(find_scene(name)))
     take, herd, ground = walk.take, walk.walkers.herd, walk.simulation.world.ground
     dt, free = walk.simulation.world.clock.dt, left_alone(walk)

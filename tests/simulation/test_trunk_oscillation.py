@@ -40,7 +40,7 @@ def summed(gait: Gait, cycle: float) -> Array:
     return PITCH_FRACTION * (value - value.mean())
 
 
-def test_pitch_is_what_two_integrations_of_the_torque_make() -> None:
+def test_pitch_is_the_torque_integrated_twice() -> None:
     """At a cycle so quick that no bound is near."""
     gait = Gait.of(np.array([0.5, 0.0, 0.43, 0.1]), 0.25)
     trunk = TrunkOscillation.of(gait, HIPS, MASS, 0.12)
@@ -50,7 +50,7 @@ def test_pitch_is_what_two_integrations_of_the_torque_make() -> None:
     assert np.abs(pitch - expected).max() < 0.02 * np.abs(expected).max()
 
 
-def test_a_leg_that_is_down_half_of_the_cycle_is_no_pole() -> None:
+def test_half_duty_is_no_pole() -> None:
     near, at = (
         TrunkOscillation.of(Gait.of(np.array([0.5, 0.0, 0.5, 0.0]), duty), HIPS, MASS, 0.2)
         for duty in (0.4999, 0.5)
@@ -58,7 +58,7 @@ def test_a_leg_that_is_down_half_of_the_cycle_is_no_pole() -> None:
     np.testing.assert_allclose(near.pitch, at.pitch, atol=1e-4)
 
 
-def test_three_feet_hold_a_body() -> None:
+def test_three_standing_feet_hold_the_body() -> None:
     gait = Gait.of(np.array([0.0, 0.25, 0.5, 0.75]), 0.8)
     trunk = TrunkOscillation.of(gait, HIPS, MASS, 1.0)
     assert not trunk.pitch.any()
@@ -77,7 +77,7 @@ def rocking(figure: Figure, name: str) -> tuple[float, float]:
     return float(pitch), float(roll)
 
 
-def test_gallops_rock_and_trots_do_not(library: Callable[[str], Figure]) -> None:
+def test_gallops_rock_more_than_trots(library: Callable[[str], Figure]) -> None:
     horse = library("horse")
     found = {
         name: rocking(horse, name)
@@ -91,7 +91,7 @@ def test_gallops_rock_and_trots_do_not(library: Callable[[str], Figure]) -> None
     assert found["pace"][1] > 1.0 > found["pace"][0]
 
 
-def test_slow_cycles_rock_no_farther_than_bodies_do() -> None:
+def test_rocking_is_bounded() -> None:
     gait = Gait.of(np.array([0.5, 0.0, 0.4, 0.1]), 0.25)
     pitch, roll = TrunkOscillation.of(gait, HIPS, MASS, 30.0).at(PHASES)
     assert 0.9 * MAX_PITCH < np.abs(pitch).max() <= 1.001 * MAX_PITCH
@@ -99,7 +99,7 @@ def test_slow_cycles_rock_no_farther_than_bodies_do() -> None:
 
 
 @pytest.mark.parametrize("turns", [1.0, 40.0])
-def test_whole_cycles_change_nothing(turns: float) -> None:
+def test_oscillation_is_periodic(turns: float) -> None:
     trunk = TrunkOscillation.of(Gait.of(np.array([0.5, 0.0, 0.4, 0.1]), 0.25), HIPS, MASS, 0.6)
     there, again = trunk.at(PHASES), trunk.at(PHASES + turns)
     np.testing.assert_allclose(there, again, atol=1e-12)

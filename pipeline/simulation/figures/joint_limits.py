@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.network import ARM, FEELER, HEAD, LEG, TAIL
 from pipeline.simulation.spatial import Array
-from pipeline.spec.figure import JointWords
+from pipeline.spec.figure import JointSettings
 
 LEG_RISE_DEG = 24.0
 """Elevation of the first link of an insect's leg at rest."""
@@ -222,7 +222,7 @@ class AdjustedJoints:
 
 
 def apply_joint_overrides(
-    overrides: Mapping[str, Mapping[str, JointWords]],
+    overrides: Mapping[str, Mapping[str, JointSettings]],
     names: Sequence[str],
     ranges: Sequence[JointRange],
     scale: float,
@@ -261,7 +261,7 @@ def apply_joint_overrides(
     return AdjustedJoints(result, np.array(slides, dtype=bool))
 
 
-def _override(config: JointWords, joint_range: JointRange, scale: float) -> JointRange:
+def _override(config: JointSettings, joint_range: JointRange, scale: float) -> JointRange:
     if config.slide is not None:
         lower, upper = (scale * value for value in config.slide)
         rest = lower if config.rest is None else scale * config.rest

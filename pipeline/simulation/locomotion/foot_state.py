@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,9 +64,38 @@ class FootState:
             up=herd.up.copy(),
         )
 
+    def copied(self) -> FootState:
+        """Return a copy whose arrays stay as they are."""
+        bend = None if self.bend is None else self.bend.copy()
+        return replace(
+            self, bend=bend, **{name: getattr(self, name).copy() for name in SWING_STATE}
+        )
+
+    @staticmethod
+    def stacked(moments: Sequence[FootState]) -> FootState:
+        """Return the states at n moments as one, with arrays (n, ...)."""
+        bends = [feet.bend for feet in moments if feet.bend is not None]
+        arrays: dict[str, Any] = {
+            name: np.stack([getattr(feet, name) for feet in moments]) for name in SWING_STATE
+        }
+        return replace(moments[0], bend=np.stack(bends) if bends else None, **arrays)
+
     def bend_of(self, leg: int) -> Array | None:
         """Return the bend (m, 3) of a leg's swing."""
         return None if self.bend is None else self.bend[leg]
+
+
+# Arrays that change with the swings, without `bend`.
+SWING_STATE = (
+    "start",
+    "end",
+    "arch",
+    "lowering",
+    "held_up",
+    "lift_phase",
+    "swing_length",
+    "swinging",
+)
 
 
 def place_foot(feet: FootState, leg: int, hold: Foothold) -> None:

@@ -8,7 +8,7 @@ fraction of the cost of single steps.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +23,9 @@ from pipeline.simulation.locomotion.body_motion.free_limb_motion import FreeLimb
 from pipeline.simulation.locomotion.body_motion.gaze import BodyMotion, LookTarget
 from pipeline.simulation.locomotion.body_motion.idle_motion import FreeJoints
 from pipeline.simulation.locomotion.body_motion.pelvis_height import (
+    SUPPORT_FRACTION,
     PelvisHeight,
     PlannedMotion,
-    Touchdowns,
 )
 from pipeline.simulation.locomotion.foot_state import FootState
 from pipeline.simulation.locomotion.gaits.moods import MotionStyle
@@ -36,7 +36,7 @@ from pipeline.simulation.locomotion.leaping.jump_handover import JumpHandover, J
 from pipeline.simulation.locomotion.pronking.swing_depenetration import LegSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory, RouteSet
 from pipeline.simulation.locomotion.routes.route import Route
-from pipeline.simulation.locomotion.routes.route_progress import RouteProgress
+from pipeline.simulation.locomotion.routes.route_progress import ProgressSample
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
     swing_positions,
@@ -47,10 +47,6 @@ from pipeline.simulation.take import Note
 # Distance between foot and foothold that is noted [m].
 NOTED_MISS = 1e-4
 
-# Part of a swing, at either end, in which bodies begin to give way to a foot; in between the foot
-# gives way to them.
-SUPPORT_FRACTION = 0.25
-
 # Greatest extension of a leg in the air, as a fraction of its length.
 MAX_SWING_REACH = 1.01 * MAX_REACH
 
@@ -60,62 +56,29 @@ HELD_HEIGHT, HELD_BACK = 0.3, 0.12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class HerdSnapshot:
-    """The state of a herd at one step; see `RouteProgress` and `FootState`."""
+    """The state of a herd at one step; see `RouteProgress` and `FootState`.
+
+    Attributes:
+        step: number of the step.
+        progress: on the routes.
+        smoothed_fraction: (C,) speed fraction that bodies show.
+        feet: (L,) where they are.
+        style: (C,) of the motion.
+        route_set: routes of the creatures.
+        routes: along which they look.
+        look_targets: by creature.
+        aloft: jumping creatures.
+    """
 
     step: int
-    distance: Array
-    phase: Array
-    speed_fraction: Array
+    progress: ProgressSample
     smoothed_fraction: Array
-    start: Array
-    end: Array
-    arch: Array
-    lift_phase: Array
-    swing_length: Array
-    swinging: NDArray[np.bool_]
-    lowering: Array
-    held_up: Array
+    feet: FootState
     style: MotionStyle
     route_set: RouteSet
     routes: Sequence[Route]
     look_targets: Mapping[int, LookTarget]
-    bend: Array | None = None
-    aloft: Mapping[int, JumpingBody] = field(default_factory=dict)
-
-    @staticmethod
-    def of(
-        step: int,
-        progress: RouteProgress,
-        feet: FootState,
-        routes: Sequence[Route],
-        aloft: Mapping[int, JumpingBody],
-    ) -> HerdSnapshot:
-        """Take a snapshot; the arrays of the feet are copied because they are written to."""
-        return HerdSnapshot(
-            step=step,
-            distance=progress.distance,
-            phase=progress.phase,
-            speed_fraction=progress.speed_fraction,
-            smoothed_fraction=progress.smoothed_fraction,
-            start=feet.start.copy(),
-            end=feet.end.copy(),
-            arch=feet.arch.copy(),
-            lift_phase=feet.lift_phase.copy(),
-            swing_length=feet.swing_length.copy(),
-            swinging=feet.swinging.copy(),
-            lowering=feet.lowering.copy(),
-            held_up=feet.held_up.copy(),
-            style=progress.trajectory.style,
-            route_set=progress.trajectory.route_set,
-            routes=routes,
-            look_targets=progress.look_targets,
-            bend=None if feet.bend is None else feet.bend.copy(),
-            aloft=aloft,
-        )
-
-
-SINGLE = ("step", "style", "route_set", "routes", "look_targets", "bend", "aloft")
-STACKED = tuple(name for name in HerdSnapshot.__slots__ if name not in SINGLE)
+    aloft: Mapping[int, JumpingBody]
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,81 +122,64 @@ class PoseSolver:
     def solve(self, moments: Sequence[HerdSnapshot]) -> Poses:
         """Return the poses at `moments`, throughout which all keep their routes."""
         herd, n = self.herd, len(moments)
-        steps = np.array([moment.step for moment in moments])
-        state = {name: np.stack([getattr(m, name) for m in moments]) for name in STACKED}
-        distance, phase, speed_fraction = (
-            state[name] for name in ("distance", "phase", "speed_fraction")
-        )
+        times = np.array([moment.step for moment in moments]) * self.dt
+        samples = zip(*(moment.progress for moment in moments), strict=True)
+        progress = ProgressSample(*(np.stack(arrays) for arrays in samples))
+        distance, phase, speed_fraction = progress
+        smoothed = np.stack([moment.smoothed_fraction for moment in moments])
         style = MotionStyle.stacked([moment.style for moment in moments])
-        s = _swing_fractions(herd, state)
-        R_WB, p_WB = self._planned_bodies(state, style)
-        planned_height = p_WB[..., 1].copy()
-        p_WB[..., 1] -= total_lowering(herd, state["lowering"], s)
-        creature = np.tile(np.arange(len(herd.names)), n)
-        tall = self.trajectory.paces.value("body_height", creature, phase.ravel())
-        tall = tall.reshape(phase.shape)
-        carried = JumpHandover(herd, [moment.aloft for moment in moments])
-        carried.bodies(R_WB, p_WB)
+        feet = FootState.stacked([moment.feet for moment in moments])
+        s = _swing_fractions(herd, phase, feet)
+        R_WB, p_WB = self._planned_bodies(distance, phase, smoothed, style)
+        motion = PlannedMotion(progress, smoothed, style.body_pitch, p_WB[..., 1].copy())
+        p_WB[..., 1] -= total_lowering(herd, feet.lowering, s)
+        tall = self._pace_values("body_height", phase)
+        jumps = JumpHandover(herd, [moment.aloft for moment in moments])
+        jumps.bodies(R_WB, p_WB)
         self.suspension.apply(R_WB, p_WB)
-        times = steps * self.dt
         around = self._pose_authored_bodies(times, distance, tall, R_WB, p_WB)
-        motion = PlannedMotion(
-            distance,
-            phase,
-            speed_fraction,
-            state["smoothed_fraction"],
-            style.body_pitch.reshape(n, -1),
-            planned_height,
-        )
-        tips = self._tips(moments, state, s, tall, motion, times, R_WB, p_WB)
-        carried.bodies(R_WB, p_WB)
-        tips = carried.feet(tips)
+        tips = self._tips(feet, s, tall, motion, times, R_WB, p_WB)
+        jumps.bodies(R_WB, p_WB)
+        tips = jumps.feet(tips)
         goals = unturn(R_WB[:, herd.owner], tips - p_WB[:, herd.owner])
-        legs = self._solve_legs(goals, R_WB, p_WB, carried)
-        residual = np.where(carried.down, legs.residual, 0.0)
+        legs = self._solve_legs(goals, R_WB, p_WB, jumps)
+        residual = np.where(jumps.down, legs.residual, 0.0)
         routes, targets = [m.routes for m in moments], [m.look_targets for m in moments]
         q_free = self.free_limbs.values(
             BodyMotion(times, distance, phase, speed_fraction, style, routes, targets, R_WB, p_WB)
         )
-        q_legs, X_legs = legs.q, legs.X_BJ
-        self.authored.track_feet(goals, q_legs, residual)
-        q_free = self._frozen(q_free, carried.limp)
+        self.authored.track_feet(goals, legs.q, residual)
+        q_free = self._frozen(q_free, jumps.limp)
         X_free = self.free_joints.tree.pose(q_free)
-        misses = self.authored.move_joints(around, (q_legs, X_legs), (q_free, X_free))
-        X_BN = self.table.poses(X_legs.reshape(n, -1, 4, 4), X_free)
+        misses = self.authored.move_joints(around, (legs.q, legs.X_BJ), (q_free, X_free))
+        X_BN = self.table.poses(legs.X_BJ.reshape(n, -1, 4, 4), X_free)
         R_own = R_WB[:, self.table.owner]
-        speed = self._full_speeds(creature, phase) * speed_fraction
-        carried.speeds(speed)
+        stride, cycle = (self._pace_values(name, phase) for name in ("stride", "cycle"))
+        speed = stride / cycle * speed_fraction
+        jumps.speeds(speed)
+        q_legs = legs.q[:, herd.legs.is_joint]
         return Poses(
             positions=p_WB[:, self.table.owner] + turn(R_own, X_BN[..., :3, 3]),
             rotations=R_own @ X_BN[..., :3, :3],
-            values=np.concatenate(
-                [np.mod(phase, 1.0), speed, q_legs[:, herd.legs.is_joint], q_free], axis=1
-            ),
-            notes=[
-                *(
-                    self._foot_note(int(steps[row]), leg, float(residual[row, leg]))
-                    for row, leg in np.argwhere(residual > NOTED_MISS)
-                ),
-                *(self._limb_note(int(steps[miss.row]), c, miss) for c, miss in misses),
-            ],
+            values=np.concatenate([np.mod(phase, 1.0), speed, q_legs, q_free], axis=1),
+            notes=self._notes([moment.step for moment in moments], residual, misses),
         )
 
     # --- bodies ---------------------------------------------------------------------
 
     def _planned_bodies(
-        self, state: Mapping[str, Array], style: MotionStyle
+        self, distance: Array, phase: Array, smoothed: Array, style: MotionStyle
     ) -> tuple[Array, Array]:
         """Return R_WB (n, C, 3, 3) and p_WB (n, C, 3) of the trajectories [m]."""
-        n, count = state["distance"].shape
-        R, p = self.trajectory.pose(
-            np.tile(np.arange(count), n),
-            state["distance"].ravel(),
-            state["phase"].ravel(),
-            state["smoothed_fraction"].ravel(),
-            style.body_pitch.ravel(),
-        )
+        n, count = distance.shape
+        state = (values.ravel() for values in (distance, phase, smoothed, style.body_pitch))
+        R, p = self.trajectory.pose(np.tile(np.arange(count), n), *state)
         return R.reshape(n, -1, 3, 3), p.reshape(n, -1, 3)
+
+    def _pace_values(self, name: str, phase: Array) -> Array:
+        """Return the pace parameter `name` (n, C) at phases (n, C)."""
+        creature = np.tile(np.arange(phase.shape[1]), len(phase))
+        return self.trajectory.paces.value(name, creature, phase.ravel()).reshape(phase.shape)
 
     def _pose_authored_bodies(
         self, times: Array, distance: Array, tall: Array, R_WB: Array, p_WB: Array
@@ -258,8 +204,7 @@ class PoseSolver:
 
     def _tips(
         self,
-        moments: Sequence[HerdSnapshot],
-        state: Mapping[str, Array],
+        feet: FootState,
         s: Array,
         tall: Array,
         motion: PlannedMotion,
@@ -270,8 +215,7 @@ class PoseSolver:
         """Return the tips (n, L, 3), and raise and lower the bodies for them [m].
 
         Args:
-            moments: n of them.
-            state: the same, stacked.
+            feet: at n moments.
             s: (n, L) fractions of the swings.
             tall: (n, C) heights of the bodies above the ground [m].
             motion: planned for the bodies.
@@ -279,27 +223,18 @@ class PoseSolver:
             R_WB: (n, C, 3, 3) and
             p_WB: (n, C, 3), poses of the bodies; positions are changed [m].
         """
-        ends = state["start"].reshape(-1, 3), state["end"].reshape(-1, 3)
-        bends = [moment.bend for moment in moments if moment.bend is not None]
-        bend = np.concatenate(bends) if bends else None
-        tips = swing_positions(*ends, state["arch"].ravel(), s.ravel(), bend)
-        tips = tips.reshape(state["start"].shape)
+        ends = feet.start.reshape(-1, 3), feet.end.reshape(-1, 3)
+        bend = None if feet.bend is None else feet.bend.reshape(-1, *feet.bend.shape[2:])
+        tips = swing_positions(*ends, feet.arch.ravel(), s.ravel(), bend).reshape(feet.start.shape)
         free = self.authored.free_fraction(times)
-        if state["held_up"].any():
-            up = _between(state["held_up"], s)
+        if feet.held_up.any():
+            up = _between(feet.held_up, s)
             free = free * (1.0 - up)
             tips = tips + up[..., None] * (self._held_tips(tall, R_WB, p_WB) - tips)
         airborne = ease(np.clip(np.minimum(s, 1.0 - s) / SUPPORT_FRACTION, 0.0, 1.0))
-        standing = free * (1.0 - airborne)
-        touchdowns = Touchdowns(
-            state["lift_phase"] + state["swing_length"],
-            SUPPORT_FRACTION * state["swing_length"],
-            state["end"],
-            state["lowering"][:, 1],
-            state["swinging"].astype(bool),
-        )
-        self.pelvis_height.correct(R_WB, p_WB, tips, (standing, free), motion, touchdowns)
-        return self._within_reach(tips, R_WB, p_WB, airborne, touchdowns.swinging)
+        support = free * (1.0 - airborne), free
+        self.pelvis_height.correct(R_WB, p_WB, tips, support, motion, feet)
+        return self._within_reach(tips, R_WB, p_WB, airborne, feet.swinging)
 
     def _within_reach(
         self,
@@ -346,15 +281,15 @@ class PoseSolver:
         return p_WB[:, herd.owner] + turn(R_WB[:, herd.owner], held)
 
     def _solve_legs(
-        self, goals: Array, R_WB: Array, p_WB: Array, carried: JumpHandover
+        self, goals: Array, R_WB: Array, p_WB: Array, jumps: JumpHandover
     ) -> RestSolution:
         """Return the legs at goals (n, L, 3) relative to their bodies; see `LegSolver`."""
         herd = self.herd
-        if carried.down.all():
+        if jumps.down.all():
             return solve_near_rest(herd.legs, herd.chains, goals)
         reaching = LegSolver(herd, self.trajectory.ground, self.pelvis_height.shortest)
-        limp = carried.limp[:, herd.owner]
-        return reaching.solve(goals, R_WB, p_WB, carried.down, limp)
+        limp = jumps.limp[:, herd.owner]
+        return reaching.solve(goals, R_WB, p_WB, jumps.down, limp)
 
     # --- joints and channels ----------------------------------------------------------
 
@@ -367,25 +302,25 @@ class PoseSolver:
         self._last_free = q[-1].copy()
         return q
 
-    def _full_speeds(self, creature: NDArray[np.int64], phase: Array) -> Array:
-        """Return the full speeds of creatures (n, C) [m/s]."""
-        paces, at = self.trajectory.paces, phase.ravel()
-        speeds = paces.value("stride", creature, at) / paces.value("cycle", creature, at)
-        return speeds.reshape(phase.shape)
+    def _notes(
+        self, steps: Sequence[int], residual: Array, misses: Sequence[tuple[int, GoalMiss]]
+    ) -> list[Note]:
+        """Return notes about feet (n, L) that miss their footholds [m], and about posed limbs."""
+        herd, notes = self.herd, list[Note]()
+        for row, leg in np.argwhere(residual > NOTED_MISS):
+            name = f"{herd.names[herd.owner[leg]]}.{herd.leg_names[leg]}"
+            text = f"misses its foothold by {1000.0 * float(residual[row, leg]):.2g} mm"
+            notes.append(Note("clamped", steps[row], name, text))
+        for c, miss in misses:
+            text = f"misses its authored place by {100.0 * miss.gap:.2g} % of its length"
+            notes.append(Note("clamped", steps[miss.row], f"{herd.names[c]}.{miss.limb}", text))
+        return notes
 
-    def _limb_note(self, step: int, c: int, miss: GoalMiss) -> Note:
-        text = f"misses its authored place by {100.0 * miss.gap:.2g} % of its length"
-        return Note("clamped", step, f"{self.herd.names[c]}.{miss.limb}", text)
 
-    def _foot_note(self, step: int, leg: int, miss: float) -> Note:
-        name = f"{self.herd.names[self.herd.owner[leg]]}.{self.herd.leg_names[leg]}"
-        return Note("clamped", step, name, f"misses its foothold by {1000.0 * miss:.2g} mm")
-
-
-def _swing_fractions(herd: Herd, state: Mapping[str, Array]) -> Array:
+def _swing_fractions(herd: Herd, phase: Array, feet: FootState) -> Array:
     """Return the fraction of its swing that each foot has done (n, L); 1 where it stands."""
-    s = (state["phase"][:, herd.owner] - state["lift_phase"]) / state["swing_length"]
-    return np.where(state["swinging"], np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
+    s = (phase[:, herd.owner] - feet.lift_phase) / feet.swing_length
+    return np.where(feet.swinging, np.minimum(np.maximum(s, 0.0), 1.0), 1.0)
 
 
 def _between(values: Array, s: Array) -> Array:

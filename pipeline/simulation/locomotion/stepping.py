@@ -16,16 +16,14 @@ from functools import cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.errors import SimulationError
 from pipeline.simulation.locomotion.foot_placement.barrier_lookahead import (
     Barrier,
     BarrierLookahead,
 )
 from pipeline.simulation.locomotion.foot_placement.foothold_planner import FootholdPlanner
 from pipeline.simulation.locomotion.foot_placement.step_batch import StepRequest
-from pipeline.simulation.locomotion.foot_state import FootState, hold_up, place_foot, start_swing
+from pipeline.simulation.locomotion.foot_state import FootState, hold_up, start_swing
 from pipeline.simulation.locomotion.gaits.gait import Gait
-from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.route_progress import (
@@ -33,12 +31,10 @@ from pipeline.simulation.locomotion.routes.route_progress import (
     RouteProgress,
     halt,
     is_blocked,
-    predicted,
     redirect,
-    set_initial_speed,
-    stand_still,
     stopping_range,
 )
+from pipeline.simulation.locomotion.routes.speed_control import predicted
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner, SwingRequest
 from pipeline.simulation.spatial import Array, turn
@@ -95,81 +91,6 @@ class Stepping:
         return Stepping(world, herd, progress, feet, planner, lookahead, swings, contacts)
 
 
-# --- the start ----------------------------------------------------------------------
-
-
-def place_feet(stepping: Stepping) -> None:
-    """Place every foot where it would be if its creature had come walking.
-
-    Raises:
-        SimulationError: if a foot has no foothold.
-    """
-    herd, feet, progress = stepping.herd, stepping.feet, stepping.progress
-    walks = herd.walks[herd.owner]
-    _look_ahead_from_start(stepping, np.flatnonzero(walks).tolist())
-    into = np.mod(-herd.up, 1.0)  # cycles since the last foot-up
-    in_air = walks & (into < herd.swings)
-    # Foot-down phases of the present stance, or of the one before the present swing.
-    down = np.where(
-        walks, -into + herd.swings - np.where(in_air, 1.0, 0.0), -0.5 * (1.0 - herd.swings)
-    )
-    requests = [_initial_request(herd, leg, float(at)) for leg, at in enumerate(down)]
-    stepping.planner.predict(requests)
-    for leg, request in enumerate(requests):
-        hold = stepping.planner.predicted(leg) or stepping.planner.search.find_initial(request)
-        if hold is None:
-            raise SimulationError(_no_start(herd, leg))
-        feet.start[leg] = feet.end[leg] = hold.tip
-        feet.lowering[:, leg] = hold.lowering
-        feet.footholds.append(hold)
-    _predict(stepping, [(leg, -float(into[leg])) for leg in np.flatnonzero(in_air).tolist()])
-    for leg in range(len(herd.owner)):
-        if progress.paces.held(leg, 0.0):
-            hold_up(feet, leg, 0.0)
-            feet.held_up[0, leg] = 1.0
-        elif in_air[leg]:
-            _lift(stepping, 0, leg, -float(into[leg]))
-    for c in np.flatnonzero((progress.blocked_at == 0.0) | progress.halted).tolist():
-        _stand_from_start(stepping, c)
-
-
-def _look_ahead_from_start(stepping: Stepping, legs: Sequence[int]) -> None:
-    """End routes before barriers, and slow creatures down that start near one."""
-    progress = stepping.progress
-    stepping.lookahead.predict_initial(legs)
-    for leg in legs:
-        _end_before(stepping, 0, leg, stepping.lookahead.initial_barrier(leg))
-    braking = np.maximum(progress.braking_distance, 1e-9)
-    set_initial_speed(progress, np.fmin(np.sqrt(progress.blocked_at / braking), 1.0))
-
-
-def _initial_request(herd: Herd, leg: int, down: float, speed_fraction: float = 1.0) -> StepRequest:
-    """Return the request of a foot that has been down since the phase `down`."""
-    swing = float(herd.swings[leg])
-    return StepRequest(leg, 0.0, 0.0, StepTiming(down - swing, swing, 1.0 - swing), speed_fraction)
-
-
-def _stand_from_start(stepping: Stepping, c: int) -> None:
-    """Let a creature that cannot set out stand on all its feet."""
-    herd = stepping.herd
-    stand_still(stepping.progress, c)
-    for leg in np.flatnonzero(herd.owner == c).tolist():
-        request = _initial_request(herd, leg, -0.5 * (1.0 - float(herd.swings[leg])), 0.0)
-        hold = stepping.planner.search.find_initial(request)
-        if hold is not None:
-            place_foot(stepping.feet, leg, hold)
-
-
-def _no_start(herd: Herd, leg: int) -> str:
-    owner = int(herd.owner[leg])
-    x, z = herd.starts[owner]
-    return (
-        f"{herd.names[owner]}: leg {herd.leg_names[leg]} finds no foothold around its start at "
-        f"[{x:g}, {z:g}]: all is forbidden or out of reach; place the creature elsewhere with "
-        "`at`, or raise `unsteppable_slope_deg`"
-    )
-
-
 # --- one step -----------------------------------------------------------------------
 
 
@@ -194,7 +115,7 @@ def take_steps(stepping: Stepping, step: int, phase_before: Array) -> None:
         rests = zip(due.tolist(), progress.arrived[owner], strict=True)
         may_lift &= [not rest or is_astray(stepping, leg) for leg, rest in rests]
     lifting = [(leg, float(up_at[leg])) for leg in due[may_lift].tolist()]
-    _predict(stepping, lifting, with_upcoming=True)
+    predict_footholds(stepping, lifting, with_upcoming=True)
     for leg, up in _stuck_first(stepping, lifting):
         _foot_up(stepping, step, leg, up)
 
@@ -255,19 +176,19 @@ def _foot_up(stepping: Stepping, step: int, leg: int, phase: float) -> None:
         if stays_up:
             hold_up(feet, leg, phase)
         else:
-            _lift(stepping, step, leg, phase)
+            lift_foot(stepping, step, leg, phase)
     elif not stays_up:
         # It comes down from about its neutral place.
         distance = float(stepping.progress.distance[stepping.herd.owner[leg]])
         search = stepping.planner.search
         xz = search.neutral_place(leg, distance, phase)
         feet.end[leg] = search.tip_positions(np.array([leg]), xz[None, None])[0, 0]
-        _lift(stepping, step, leg, phase)
+        lift_foot(stepping, step, leg, phase)
         if feet.lift_phase[leg] == phase:
             feet.held_up[:, leg] = 1.0, 0.0
 
 
-def _lift(stepping: Stepping, step: int, leg: int, phase: float) -> None:
+def lift_foot(stepping: Stepping, step: int, leg: int, phase: float) -> None:
     """Plan the swing of a foot that lifts at `phase`; halt its creature if it has nowhere to go."""
     herd, progress, feet = stepping.herd, stepping.progress, stepping.feet
     owner = int(herd.owner[leg])
@@ -299,13 +220,13 @@ def _lift(stepping: Stepping, step: int, leg: int, phase: float) -> None:
         leg, timing, feet.start[leg], hold.tip, heights, feet.bend_of(leg)
     )
     barrier = stepping.lookahead.next_barrier(leg, request.distance, phase)
-    _end_before(stepping, step, leg, barrier)
+    end_route_before(stepping, step, leg, barrier)
 
 
 # --- requests for footholds -----------------------------------------------------------
 
 
-def _predict(
+def predict_footholds(
     stepping: Stepping, lifting: Sequence[tuple[int, float]], with_upcoming: bool = False
 ) -> None:
     """Predict the footholds of legs that go up at their phases, and of those that soon will."""
@@ -399,7 +320,7 @@ def is_astray(stepping: Stepping, leg: int) -> bool:
     return bool(gap > CLOSING_DISTANCE * stepping.herd.legs.lengths[leg])
 
 
-def _end_before(stepping: Stepping, step: int, leg: int, barrier: Barrier | None) -> None:
+def end_route_before(stepping: Stepping, step: int, leg: int, barrier: Barrier | None) -> None:
     """End the route of a leg's creature before a barrier."""
     progress, c = stepping.progress, int(stepping.herd.owner[leg])
     route = progress.trajectory.routes[c]

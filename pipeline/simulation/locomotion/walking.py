@@ -21,20 +21,17 @@ from pipeline.simulation.locomotion.body_motion.idle_motion import collect_free_
 from pipeline.simulation.locomotion.gaits.moods import MoodSchedule
 from pipeline.simulation.locomotion.gaits.pace_schedule import PaceSchedule
 from pipeline.simulation.locomotion.herd import build_herd
+from pipeline.simulation.locomotion.initial_stance import place_feet
 from pipeline.simulation.locomotion.inventory import NodeTable, describe_herd
 from pipeline.simulation.locomotion.leaping.walker_jumps import WalkerJumps
 from pipeline.simulation.locomotion.leg_records import legs_of, mechanisms_of
 from pipeline.simulation.locomotion.pose_solver import HerdSnapshot, PoseSolver
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.routes.route import plan_route
-from pipeline.simulation.locomotion.routes.route_progress import advance, is_blocked, start_progress
+from pipeline.simulation.locomotion.routes.route_progress import is_blocked, start_progress
+from pipeline.simulation.locomotion.routes.speed_control import advance
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
-from pipeline.simulation.locomotion.stepping import (
-    Stepping,
-    phase_before_lift,
-    place_feet,
-    take_steps,
-)
+from pipeline.simulation.locomotion.stepping import Stepping, phase_before_lift, take_steps
 from pipeline.simulation.locomotion.swing.foot_contacts import FootContacts
 from pipeline.simulation.locomotion.swing.swing_planner import SwingPlanner
 from pipeline.simulation.mechanism import Leg, Mechanism
@@ -155,9 +152,19 @@ class Walkers(Troupe):
 
     def buffer_row(self) -> None:
         """Keep the present state as the next row."""
-        aloft = self.leaps.aloft(self.step * self.world.clock.dt)
-        routes, feet = self.leaps.routes(), self.stepping.feet
-        self._buffered.append(HerdSnapshot.of(self.step, self.progress, feet, routes, aloft))
+        progress, trajectory = self.progress, self.progress.trajectory
+        snapshot = HerdSnapshot(
+            self.step,
+            progress.sample,
+            progress.smoothed_fraction,
+            self.stepping.feet.copied(),
+            trajectory.style,
+            trajectory.route_set,
+            self.leaps.routes(),
+            progress.look_targets,
+            self.leaps.aloft(self.step * self.world.clock.dt),
+        )
+        self._buffered.append(snapshot)
 
     def write(self, rows: Rows) -> None:
         """Write nodes and channels of all rows kept."""

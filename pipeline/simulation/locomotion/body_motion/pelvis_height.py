@@ -15,52 +15,37 @@ from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease, hinge
 from pipeline.simulation.locomotion.foot_placement.leg_reachability import shortest_reaches
+from pipeline.simulation.locomotion.foot_state import FootState
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
+from pipeline.simulation.locomotion.routes.route_progress import ProgressSample
 from pipeline.simulation.spatial import Array, turn
 
 # Stretch or fold over which the correction sets in, in leg lengths.
 ROUNDING = 0.02
 
 
+# Part of a swing, at either end, in which bodies begin to give way to a foot; in between the foot
+# gives way to them. Bodies in flight are low for a touchdown as long before and after it.
+SUPPORT_FRACTION = 0.25
+
+
 @dataclass(frozen=True, eq=False)
 class PlannedMotion:
-    """The planned motion of bodies at n moments, all (n, C); see `BodyTrajectory.pose`.
+    """The planned motion of bodies at n moments; see `BodyTrajectory.pose`.
 
     Attributes:
-        distance: gone [m].
-        phase: of the gait, whole cycles counted.
-        speed_fraction, smoothed_fraction: of the pace's speed, and that which bodies show.
-        style_pitch: of the motion style [rad].
-        height: of the trajectory [m].
+        progress: (n, C) on the routes.
+        smoothed_fraction: (n, C) speed fraction that bodies show.
+        style_pitch: (n, C) of the motion style [rad].
+        height: (n, C) of the trajectory [m].
     """
 
-    distance: Array
-    phase: Array
-    speed_fraction: Array
+    progress: ProgressSample
     smoothed_fraction: Array
     style_pitch: Array
     height: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Touchdowns:
-    """The last touchdown of each leg, or the next one of a foot in the air, all (n, L).
-
-    Attributes:
-        phase: whole cycles counted.
-        around: how long before and after it the body is low for it, in cycles.
-        tip: (n, L, 3) [m].
-        lowering: planned for the body [m].
-        swinging: feet in the air.
-    """
-
-    phase: Array
-    around: Array
-    tip: Array
-    lowering: Array
-    swinging: NDArray[np.bool_]
 
 
 class PelvisHeight:
@@ -81,7 +66,7 @@ class PelvisHeight:
         tips: Array,
         support: tuple[Array, Array],
         motion: PlannedMotion,
-        touchdowns: Touchdowns,
+        feet: FootState,
     ) -> None:
         """Raise and lower bodies as their legs need it.
 
@@ -92,7 +77,7 @@ class PelvisHeight:
             support: (n, L) how far feet count as standing, 0 to 1, and how far they would if they
                 were down.
             motion: of the bodies.
-            touchdowns: of the feet.
+            feet: (n, L) where they are.
         """
         herd, (standing, free) = self.herd, support
         lengths = herd.legs.lengths
@@ -101,13 +86,15 @@ class PelvisHeight:
         p_WB[..., 1] += raised
         hips[..., 1] += raised[:, herd.owner]
         stretch = standing * _overstretch(hips, tips, lengths)
-        phase = motion.phase[:, herd.owner]
+        phase = motion.progress.phase[:, herd.owner]
         flies = self.trajectory.paces.flies(herd.owner, phase)
         if flies.any():
-            near = flies & (np.abs(phase - touchdowns.phase) < touchdowns.around)
-            down = np.where(touchdowns.swinging[near], 0.0, stretch[near])
+            # The last touchdown, or the next one of a foot in the air.
+            off = phase - (feet.lift_phase + feet.swing_length)
+            near = flies & (np.abs(off) < SUPPORT_FRACTION * feet.swing_length)
+            down = np.where(feet.swinging[near], 0.0, stretch[near])
             lowered = np.maximum(motion.height - p_WB[..., 1], 0.0)
-            catch = free[near] * self._catch(near, motion, touchdowns, lowered)
+            catch = free[near] * self._catch(near, motion, feet, lowered)
             stretch[near] = np.maximum(down, catch)
         p_WB[..., 1] -= _greatest(herd, stretch)
 
@@ -124,7 +111,7 @@ class PelvisHeight:
         self,
         near: NDArray[np.bool_],
         motion: PlannedMotion,
-        touchdowns: Touchdowns,
+        feet: FootState,
         lowered: Array,
     ) -> Array:
         """Return by how much bodies must be lowered around touchdowns (N,) [m].
@@ -132,26 +119,26 @@ class PelvisHeight:
         Args:
             near: (n, L) legs near their touchdown, N in all.
             motion: of the bodies, which continues to the touchdown.
-            touchdowns: of the legs.
+            feet: (n, L) where they are.
             lowered: (n, C) how far the bodies are below their trajectories [m].
         """
         herd, trajectory = self.herd, self.trajectory
         row, leg = np.nonzero(near)
-        c, at = herd.owner[leg], touchdowns.phase[near]
-        here = motion.phase[row, c]
+        c, at = herd.owner[leg], (feet.lift_phase + feet.swing_length)[near]
+        here = motion.progress.phase[row, c]
         stride = trajectory.paces.value("stride", c, here)
-        ahead = (at - here) * stride * np.sqrt(motion.speed_fraction[row, c])
+        ahead = (at - here) * stride * np.sqrt(motion.progress.speed_fraction[row, c])
         R_WB, p_WB = trajectory.pose(
             c,
-            motion.distance[row, c] + ahead,
+            motion.progress.distance[row, c] + ahead,
             at,
             motion.smoothed_fraction[row, c],
             motion.style_pitch[row, c],
         )
         hips = p_WB + turn(R_WB, herd.hips[leg])
-        hips[:, 1] -= np.maximum(lowered[row, c], touchdowns.lowering[near])
-        stretch = _overstretch(hips, touchdowns.tip[near], herd.legs.lengths[leg])
-        apart = np.abs(here - at) / touchdowns.around[near]
+        hips[:, 1] -= np.maximum(lowered[row, c], feet.lowering[:, 1][near])
+        stretch = _overstretch(hips, feet.end[near], herd.legs.lengths[leg])
+        apart = np.abs(here - at) / (SUPPORT_FRACTION * feet.swing_length[near])
         result: Array = stretch * (1.0 - ease(apart))
         return result
 

@@ -15,13 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.locomotion.foot_placement.foothold_search import (
-    EASY_ARCH,
     EASY_LENGTH,
     MAX_ARCH,
     SWING_FRACTIONS,
     Foothold,
     FootholdSearch,
 )
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import EASY_ARCH
 from pipeline.simulation.locomotion.foot_placement.step_batch import (
     Stances,
     StepBatch,
@@ -186,7 +186,9 @@ class FootholdPlanner:
         """Return which places (n, k, 2) are allowed and within the leg length of some rows."""
         legs, owner = batch.legs[rows], np.repeat(batch.owner[rows], xz.shape[1])
         tips = self.search.tip_positions(legs, xz)
-        lowering = self.search.required_lowering(legs, tips, stances.R[rows], stances.p[rows])
+        lowering = self.search.reachability.required_lowering(
+            legs, tips, stances.R[rows], stances.p[rows]
+        )
         x, z = xz[..., 0].ravel(), xz[..., 1].ravel()
         allowed = self.trajectory.surface.is_allowed(owner, x, z).reshape(lowering.shape)
         result: NDArray[np.bool_] = (lowering == 0.0) & allowed
@@ -217,7 +219,7 @@ class FootholdPlanner:
         across = end - start
         easy = (arch < EASY_ARCH * step_height) & (np.abs(across[:, 1]) < step_height)
         easy &= np.hypot(across[:, 0], across[:, 2]) <= EASY_LENGTH * stride
-        easy &= search.can_lift_usual[legs]
+        easy &= reachability.can_lift_usual[legs]
         lift = unturn(stances.lift_R[rows], start - stances.lift_p[rows])
         landing = unturn(stances.R[rows, 0], end - stances.p[rows, 0])
         easy &= reachability.near_neutral(legs, lift) & reachability.near_neutral(legs, landing)

@@ -16,13 +16,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.curves import ease
-from pipeline.simulation.locomotion.foot_placement.leg_reachability import LegReachability
+from pipeline.simulation.locomotion.foot_placement.leg_reachability import (
+    EASY_ARCH,
+    LegReachability,
+)
 from pipeline.simulation.locomotion.foot_placement.step_batch import (
     STANCE_FRACTIONS,
     Stances,
@@ -31,7 +34,6 @@ from pipeline.simulation.locomotion.foot_placement.step_batch import (
     neutral_positions,
 )
 from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
-from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
 from pipeline.simulation.locomotion.swing.swing_trajectory import (
@@ -39,7 +41,7 @@ from pipeline.simulation.locomotion.swing.swing_trajectory import (
     lowest_center_height,
     swing_positions,
 )
-from pipeline.simulation.spatial import UP, Array, turn, unturn
+from pipeline.simulation.spatial import UP, Array, unturn
 from pipeline.simulation.terrain import Ground
 
 # Candidates between the neutral and the present place: fractions of the way back.
@@ -51,13 +53,6 @@ RINGS, SPOKES, RING_RADIUS = 24, 16, 0.4
 # Greatest lowering of a body for a foothold: fraction of the belly's height, and leg lengths, since
 # legs under a lower body would fold too far.
 MAX_LOWERING_OF_CLEARANCE, MAX_LOWERING_OF_LEG = 0.9, 0.25
-
-# Least height of a hip above its foot, as a fraction of that on level ground. Sprawling legs reach
-# above their hips as well.
-MIN_HIP_HEIGHT = {"insect": -0.5, "mammal": 0.4}
-
-# Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
-PLANNED_REACH = 0.98 * MAX_REACH
 
 # Candidates checked by inverse kinematics: chunk boundaries (the first is mostly good), and
 # greatest number of one kind.
@@ -72,8 +67,8 @@ MAX_ARCH = 0.4
 # Step heights tried in turn where a leg cannot lift its foot higher, as fractions of the usual one.
 STEP_HEIGHT_FRACTIONS = 1.0, 0.6, 0.3
 
-# Swings that need no check: length in strides, and arch in step heights.
-EASY_LENGTH, EASY_ARCH = 1.25, 1.5
+# Length of swings that need no check, in strides.
+EASY_LENGTH = 1.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +95,7 @@ class FootholdSearch:
 
     def __init__(self, herd: Herd, ground: Ground, trajectory: BodyTrajectory) -> None:
         self.herd, self.ground, self.trajectory = herd, ground, trajectory
-        self.reachability = LegReachability(herd)
-        self._squared_reach = np.array([r**2 for r in PLANNED_REACH * herd.legs.lengths])
-        self._can_lift = dict[tuple[int, float], bool]()
+        self.reachability = LegReachability(herd, trajectory.surface)
 
     # --- searches -----------------------------------------------------------------
 
@@ -182,57 +175,6 @@ class FootholdSearch:
         tips: Array = np.stack([x, heights, z], axis=-1) + radii * normals
         return tips
 
-    def required_lowering(self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array) -> Array:
-        """Return how far bodies must be lowered (N, k) [m] for legs to reach `tips` (N, k, 3).
-
-        By leg length alone. Zero where they reach anyway, infinite where lowering does not help.
-
-        Args:
-            legs: (N,) numbers.
-            tips: (N, k, 3) [m].
-            R: (N, m, 3, 3) and
-            p: (N, m, 3), poses of the bodies during the stance [m].
-        """
-        hips = p + turn(R, self.herd.hips[legs, None])
-        x, y, z = np.moveaxis(tips[:, :, None] - hips[:, None], -1, 0)
-        room = self._squared_reach[legs, None, None] - x**2 - z**2
-        drop = np.sqrt(np.maximum(room, 0.0))
-        lowering = np.maximum(-y - drop, 0.0).max(axis=-1)
-        highest = np.minimum(drop, self._highest_tips[legs, None, None])
-        out_of_reach = (room < 0.0) | (y + lowering[..., None] > highest)
-        return np.where(out_of_reach.any(axis=-1), np.inf, lowering)
-
-    @cached_property
-    def _highest_tips(self) -> Array:
-        """(L,) greatest height of a tip above its hip [m]."""
-        herd, owner, surface = self.herd, self.herd.owner, self.trajectory.surface
-        fraction = np.array([MIN_HIP_HEIGHT[figure.style] for figure in herd.figures])[owner]
-        tall = herd.body_height[owner] + herd.hips[:, 1] - herd.sole
-        # On level ground bodies that crouch or bounce are as low as they were asked to be.
-        level = np.array([surface.of(c).is_level for c in range(len(herd.names))])[owner]
-        return np.where(level, np.inf, -fraction * tall)
-
-    @cached_property
-    def can_lift_usual(self) -> NDArray[np.bool_]:
-        """(L,) whether each leg can lift its foot to its usual step height."""
-        return self._lifts(np.arange(len(self.herd.owner)), self.herd.step_height)
-
-    def _lifts_to(self, leg: int, height: float) -> bool:
-        if height == self.herd.step_height[leg]:
-            return bool(self.can_lift_usual[leg])
-        key = leg, height
-        if key not in self._can_lift:
-            self._can_lift[key] = bool(self._lifts(np.array([leg]), np.array([height]))[0])
-        return self._can_lift[key]
-
-    def _lifts(self, legs: NDArray[np.int64], height: Array) -> NDArray[np.bool_]:
-        herd, owner = self.herd, self.herd.owner[legs]
-        x, z = herd.rest[legs].T
-        top = herd.sole[legs] - herd.body_height[owner] + EASY_ARCH * height
-        ahead = 0.25 * herd.stride[owner]
-        goals = [np.stack([x + k * ahead, top, z], axis=-1) for k in (-1.0, 0.0, 1.0)]
-        return np.asarray(self.reachability.reaches(legs, np.stack(goals, axis=1)).all(axis=-1))
-
     def _stance(self, request: StepRequest) -> tuple[StepBatch, Stances]:
         batch = StepBatch.of(self.herd, [request])
         return batch, batch.stances(self.trajectory)
@@ -283,7 +225,7 @@ class FootholdSearch:
         legs, owner, seen = np.array([leg]), int(self.herd.owner[leg]), []
         for xz in candidates:
             tips = self.tip_positions(legs, xz[None])
-            lowering = self.required_lowering(legs, tips, R[None], p[None])[0]
+            lowering = self.reachability.required_lowering(legs, tips, R[None], p[None])[0]
             owners = np.full(len(xz), owner)
             allowed = self.trajectory.surface.is_allowed(owners, xz[:, 0], xz[:, 1])
             lowering = np.where(allowed, lowering, np.inf)
@@ -361,7 +303,7 @@ class FootholdSearch:
             return None
         across = hold.tip - present
         is_easy = arch < EASY_ARCH * step_height and abs(across[1]) < step_height
-        is_easy = is_easy and self._lifts_to(leg, step_height)
+        is_easy = is_easy and self.reachability.can_lift(leg, step_height)
         if is_easy and np.hypot(across[0], across[2]) <= easy_length * stride:
             return replace(hold, arch=arch)
         n, (R, p) = len(SWING_FRACTIONS), bodies()

@@ -6,14 +6,17 @@ decides, but runs only for positions outside the box that each leg covers on lev
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.figures.limb_chains import group_chains
 from pipeline.simulation.figures.rest_ik import solve_each_near_rest, solve_near_rest
+from pipeline.simulation.locomotion.foot_placement.support_surface import SupportSurface
 from pipeline.simulation.locomotion.gaits.stride_limits import MAX_REACH
 from pipeline.simulation.locomotion.herd import Herd
-from pipeline.simulation.spatial import Array
+from pipeline.simulation.spatial import Array, turn
 
 # Distance between tip and goal that counts as reached, as a fraction of the leg's length.
 REACHED_DISTANCE = 1e-4
@@ -26,15 +29,27 @@ MAX_JOINT_STEP = 0.8
 # the leg's length: along, up and across. Downwards the leg's length is the only bound.
 NEUTRAL_MARGIN = np.array([0.12, 0.12, 0.1])
 
+# Least height of a hip above its foot, as a fraction of that on level ground. Sprawling legs reach
+# above their hips as well.
+MIN_HIP_HEIGHT = {"insect": -0.5, "mammal": 0.4}
+
+# Planned extension of a leg, as a fraction of its length; the rest covers what no plan foresees.
+PLANNED_REACH = 0.98 * MAX_REACH
+
+# Arch of a swing that a leg lifts its foot to without a check, in step heights.
+EASY_ARCH = 1.5
+
 # Hip-to-foot distances at which folding is tested, as fractions of the leg's length.
 FOLD_DISTANCES = np.linspace(MAX_REACH, 0.1, 30)
 
 
 class LegReachability:
-    """Tests which tip positions the legs of a herd reach; all goals are relative to the body."""
+    """Tests which tip positions the legs of a herd reach; goals are relative to the body."""
 
-    def __init__(self, herd: Herd) -> None:
-        self.herd = herd
+    def __init__(self, herd: Herd, surface: SupportSurface) -> None:
+        self.herd, self.surface = herd, surface
+        self._squared_reach = np.array([r**2 for r in PLANNED_REACH * herd.legs.lengths])
+        self._can_lift = dict[tuple[int, float], bool]()
         half = 0.5 * herd.stride[herd.owner] * (1.0 - 0.5 * herd.swings)
         x, z = herd.rest.T
         margin = NEUTRAL_MARGIN * herd.legs.lengths[:, None]
@@ -71,6 +86,56 @@ class LegReachability:
         return np.asarray(
             within.reshape(shape).all(axis=1) & (joint_steps < MAX_JOINT_STEP).all(axis=(1, 2))
         )
+
+    def required_lowering(self, legs: NDArray[np.int64], tips: Array, R: Array, p: Array) -> Array:
+        """Return how far bodies must be lowered (N, k) [m] for legs to reach `tips` (N, k, 3).
+
+        By leg length alone. Zero where they reach anyway, infinite where lowering does not help.
+
+        Args:
+            legs: (N,) numbers.
+            tips: (N, k, 3) [m].
+            R: (N, m, 3, 3) and
+            p: (N, m, 3), poses of the bodies during the stance [m].
+        """
+        hips = p + turn(R, self.herd.hips[legs, None])
+        x, y, z = np.moveaxis(tips[:, :, None] - hips[:, None], -1, 0)
+        room = self._squared_reach[legs, None, None] - x**2 - z**2
+        drop = np.sqrt(np.maximum(room, 0.0))
+        lowering = np.maximum(-y - drop, 0.0).max(axis=-1)
+        highest = np.minimum(drop, self._highest_tips[legs, None, None])
+        out_of_reach = (room < 0.0) | (y + lowering[..., None] > highest)
+        return np.where(out_of_reach.any(axis=-1), np.inf, lowering)
+
+    @cached_property
+    def _highest_tips(self) -> Array:
+        """(L,) greatest height of a tip above its hip [m]."""
+        herd, owner, surface = self.herd, self.herd.owner, self.surface
+        fraction = np.array([MIN_HIP_HEIGHT[figure.style] for figure in herd.figures])[owner]
+        tall = herd.body_height[owner] + herd.hips[:, 1] - herd.sole
+        # On level ground bodies that crouch or bounce are as low as they were asked to be.
+        level = np.array([surface.of(c).is_level for c in range(len(herd.names))])[owner]
+        return np.where(level, np.inf, -fraction * tall)
+
+    @cached_property
+    def can_lift_usual(self) -> NDArray[np.bool_]:
+        """(L,) whether each leg can lift its foot to its usual step height."""
+        return self._lifts(np.arange(len(self.herd.owner)), self.herd.step_height)
+
+    def can_lift(self, leg: int, height: float) -> bool:
+        """Return whether a leg can lift its foot to a step height [m]."""
+        key = leg, height
+        if key not in self._can_lift:
+            self._can_lift[key] = bool(self._lifts(np.array([leg]), np.array([height]))[0])
+        return self._can_lift[key]
+
+    def _lifts(self, legs: NDArray[np.int64], height: Array) -> NDArray[np.bool_]:
+        herd, owner = self.herd, self.herd.owner[legs]
+        x, z = herd.rest[legs].T
+        top = herd.sole[legs] - herd.body_height[owner] + EASY_ARCH * height
+        ahead = 0.25 * herd.stride[owner]
+        goals = [np.stack([x + k * ahead, top, z], axis=-1) for k in (-1.0, 0.0, 1.0)]
+        return np.asarray(self.reaches(legs, np.stack(goals, axis=1)).all(axis=-1))
 
 
 def shortest_reaches(herd: Herd) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pipeline.simulation.locomotion.gaits.pace_schedule import StepTiming
 from pipeline.simulation.locomotion.herd import Herd
 from pipeline.simulation.locomotion.routes.body_trajectory import BodyTrajectory
-from pipeline.simulation.locomotion.routes.route_progress import braked_distance
+from pipeline.simulation.locomotion.routes.speed_control import braked_distance
 from pipeline.simulation.spatial import Array, turn
 
 # Fractions of a stance at which reach is checked.

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulation.spatial import Array
-from pipeline.spec.walk import GaitWords
+from pipeline.spec.walk import GaitPhases
 
 # Difference between phases that count as one, as a fraction of the cycle.
 PHASE_TOLERANCE = 1e-6
@@ -96,7 +96,7 @@ class Gait:
         return result
 
 
-def gait_from_config(config: GaitWords, names: Sequence[str]) -> Gait:
+def gait_from_config(config: GaitPhases, names: Sequence[str]) -> Gait:
     """Return the gait that the author wrote out for the legs called `names`."""
     return Gait(
         np.array([config.up[name] for name in names]) % 1.0,

@@ -21,7 +21,7 @@ from pipeline.errors import Problem, SceneError
 from pipeline.simulation.figures.figure import Figure
 from pipeline.simulation.locomotion.gaits.gait import Gait, gait_from_config
 from pipeline.spec.suggestions import hint
-from pipeline.spec.walk import GaitWords, Manner
+from pipeline.spec.walk import GaitPhases, Manner
 
 # Fraction of its turn for which a foot is in the air: feet that come down are firm before the next
 # ones leave.
@@ -238,7 +238,7 @@ def choose_gait(
         SceneError: if its legs have no such gait.
     """
     limbs = [figure.skeleton.legs[leg] for leg in legs]
-    if isinstance(walk.gait, GaitWords):
+    if isinstance(walk.gait, GaitPhases):
         gait = _gait_from_phases(where, walk.gait, figure.name, [limb.name for limb in limbs])
     else:
         rows = LegRows.of([limb.side for limb in limbs], forward)
@@ -254,7 +254,7 @@ def choose_gait(
     return gait if walk.duty is None else gait.with_duty(walk.duty)
 
 
-def _gait_from_phases(where: str, config: GaitWords, figure: str, names: Sequence[str]) -> Gait:
+def _gait_from_phases(where: str, config: GaitPhases, figure: str, names: Sequence[str]) -> Gait:
     wrong = sorted(set(config.up) ^ set(names))
     if wrong:
         message = (

@@ -47,11 +47,11 @@ from pipeline.simulation.locomotion.pronking.jump_orders import (
 )
 from pipeline.simulation.locomotion.routes.route import Route, straight_route
 from pipeline.simulation.locomotion.routes.route_progress import (
-    CLOSING_CYCLES,
     RouteProgress,
     is_blocked,
     redirect,
 )
+from pipeline.simulation.locomotion.routes.speed_control import CLOSING_CYCLES
 from pipeline.simulation.locomotion.routes.walk_orders import apply_order
 from pipeline.simulation.locomotion.stepping import Stepping, is_astray, phase_before_lift
 from pipeline.simulation.script import Orders

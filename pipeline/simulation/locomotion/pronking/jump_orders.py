@@ -29,7 +29,16 @@ from pipeline.simulation.locomotion.routes.route import heading_vector
 from pipeline.simulation.spatial import Array
 from pipeline.simulation.terrain import Ground
 from pipeline.spec.creature import Pronk
-from pipeline.spec.script import Do, GoTo, HopOver, JumpOnce, JumpWords, SetSpeed, TurnBy, Wait
+from pipeline.spec.script import (
+    Do,
+    GoTo,
+    HopOver,
+    JumpOnce,
+    JumpSettings,
+    SetSpeed,
+    TurnBy,
+    Wait,
+)
 
 STRETCH_LIMIT = 1.15
 """Longest jump that saves an extra one, in usual distances."""
@@ -238,7 +247,7 @@ def apply_order(simulation: HopSimulation, order: Do, solids: Solids) -> None:
     wake_if_jumping(simulation.hopper, simulation.state)
 
 
-def scripted_jump(hopper: Hopper, config: JumpWords, where: str) -> Jump:
+def scripted_jump(hopper: Hopper, config: JumpSettings, where: str) -> Jump:
     """Return the parameters of a scripted jump.
 
     Args:
@@ -303,7 +312,7 @@ def _hop_over(simulation: HopSimulation, order: HopOver, solids: Solids) -> None
     simulation.state.queue.orders.append(HurdleJump(order.hop_over, corners))
 
 
-def jump_once(hopper: Hopper, config: JumpWords) -> JumpOrder:
+def jump_once(hopper: Hopper, config: JumpSettings) -> JumpOrder:
     """Return the order of a scripted jump: straight on, or to its `land_at`."""
     jump = scripted_jump(hopper, config, "do.jump")
     return SingleJump(jump) if config.land_at is None else JumpToPoint(config.land_at, jump)

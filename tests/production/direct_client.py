@@ -1,4 +1,4 @@
-"""A small scene to direct, and ways to talk with whoever serves it."""
+"""A small scene to direct, and a client of its session."""
 
 from __future__ import annotations
 
